@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.contact_shadow import ContactShadow
-from renderer.framing import Camera
+from renderer.framing import Camera, looking
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
 from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
@@ -136,14 +136,3 @@ def _build_scene(primitive: Any, ground: Any, camera: Camera) -> Any:
         lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
         scene.add(lamp, name=f"{number}", pose=looking(np.array(light.comes_from), np.zeros(3)))
     return scene
-
-
-def looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
-    back = eye - target
-    back = back / np.linalg.norm(back)
-    right = np.cross([0.0, 1.0, 0.0], back)
-    right = right / np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
-    return pose

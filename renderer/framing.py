@@ -135,3 +135,41 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
     # Repeated, so that few heads and hips are not outvoted by many fingers in a percentile.
     repeats = max(1, len(hands) // len(above) // 2)
     return np.concatenate([fingers, np.repeat(above, repeats, 0), np.repeat(lowest, repeats, 0)])
+
+
+def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[np.float64]:
+    """Return where `camera` sees `points` in a picture of `size` × `size` pixels.
+
+    Parameters
+    ----------
+    points : ndarray, shape (..., 3)
+        Positions in metres.
+    camera : Camera
+        Where the picture is taken from.
+    size : int
+        Pixels along each side.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Pixels from the left and from the top, and metres before the camera. Points behind it are
+        not a number.
+    """
+    pose = looking(np.array(camera.eye), np.array(camera.target))
+    seen = (np.asarray(points, float) - pose[:3, 3]) @ pose[:3, :3]
+    ahead = np.where(seen[..., 2] < 0, -seen[..., 2], np.nan)
+    reach = ahead * np.tan(np.radians(camera.field_of_view / 2))
+    x = (seen[..., 0] / reach + 1) / 2 * size
+    y = (1 - seen[..., 1] / reach) / 2 * size
+    return np.stack([x, y, ahead], axis=-1)
+
+
+def looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
+    back = eye - target
+    back = back / np.linalg.norm(back)
+    right = np.cross([0.0, 1.0, 0.0], back)
+    right = right / np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+    return pose

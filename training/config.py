@@ -77,7 +77,7 @@ class TrainingConfig:
     ema_decay : float or None
         Share that a running mean of the weights keeps of itself in a step, in (0, 1); what is
         measured of held-out examples, and the weights that come out, are the mean's. None is no
-        mean. See `training.run.averaging`.
+        mean. See `training.run.learner`.
     precision : {'float32', 'bfloat16', 'float16'}
         What layers are computed in that bear less than float32 (torch's autocast); weights stay
         float32. Losses of float16 are scaled, so that small gradients do not vanish.

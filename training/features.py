@@ -22,7 +22,7 @@ from training.data.feature import Feature
 from training.data.folder_files import has_arrays
 from training.data.take import Take
 from training.hearing.hubert import Hubert
-from training.hearing.mel import mel_bands
+from training.hearing.spectra import mel_bands
 from training.hearing.speech_frames import hear
 from training.spaces.beat import body_values, face_values
 from training.spaces.beat_skeleton import TOLD_JOINTS

@@ -23,7 +23,7 @@ from training.data.beat_bvh import read_beat_bvh
 from training.data.feature import Feature
 from training.data.take import Kind, Take
 from training.features import read_smplx
-from training.hearing.mfcc import log_mel, mfcc
+from training.hearing.spectra import log_mel, mfcc
 from training.hearing.word_vectors import WordVectors, word_rows
 from training.spaces.bones_and_landmarks import values_of
 

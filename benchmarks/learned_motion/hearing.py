@@ -15,7 +15,7 @@ from generators.amuse.train_speech import SpeechTask, speech_filterbank
 from training.data.feature_cache import prepare
 from training.data.take import TakeFolder
 from training.data.windows import Windows
-from training.hearing.filterbank import ROWS_PER_SECOND
+from training.hearing.spectra import ROWS_PER_SECOND
 
 
 @torch.inference_mode()

@@ -22,9 +22,8 @@ import numpy as np
 from benchmarks.rendering.measured import Measured
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
-from renderer.frames import looking
-from renderer.framing import Camera
-from renderer.jobs.threads import ONE_THREAD
+from renderer.framing import Camera, looking
+from renderer.jobs.local_workers import ONE_THREAD
 from renderer.look import Look
 from renderer.surface import surface_colours
 

@@ -32,7 +32,7 @@ from generators.settings import content
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from training.hearing.filterbank import check_speech, filterbank
+from training.hearing.spectra import check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
 from training.layers.packing import pack
 from training.spaces.smplx_6d import smplx_6d_clip

@@ -41,7 +41,7 @@ from training.corpus.description import DESCRIPTION, read_request
 from training.data.feature import Feature
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
-from training.hearing.filterbank import ROWS_PER_SECOND, check_speech, filterbank
+from training.hearing.spectra import ROWS_PER_SECOND, check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
 from training.run.batch_order import evenly
 from training.run.launching import is_leader

@@ -1,11 +1,32 @@
-"""What an emotion sets in a moving speaker; `emotion_table` holds the values."""
+"""What an emotion sets in a moving speaker; ``emotions.toml`` holds the values."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
 
-from generators.rule_based.hand_pose import BY_THE_SIDE, HandPose
+from generators.rule_based.hand_pose import (
+    BEFORE_THE_CHEST,
+    BEFORE_THE_WAIST,
+    BY_THE_SIDE,
+    FISTS_BY_THE_SIDE,
+    HANGING_SLACK,
+    HELD_OFF,
+    HandPose,
+)
+
+_RESTS: Final = {
+    "before_the_chest": BEFORE_THE_CHEST,
+    "before_the_waist": BEFORE_THE_WAIST,
+    "by_the_side": BY_THE_SIDE,
+    "fists_by_the_side": FISTS_BY_THE_SIDE,
+    "hanging_slack": HANGING_SLACK,
+    "held_off": HELD_OFF,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,3 +149,22 @@ class EmotionStyle:
     posture: Posture
     liveliness: Liveliness
     face: Face
+
+
+def _style(told: Mapping[str, Mapping[str, Any]]) -> EmotionStyle:
+    gestures = told["gestures"]
+    rest = _RESTS[gestures.get("rest", "by_the_side")]
+    return EmotionStyle(
+        gestures=GestureManner(**{**gestures, "rest": rest}),
+        posture=Posture(**told.get("posture", {})),
+        liveliness=Liveliness(**told.get("liveliness", {})),
+        face=Face(**told["face"]),
+    )
+
+
+def _read() -> Mapping[str, EmotionStyle]:
+    told = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
+    return MappingProxyType({emotion: _style(values) for emotion, values in told.items()})
+
+
+STYLES: Final = _read()

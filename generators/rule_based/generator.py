@@ -8,7 +8,7 @@ import numpy as np
 
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.rule_based.body_pose import pose_body
-from generators.rule_based.emotion_table import STYLES
+from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.face_motion import move_face
 from generators.rule_based.gesture_plan import HANDS, plan_gestures
 from generators.rule_based.hand_tracks import hand_track

@@ -1,4 +1,4 @@
-"""A clip of what a detector found in a stretch of video."""
+"""A clip of what a detector found in a stretch of video, its face by MediaPipe's mesh."""
 
 from __future__ import annotations
 
@@ -7,19 +7,115 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial import KDTree
 
+from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import BodyModel
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.placement import place
 from motion.points.detection import Detection
-from motion.points.face_mesh import landmark_shifts
 from motion.points.facial_actions import facial_actions
 from motion.points.joint_rotations import LEGS, rotations_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
+from motion.points.turning import nearest_similarity
 from motion.rest_pose import REST_JOINTS
+from motion.skeleton import joint_index
 
 FloatArray = NDArray[np.float64]
+
+_STEADY: Final = (10, 151, 9, 168, 6, 197, 33, 133, 362, 263, 127, 356, 234, 454)
+"""Points of forehead, bridge of the nose, corners of the eyes and temples: no expression moves
+them much."""
+
+_LIDS: Final = {
+    "left": ((386, 374), (263, 362)),
+    "right": ((159, 145), (33, 133)),
+}
+"""Middle of the upper and lower lid, and the corners, of each of the person's eyes."""
+
+_LIPS: Final = (13, 14)
+_NOSE_TIP: Final = 1
+_MOUTH: Final = {"left": 291, "right": 61}
+
+_FRONT_OF_EYE: Final = 0.012
+"""Metres from the middle of an eye to its front."""
+
+_CALM: Final = 25
+"""Percent of the frames, those with the mouth most nearly shut, that may show the neutral face."""
+
+_SMOOTHED: Final = 0.03
+"""Seconds, a standard deviation, over which a detected face is averaged."""
+
+
+def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDArray[np.float32]:
+    """Return how far the landmarks of `FaceLandmarks.of(body)` shift as a detected face does.
+
+    Each landmark follows the point of the person's neutral face that lies where it does when
+    eyes, nose and corners of the mouth of both faces are put over each other.
+
+    Parameters
+    ----------
+    mesh : ndarray, shape (T, 478, 3)
+        MediaPipe's face mesh with irises, y down, in any unit.
+    frame_rate : float
+        Frames per second.
+    body : BodyModel
+        A body with a face.
+
+    Returns
+    -------
+    ndarray, shape (T, L, 3), float32
+        Metres, in the head's frame.
+    """
+    upright = mesh * [1, -1, -1]
+    steady = list(_STEADY)
+    first = nearest_similarity(upright[:, steady], upright[0, steady]).apply(upright)
+    typical = np.median(first, axis=0)
+    held = nearest_similarity(upright[:, steady], typical[steady]).apply(upright)
+    held = gaussian_filter1d(held, _SMOOTHED * frame_rate, axis=0, mode="nearest")
+    neutral = held[_calm(held)].mean(axis=0)
+    own = np.stack([_eye(neutral, "left"), _eye(neutral, "right"), neutral[_NOSE_TIP],
+                    neutral[_MOUTH["left"]], neutral[_MOUTH["right"]]])  # fmt: skip
+    fit = nearest_similarity(own[None], _anchors(body))
+    onto = fit.apply(neutral[None])[0]
+    landmarks = FaceLandmarks.of(body)
+    _, nearest = KDTree(onto[:, :2]).query(landmarks.neutral[:, :2])
+    shifts = fit.scales[0] * fit.turns[0].apply((held - neutral)[:, nearest].reshape(-1, 3))
+    return np.asarray(shifts.reshape(len(mesh), landmarks.count, 3), np.float32)
+
+
+def _eye(face: FloatArray, side: str) -> FloatArray:
+    """Return the middle of an eye between its corners."""
+    return np.asarray(face[list(_LIDS[side][1])].mean(axis=0))
+
+
+def _calm(held: FloatArray) -> NDArray[np.intp]:
+    """Return the frames of a neutral face: eyes open, and the mouth as nearly shut as it gets."""
+    mouth = np.linalg.norm(held[:, _LIPS[0]] - held[:, _LIPS[1]], axis=1)
+    lids = [np.linalg.norm(held[:, above] - held[:, below], axis=1)
+            for (above, below), _ in _LIDS.values()]  # fmt: skip
+    opened = np.min(lids, axis=0)
+    awake = np.flatnonzero(opened >= np.median(opened))
+    shut = mouth[awake] <= np.percentile(mouth[awake], _CALM)
+    return np.asarray(awake[shut])
+
+
+def _anchors(body: BodyModel) -> FloatArray:
+    """Return eyes, tip of the nose and corners of the mouth of the body, shape (5, 3)."""
+    joints = body.joints(np.zeros(0))
+    eyes = [
+        joints[joint_index(f"{side}_eye")] + [0, 0, _FRONT_OF_EYE] for side in ("left", "right")
+    ]
+    names = [str(name) for name in body.surface["material_names"]]
+    skin, lips = (body.template[body.surface["material"] == names.index(name)]
+                  for name in ("skin", "lips"))  # fmt: skip
+    head = skin[skin[:, 1] > joints[joint_index("neck"), 1]]
+    nose = head[head[:, 2].argmax()]
+    corners = lips[lips[:, 0].argmax()], lips[lips[:, 0].argmin()]
+    return np.stack([*eyes, nose, *corners]).astype(float)
+
 
 _ANCHORS: Final = 5.0
 """A second: what is detected is averaged around so many points in time and goes on smoothly between

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
-from motion.points.turning import smallest_turns, turns_of_frames
-from motion.points.view import front_views
+from motion.points.turning import front_views, smallest_turns, turns_of_frames
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, joint_index
 

@@ -14,9 +14,8 @@ from scipy.ndimage import minimum_filter
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from renderer.clip_video import Stage
-from renderer.figures.projection import project
 from renderer.frames import SUPERSAMPLING
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 from renderer.look import BACKGROUND
 from renderer.stills import large_still
 

@@ -1,15 +1,21 @@
-"""Frames of several clips, cut to the part of the picture that any of them fills."""
+"""Frames of several clips, cut to what any of them fills, and cameras close to their faces.
+
+What lips, brows and eyes do is too small to see in a study's own picture.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
+from motion.skeleton import joint_index
 from renderer.clip_video import Stage
 from renderer.figures.cut_out import Box, box_around, cut_out
 from renderer.figures.skeleton_lines import joints_of, with_skeleton
@@ -51,3 +57,62 @@ def aspect_of(box: Box) -> float:
     """Return the height of `box` over its width."""
     left, top, right, bottom = box
     return (bottom - top) / (right - left)
+
+
+_FACE: Final = 0.17
+"""Metres from between the eyes to the edge of the picture, where the head holds still."""
+_BELOW_EYES: Final = 0.03
+
+
+def faces_level(groups: Iterable[Sequence[MotionClip]], body: BodyModel) -> list[list[MotionClip]]:
+    """Return groups of clips moved so that the faces of all groups are in one place.
+
+    Somebody who sits is otherwise below a picture of those who stand. Within a group nothing moves
+    against each other.
+
+    Parameters
+    ----------
+    groups : iterable of sequence of MotionClip
+        At least one clip in each, such as the moments of one condition.
+    body : BodyModel
+        The body that they are put on.
+    """
+    given = [list(group) for group in groups]
+    middles = [_range_of_faces(group, body).mean(axis=0) for group in given]
+    return [
+        [
+            replace(clip, trans=clip.trans + (middles[0] - middle).astype(np.float32))
+            for clip in group
+        ]
+        for group, middle in zip(given, middles, strict=True)
+    ]
+
+
+def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) -> Camera:
+    """Return a camera beside `camera` that sees the faces of all `clips`, all the time.
+
+    Parameters
+    ----------
+    clips : iterable of MotionClip
+        At least one; all are seen alike.
+    body : BodyModel
+        The body that they are put on.
+    camera : Camera
+        How far away it stands; it moves in height and to the side.
+    """
+    low, high = _range_of_faces(clips, body)
+    x, y, z = (low + high) / 2
+    half = float((high - low)[:2].max() / 2) + _FACE
+    distance = camera.eye[2] - float(high[2])
+    return Camera(
+        eye=(float(x), float(y) - _BELOW_EYES, camera.eye[2]),
+        target=(float(x), float(y) - _BELOW_EYES, float(z)),
+        field_of_view=float(np.degrees(2 * np.arctan(half / distance))),
+    )
+
+
+def _range_of_faces(clips: Iterable[MotionClip], body: BodyModel) -> NDArray[np.float64]:
+    """Return the least and the greatest place between the eyes, shape (2, 3)."""
+    eyes = [joint_index("left_eye"), joint_index("right_eye")]
+    points = np.concatenate([joints_of(clip, body)[:, eyes].mean(axis=1) for clip in clips])
+    return np.stack([points.min(axis=0), points.max(axis=0)])

@@ -12,8 +12,7 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics
 from renderer.figures.lettering import INK, font
-from renderer.figures.projection import project
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 
 SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
 """Vermilion and blue of Okabe and Ito's palette, told apart with any kind of colour vision."""

@@ -13,7 +13,19 @@ from types import TracebackType
 from typing import Final, Self
 
 from renderer.jobs.job import Job, Outcome
-from renderer.jobs.threads import ONE_THREAD
+
+ONE_THREAD: Final = {
+    "LP_NUM_THREADS": "0",  # llvmpipe draws in the calling thread
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of a rendering process, read by the libraries when they load.
+
+One thread for drawing and one for encoding in one process per core is faster than one process with
+many threads.
+"""
+
 
 ATTEMPTS: Final = 2
 """How many processes may die over one job before it is given up."""

@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.files import replacing
 from renderer.video.encoder import MP4_OPTIONS, SOUND_RATE, encoded_sound
 from renderer.video.loudness import at_common_loudness
-from renderer.video.mp4_bit_rates import forget_bit_rates
+from renderer.video.mp4_boxes import forget_bit_rates
 
 
 def write_dubbed(

@@ -13,7 +13,7 @@ from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTr
 from numpy.typing import NDArray
 
 from motion.audio import Audio
-from renderer.video.mp4_bit_rates import forget_bit_rates
+from renderer.video.mp4_boxes import forget_bit_rates
 
 SOUND_RATE: Final = 48000
 """Samples per second of the sound in a video."""

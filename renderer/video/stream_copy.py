@@ -13,7 +13,7 @@ from av.bitstream import BitStreamFilterContext
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.video.encoder import MP4_OPTIONS
-from renderer.video.mp4_bit_rates import forget_bit_rates
+from renderer.video.mp4_boxes import forget_bit_rates
 
 TICKS: Final = 90_000
 """Parts of a second in which a copy counts the moments of its pictures."""

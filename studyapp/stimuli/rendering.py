@@ -15,7 +15,7 @@ from renderer.jobs.making import run_jobs
 from renderer.video.encoder import SOUND_RATE
 from renderer.video.frame_cache import FrameCache
 from renderer.video.loudness import at_common_loudness
-from renderer.video.mp4_padding import pad_to_equal_size
+from renderer.video.mp4_boxes import pad_to_equal_size
 from studyapp.stimuli.disk_space import check_room, frames_limit
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord

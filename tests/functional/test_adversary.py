@@ -19,7 +19,7 @@ from typing import Final
 
 import pytest
 
-from renderer.video.mp4_padding import pad_to_equal_size
+from renderer.video.mp4_boxes import pad_to_equal_size
 from studyapp.database.tables import Trial, TrialStimulus
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.stimulus import Content, Stimulus

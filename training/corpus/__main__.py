@@ -11,8 +11,15 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from motion.files import write_text
-from training.corpus.measuring import MeasuredTake, decided, minutes, read_measured, told
-from training.corpus.pace import BEAT, paces
+from training.corpus.measuring import (
+    BEAT,
+    MeasuredTake,
+    decided,
+    minutes,
+    paces,
+    read_measured,
+    told,
+)
 
 _STILL = "it does not change"
 _ALONE = "nobody speaks two texts of an emotion"

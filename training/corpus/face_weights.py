@@ -50,7 +50,8 @@ def face_weights(
     lively = speaker.expressiveness
     base = _AT_REST + np.zeros(len(FACIAL_WEIGHTS))
     for name, weight in EMOTION_MOTION[emotion].face.items():
-        base[FACIAL_WEIGHTS.index(name)] += lively * weight
+        sides = [name] if name in FACIAL_WEIGHTS else [f"{name}Left", f"{name}Right"]
+        base[[FACIAL_WEIGHTS.index(side) for side in sides]] += lively * weight
     moved = _speech(heard, melody, times)
     weights = np.tile(base, (len(times), 1))
     for name, share in moved.items():

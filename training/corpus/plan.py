@@ -21,18 +21,26 @@ are unheard of all.
 
 from __future__ import annotations
 
+import tomllib
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from pathlib import Path
+from typing import Final, Literal
 
 from motion.segment import EMOTIONS
-from training.corpus.passages import passage
-from training.corpus.recording_names import recording_name
-from training.corpus.request import CorpusRequest
+from training.corpus.request import CorpusRequest, recording_name
 from training.corpus.speakers import CorpusSpeaker, speaker_of
 
+SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = tomllib.loads(
+    Path(__file__).with_name("sentences.toml").read_text("utf-8")
+)
+"""Of each emotion, ``openings`` and ``closings``: what speakers say is one of each."""
+
 Split = Literal["train", "validation", "test"]
+
+UNHEARD: Final = 3
+"""Openings, and closings, of each emotion that only passages for testing are made of."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,3 +134,30 @@ def _take(
         held_out_speaker=held_out,
         seed=(request.seed, zlib.crc32(name.encode())),
     )
+
+
+def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
+    """Return a passage of two sentences.
+
+    Parameters
+    ----------
+    emotion : str
+        One of `motion.segment.EMOTIONS`.
+    number : int
+        Which one, from 0. Passages repeat when openings have met all closings: after 81, or 9
+        where `unheard`. The first 9, or 3, share no sentence.
+    unheard : bool
+        Whether it is made of the sentences that are kept for testing.
+
+    Returns
+    -------
+    str
+        Twenty words or so, spoken in six to nine seconds.
+    """
+    openings, closings = (
+        sentences[-UNHEARD:] if unheard else sentences[:-UNHEARD]
+        for sentences in (SENTENCES[emotion]["openings"], SENTENCES[emotion]["closings"])
+    )
+    count = len(openings)
+    first, shift = number % count, number // count % count
+    return f"{openings[first]} {closings[(first + shift) % count]}"

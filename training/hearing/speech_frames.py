@@ -15,7 +15,7 @@ from torch import Tensor
 from motion.audio import SPEECH_RATE, Audio
 from motion.errors import InputError
 from training.hearing.hubert import Hubert, at_frames, at_places, feature_places, samples_of
-from training.hearing.mel import REACH, mel_bands
+from training.hearing.spectra import REACH, mel_bands
 
 
 @dataclass(frozen=True, eq=False)

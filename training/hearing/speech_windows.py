@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
-from training.hearing.mfcc import log_mel, mfcc
+from training.hearing.spectra import log_mel, mfcc
 
 FloatArray = NDArray[np.float32]
 

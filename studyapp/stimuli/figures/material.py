@@ -15,10 +15,9 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
-from renderer.figures.closeup import face_camera, faces_level
 from renderer.figures.cut_out import Box
 from renderer.figures.moments import MOST_MOMENTS, Moment, loud_moments
-from renderer.figures.panels import common_box
+from renderer.figures.panels import common_box, face_camera, faces_level
 from renderer.framing import Camera
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.shown_body import licensed_hands

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from generators.rule_based.gaze import blinks, gaze
+from generators.rule_based.face_motion import blinks, gaze
 
 TIMES = np.arange(0, 600, 1 / 30)
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generators.rule_based.emotion_table import STYLES
+from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
 from motion.segment import EMOTIONS
 from motion.speech.prosody import Prosody

@@ -9,7 +9,7 @@ import pytest
 
 from generators.interface import SpeechSegment
 from generators.rule_based.body_pose import pose_body
-from generators.rule_based.emotion_table import STYLES
+from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_plan import HANDS, Gesture, plan_gestures
 from generators.rule_based.hand_pose import (
     BEFORE_THE_WAIST,

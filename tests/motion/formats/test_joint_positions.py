@@ -13,7 +13,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.ted_npz import BONES
-from motion.points.view import front_views, nearest_similarity
+from motion.points.turning import front_views, nearest_similarity
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import BODY_JOINTS, forward_kinematics, joint_index
 

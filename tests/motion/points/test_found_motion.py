@@ -13,9 +13,8 @@ from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.face import arkit_index
 from motion.points.detection import Detection, stretches
-from motion.points.face_mesh import landmark_shifts
 from motion.points.facial_actions import facial_actions
-from motion.points.found_motion import clip_of_detection
+from motion.points.found_motion import clip_of_detection, landmark_shifts
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
 from renderer.avatars import default_body

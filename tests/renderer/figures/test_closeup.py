@@ -6,10 +6,9 @@ import pytest
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.figures.closeup import face_camera, faces_level
-from renderer.figures.projection import project
+from renderer.figures.panels import face_camera, faces_level
 from renderer.figures.skeleton_lines import joints_of
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 from renderer.stills import frame_at
 
 

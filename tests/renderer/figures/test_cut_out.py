@@ -13,9 +13,8 @@ from motion.skeleton import joint_index
 from renderer.clip_video import Stage
 from renderer.figures.cut_out import FAR, CutOut, box_around, cut_out
 from renderer.figures.panels import aspect_of, common_box, cropped
-from renderer.figures.projection import project
 from renderer.figures.skeleton_lines import joints_of
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 from renderer.look import BACKGROUND, Look
 from renderer.stills import frame_at, still
 

@@ -9,9 +9,8 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage
-from renderer.figures.projection import project
 from renderer.figures.skeleton_lines import joints_of
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 from renderer.look import BACKGROUND, Look
 from renderer.stills import frame_at, still
 

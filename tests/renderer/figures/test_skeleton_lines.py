@@ -7,9 +7,8 @@ from PIL import Image
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.figures.projection import project
 from renderer.figures.skeleton_lines import SIDE_COLOURS, joints_of, with_skeleton
-from renderer.framing import Camera
+from renderer.framing import Camera, project
 from renderer.stills import frame_at
 
 SIZE = 240

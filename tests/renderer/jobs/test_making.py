@@ -21,8 +21,8 @@ from motion.clip import MotionClip
 from motion.formats import write_clip
 from renderer.framing import Camera
 from renderer.jobs.job import ClipJob, Job, Outcome, PairJob
+from renderer.jobs.local_workers import ONE_THREAD
 from renderer.jobs.making import run_jobs
-from renderer.jobs.threads import ONE_THREAD
 from renderer.look import Look
 from tests.renderer.conftest import SECONDS
 

@@ -7,8 +7,7 @@ import pytest
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from training.corpus.plan import planned_takes
-from training.corpus.recording_names import MOST_RECORDINGS
-from training.corpus.request import CorpusRequest
+from training.corpus.request import MOST_RECORDINGS, CorpusRequest
 from training.data.beat_names import BeatName
 
 

@@ -9,8 +9,7 @@ from motion.audio import Audio
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
-from training.corpus.body_angles import ARM_ANGLES, BodyAngles, within_limits
-from training.corpus.body_rotations import told_rotations
+from training.corpus.body_angles import ARM_ANGLES, BodyAngles, told_rotations, within_limits
 from training.corpus.chance import Chance
 from training.corpus.motion_curves import MotionCurves, curves_of, following, wrist_positions
 from training.corpus.process import Process, drive

@@ -1,4 +1,4 @@
-"""Mel bands are what their definition says, and each row knows only its own moment."""
+"""The filterbank that AMUSE's encoders read."""
 
 from __future__ import annotations
 
@@ -6,10 +6,58 @@ import librosa
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.fft import dct
 
 from motion.audio import Audio
 from motion.errors import InputError
-from training.hearing.mel import BANDS, RATE, REACH, WINDOW, mel_bands
+from training.hearing.spectra import (
+    BANDS,
+    COEFFICIENTS,
+    RATE,
+    REACH,
+    WIDTH,
+    WINDOW,
+    check_speech,
+    filterbank,
+    log_mel,
+    mel_bands,
+    mfcc,
+)
+
+
+def _tone(hertz: float, seconds: float) -> NDArray[np.float32]:
+    times = np.arange(round(16_000 * seconds)) / 16_000
+    return (0.5 * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
+
+
+def test_a_higher_tone_is_loudest_in_a_higher_band() -> None:
+    loudest = [int(filterbank(_tone(hertz, 1.0))[10].argmax()) for hertz in (200, 800, 3200)]
+    assert loudest == sorted(loudest)
+    assert len(set(loudest)) == 3
+
+
+def test_ten_seconds_have_998_rows_and_zeros_follow() -> None:
+    rows = filterbank(_tone(440, 10.0))
+    padding = 9.173025 / (2 * 5.062332)
+    assert tuple(rows.shape) == (1024, 128)
+    assert rows[998:].numpy() == pytest.approx(padding)
+    assert (rows[:998] != rows[998]).any(dim=1).all()
+
+
+def test_speech_twice_as_loud_lies_higher_by_the_logarithm_of_four() -> None:
+    quiet, loud = (filterbank(gain * _tone(440, 1.0), rows=90) for gain in (0.25, 0.5))
+    band = int(quiet[10].argmax())
+    step = float(loud[10, band] - quiet[10, band])
+    assert step == pytest.approx(np.log(4) / (2 * 5.062332), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("samples", "said"),
+    [(_tone(440, 0.3), "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
+)
+def test_what_holds_no_speech_is_refused(samples: NDArray[np.float32], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        check_speech(samples)
 
 
 def noise(seconds: float, rate: int = RATE, seed: int = 1) -> Audio:
@@ -98,3 +146,28 @@ def test_what_is_heard_further_away_than_the_stated_reach_changes_nothing() -> N
 def test_a_frame_rate_that_does_not_divide_the_sound_is_refused(frame_rate: float) -> None:
     with pytest.raises(InputError, match="such as 15 or 30"):
         mel_bands(noise(1.0), frame_rate)
+
+
+NOISE = Audio(np.random.default_rng(1).normal(0, 0.1, 32000).astype(np.float32), 16000)
+
+
+def test_two_rows_of_coefficients_and_their_changes_make_a_frame() -> None:
+    found = mfcc(NOISE, 15)
+    assert found.shape == (30, WIDTH)
+    rows = found.reshape(60, 3, COEFFICIENTS)
+    bands = np.log10(mel_bands(NOISE, 30).astype(float))
+    np.testing.assert_allclose(rows[:, 0], dct(bands, norm="ortho")[:, :14], atol=1e-4)
+    np.testing.assert_allclose(rows[1:-1, 1], (rows[2:, 0] - rows[:-2, 0]) / 2, atol=1e-4)
+    np.testing.assert_allclose(rows[2:-2, 2], (rows[3:-1, 1] - rows[1:-3, 1]) / 2, atol=1e-4)
+
+
+def test_silence_is_finite_and_a_spectrogram_is_logarithms() -> None:
+    assert np.isfinite(mfcc(Audio(np.zeros(8000, np.float32), 16000), 15)).all()
+    np.testing.assert_allclose(log_mel(NOISE, 15), np.log10(mel_bands(NOISE, 15)), rtol=1e-5)
+
+
+def test_what_is_far_away_changes_nothing() -> None:
+    other = NOISE.samples.copy()
+    other[:8000] = 0
+    changed = mfcc(Audio(other, 16000), 15)
+    np.testing.assert_allclose(changed[10:], mfcc(NOISE, 15)[10:], atol=1e-4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from generators.rule_based.emotion_table import STYLES
+from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_forms import FORMS
 from motion.face import ARKIT_NAMES
 from motion.segment import EMOTIONS

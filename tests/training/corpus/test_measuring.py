@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from motion.formats.bvh import read_bvh
+from training.corpus.measuring import BEAT, FRAME_RATE, paces
 from training.corpus.motion_curves import wrist_positions
-from training.corpus.pace import BEAT, FRAME_RATE, paces
 from training.spaces.beat import body_values
 
 

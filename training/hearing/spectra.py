@@ -1,0 +1,190 @@
+"""What is heard in bands of pitch: loudness a frame of motion, its cepstrum, and AMUSE's own bands.
+
+AST and AMUSE read logarithms of Kaldi's mel bands, one row each 10 ms (Gong et al. 2021): frames of
+25 ms in a Hann window, standardised by the mean and the deviation that AMUSE's release states.
+"""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.fft import dct
+from torch import Tensor
+from transformers import ASTFeatureExtractor
+
+from motion.audio import SPEECH_RATE, Audio
+from motion.errors import InputError
+from motion.speech.audio_analysis import load_librosa
+
+ROWS_PER_SECOND: Final = 100
+
+SHORTEST: Final = 0.5
+"""Seconds of speech below which nobody can be told apart."""
+
+SILENCE: Final = 1e-4
+"""Largest amplitude up to which a recording is silent; 80 dB below the loudest."""
+
+_MEAN: Final = -9.173025
+_DEVIATION: Final = 5.062332
+
+
+def check_speech(samples: NDArray[np.float32]) -> None:
+    """Raise `InputError` where speech at 16 kHz is shorter than half a second, or silent."""
+    if len(samples) < SHORTEST * SPEECH_RATE:
+        raise InputError(
+            f"the recording lasts {len(samples) / SPEECH_RATE:.2f} s, too short to hear an emotion",
+            remedy=f"Give at least {SHORTEST:g} s of speech",
+        )
+    if np.abs(samples).max() <= SILENCE:
+        raise InputError(
+            "the recording is silent", remedy="Give speech, or cut the silence from the excerpt"
+        )
+
+
+def filterbank(samples: NDArray[np.float32], rows: int = 1024, bands: int = 128) -> Tensor:
+    """Return the standardised filterbank of speech.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (n,)
+        Mono, at 16 kHz.
+    rows : int
+        How many rows it has: what is longer is cut, what is shorter is filled with zeros before
+        it is standardised, as in the release.
+    bands : int
+        Mel bands.
+
+    Returns
+    -------
+    Tensor
+        (rows, bands).
+    """
+    extractor = _extractor(rows, bands)
+    heard = extractor(samples, sampling_rate=SPEECH_RATE, return_tensors="np")
+    return torch.as_tensor(np.asarray(heard["input_values"])[0], dtype=torch.float32)
+
+
+@cache
+def _extractor(rows: int, bands: int) -> ASTFeatureExtractor:
+    with warnings.catch_warnings():
+        # Kaldi's lowest bands are narrower than the spectrum is fine; they hold nothing there too.
+        warnings.filterwarnings("ignore", message="At least one mel filter has all zero values")
+        return ASTFeatureExtractor(
+            sampling_rate=SPEECH_RATE,
+            num_mel_bins=bands,
+            max_length=rows,
+            mean=_MEAN,
+            std=_DEVIATION,
+        )
+
+
+FloatArray = NDArray[np.float32]
+
+RATE: Final = 18_000
+"""Samples per second of the sound that is analysed."""
+
+BANDS: Final = 128
+WINDOW: Final = 2048
+"""Samples that a frame looks at, in the middle of which it lies; before and after the speech is
+silence."""
+
+REACH: Final = 0.06
+"""Seconds on either side of a frame outside of which no sound changes it: half a window, and what
+resampling looks at."""
+
+
+def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> FloatArray:
+    """Return the power of `audio` in 128 mel bands.
+
+    As DiffSHEG's released network reads it: 18 kHz, a Hann window of 2048 samples, bands of equal
+    area on Slaney's mel scale up to 9 kHz, power and not its logarithm.
+
+    Parameters
+    ----------
+    audio : Audio
+        At any rate; it is resampled.
+    frame_rate : float
+        Frames per second of the motion, so that a frame lasts whole samples: 15 or 30.
+    frames : int, optional
+        Rows wanted, by default as many as the speech lasts.
+
+    Returns
+    -------
+    ndarray, shape (frames, 128)
+        Row k belongs to ``k / frame_rate`` seconds.
+
+    Raises
+    ------
+    InputError
+        If a frame does not last whole samples.
+    """
+    hop = _hop(frame_rate)
+    count = round(audio.duration * frame_rate) if frames is None else frames
+    sound = audio.samples_at(RATE)
+    padded = np.zeros(max(count - 1, 0) * hop + WINDOW)
+    within = sound[: len(padded) - WINDOW // 2]
+    padded[WINDOW // 2 : WINDOW // 2 + len(within)] = within
+    windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW)[::hop][:count]
+    # As long as the window is periodic, not symmetric: that is what analysis of sound means by it.
+    hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(WINDOW) / WINDOW)
+    power = np.abs(np.fft.rfft(windows * hann, axis=1)) ** 2
+    return np.asarray(power @ _filters().T, dtype=np.float32)
+
+
+def _hop(frame_rate: float) -> int:
+    if not frame_rate > 0 or RATE % frame_rate:
+        raise InputError(
+            f"mel bands cannot be had at {frame_rate:g} frames per second",
+            remedy=f"Use a frame rate that divides {RATE}, such as 15 or 30",
+        )
+    return int(RATE // frame_rate)
+
+
+@cache
+def _filters() -> NDArray[np.float64]:
+    """Return what each band takes of each frequency, (128, 1025)."""
+    librosa = load_librosa()
+    filters = librosa.filters.mel(sr=RATE, n_fft=WINDOW, n_mels=BANDS, dtype=np.float64)
+    return np.asarray(filters)
+
+
+COEFFICIENTS: Final = 14
+ROWS: Final = 2
+"""Rows of coefficients in a frame of motion."""
+
+WIDTH: Final = ROWS * 3 * COEFFICIENTS
+"""Channels of a frame: of each row the coefficients, their first and their second differences."""
+
+_QUIETEST: Final = 1e-4
+"""Power below which bands are silent."""
+
+
+def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
+    """Return the coefficients of `audio`, (frames, 84).
+
+    Parameters
+    ----------
+    audio : Audio
+        At any rate.
+    frame_rate : float
+        Frames per second of the motion; see `mel_bands`, with twice as many.
+    frames : int, optional
+        By default as many as the speech lasts.
+    """
+    count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
+    bands = mel_bands(audio, ROWS * frame_rate, ROWS * count).astype(np.float64)
+    rows = dct(np.log10(np.maximum(bands, _QUIETEST)), norm="ortho", axis=1)[:, :COEFFICIENTS]
+    change = np.gradient(rows, axis=0)
+    all_rows = np.concatenate([rows, change, np.gradient(change, axis=0)], axis=1)
+    return all_rows.reshape(count, WIDTH).astype(np.float32)
+
+
+def log_mel(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
+    """Return the spectrogram of `audio`: logarithms of 128 mel bands, (frames, 128)."""
+    count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
+    return np.log10(np.maximum(mel_bands(audio, frame_rate, count), _QUIETEST))
