@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from markupsafe import Markup
+
+Row = TypeVar("Row")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,3 +137,44 @@ class Page:
 def cells(*texts: str) -> tuple[Cell, ...]:
     """Return plain cells."""
     return tuple(Cell(text=text) for text in texts)
+
+
+Column = tuple[str, Callable[[Row], Cell | str]]
+"""A heading, and what a row has under it."""
+
+
+def table_of(
+    rows: Iterable[Row],
+    *columns: Column[Row],
+    caption: str,
+    groups: tuple[tuple[str, int], ...] = (),
+    notes: Iterable[str] = (),
+    name: str = "",
+    data: str = "",
+) -> Table:
+    """Return a table with a line for each of `rows`; see `Table` for all else.
+
+    Parameters
+    ----------
+    rows : iterable
+        What lines are about.
+    *columns : (str, callable)
+        From the left: the heading, and what gives a row's cell; those that give words, and stand
+        before all that give cells, are columns of text.
+    caption, groups, notes, name, data
+        See `Table`.
+    """
+    found = [[cell(row) for _, cell in columns] for row in rows]
+    texts = next((k for k, one in enumerate(found[0]) if isinstance(one, Cell)), 0) if found else 0
+    return Table(
+        caption=caption,
+        header=tuple(heading for heading, _ in columns),
+        rows=tuple(
+            tuple(one if isinstance(one, Cell) else Cell(text=one) for one in row) for row in found
+        ),
+        groups=groups,
+        text_columns=texts or (len(columns) if found else 1),
+        notes=tuple(notes),
+        name=name,
+        data=data,
+    )

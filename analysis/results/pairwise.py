@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -44,6 +44,27 @@ MOST_PAIRED: Final = 3
 @dataclass(frozen=True, kw_only=True)
 class Comparison(Preference, PairPlace):
     """What is preferred; `Preference`'s one is a, its other is b."""
+
+    def turned(self) -> Comparison:
+        """Return the same of b against a."""
+        everyone = self.without_exclusions
+        return replace(
+            self,
+            a=self.b,
+            b=self.a,
+            counts=dict(zip(self.counts, [*self.counts.values()][::-1], strict=True)),
+            share=_swapped(self.share),
+            win_share=self.win_share.turned(),
+            clmm=replace(self.clmm, estimate=-self.clmm.estimate),
+            without_exclusions=replace(
+                everyone, share=_swapped(everyone.share), win_share=everyone.win_share.turned()
+            ),
+            decision=self.decision.turned(),
+        )
+
+
+def _swapped(share: Mapping[str, float]) -> dict[str, float]:
+    return {**share, "a": share["b"], "b": share["a"]}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,20 +6,32 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Table, cells
+from analysis.report.content import Cell, Picture, Section, Table, table_of
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
-from analysis.report.headline.apart import Apart, taken_apart
-from analysis.report.headline.words import between, count_cell, counted, number, number_cell, p_cell
+from analysis.report.headline.preference_rows import reference_of
+from analysis.report.headline.words import HOLM, between, count_cell, number, number_cell, p_cell
 from analysis.report.subject import Subject
-from analysis.results.heterogeneity import KINDS, By
-from analysis.results.report import TableReport
+from analysis.results.grouping import ConditionPlace, PairPlace
+from analysis.results.heterogeneity import (
+    KINDS,
+    By,
+    ConditionHeterogeneity,
+    DifferenceTest,
+    PairHeterogeneity,
+)
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.ranking import RankingResults
+from analysis.results.rating import RatingResults
+from analysis.results.report import Results, TableReport
 from analysis.stats.clustered_mean import LEVEL, Estimate
-from analysis.stats.heterogeneity import FEW, Cell
+from analysis.stats.heterogeneity import FEW
+from analysis.stats.heterogeneity import Cell as Level
 
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""
@@ -71,11 +83,13 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
     subject : Subject
         Its reference, if it has one, is what pairwise win shares are seen from.
     """
-    found = taken_apart(report.results, subject.reference)
+    found = effects(report.results, subject.reference)
     if not found:
         return None
-    few = any(level.descriptive for one in found for level in one.levels)
-    missing = [by for by in KINDS if any(one.by == by for one in found) and not _drawn(found, by)]
+    few = any(level.descriptive for one in found for level in one.found.levels)
+    missing = [
+        by for by in KINDS if any(one.found.by == by for one in found) and not _drawn(found, by)
+    ]
     paragraphs = [
         "These estimates show where a difference comes from. Whether there is one, the headline "
         "tests; that one emotion, speaker or segment decides and another does not is no evidence "
@@ -105,13 +119,82 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
     )
 
 
-def _drawn(found: Sequence[Apart], by: By) -> bool:
-    of = [one for one in found if one.by == by]
+class Effect(NamedTuple):
+    """One effect by emotion, speaker or segment, what it is the effect of, and over all of them."""
+
+    about: str
+    found: PairHeterogeneity | ConditionHeterogeneity
+    whole: Estimate | None
+
+    @property
+    def heading(self) -> str:
+        """What heads its panel."""
+        of = "" if self.found.set is None else f"Set {self.found.set}, "
+        return f"{of}{wording.name(self.found.question)}: {self.about}"
+
+
+def effects(results: Results, reference: str | None) -> tuple[Effect, ...]:
+    """Return all of a report's effects by emotion, speaker and segment.
+
+    Parameters
+    ----------
+    results : PairwiseResults, RatingResults, RankingResults or MismatchResults
+        What was found.
+    reference : str or None
+        The condition from whose side pairwise win shares are seen, where there is one.
+    """
+    wholes = whole_effects(results)
+    comparisons = results.comparisons if isinstance(results, PairwiseResults) else ()
+    from_side = {
+        name: reference_of([c for c in comparisons if c.set == name], reference)
+        for name in dict.fromkeys(c.set for c in comparisons)
+    }
+    return tuple(
+        _effect(one, wholes.get(effect_key(one)), from_side.get(one.set))
+        for one in results.heterogeneity
+    )
+
+
+def _effect(
+    found: PairHeterogeneity | ConditionHeterogeneity, whole: Estimate | None, side: str | None
+) -> Effect:
+    if isinstance(found, ConditionHeterogeneity):
+        return Effect(wording.name(found.condition), found, whole)
+    if found.b != side:
+        return Effect(wording.name(f"{found.a} against {found.b}"), found, whole)
+    turned = replace(found, levels=tuple(level.turned() for level in found.levels))
+    about = wording.name(f"{found.b} against {found.a}")
+    return Effect(about, turned, None if whole is None else whole.turned())
+
+
+def effect_key(one: PairPlace | ConditionPlace) -> tuple[str | None, str, tuple[str, ...]]:
+    """Return set, question and conditions."""
+    names = (one.condition,) if isinstance(one, ConditionPlace) else (one.a, one.b)
+    return one.set, one.question, names
+
+
+def whole_effects(
+    results: Results,
+) -> dict[tuple[str | None, str, tuple[str, ...]], Estimate]:
+    """Return the estimates that a report's headline rests on, by `effect_key`."""
+    match results:
+        case PairwiseResults():
+            return {effect_key(one): one.win_share for one in results.comparisons}
+        case RatingResults():
+            return {effect_key(one): one.difference for one in results.contrasts}
+        case RankingResults():
+            return {effect_key(one): one.mean_rank for one in results.conditions}
+        case MismatchResults():
+            return {effect_key(one): one.win_share for one in results.conditions}
+
+
+def _drawn(found: Sequence[Effect], by: By) -> bool:
+    of = [one for one in found if one.found.by == by]
     return 0 < len(of) <= MOST_PANELS and len(_levels(of)) <= MOST_ROWS
 
 
-def _levels(found: Sequence[Apart]) -> tuple[str, ...]:
-    return tuple(sorted({level.level for one in found for level in one.levels}, key=_natural))
+def _levels(found: Sequence[Effect]) -> tuple[str, ...]:
+    return tuple(sorted({level.level for one in found for level in one.found.levels}, key=_natural))
 
 
 def _natural(name: str) -> list[tuple[int, str]]:
@@ -121,14 +204,14 @@ def _natural(name: str) -> list[tuple[int, str]]:
     ]
 
 
-def _forest(found: Sequence[Apart], by: By, mark: str) -> tuple[Picture, ...]:
-    of = [one for one in found if one.by == by]
+def _forest(found: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
+    of = [one for one in found if one.found.by == by]
     names = _levels(of)
-    measure = _MEASURES[of[0].measure]
+    measure = _MEASURES[of[0].found.measure]
     return dot_pictures(
         {one.heading: _dots(one, names, measure) for one in of},
         [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
-        replace(measure.scale, line=of[0].null),
+        replace(measure.scale, line=of[0].found.null),
         About(
             name=f"by-{by}",
             title=f"Effects by {by}",
@@ -141,8 +224,8 @@ def _forest(found: Sequence[Apart], by: By, mark: str) -> tuple[Picture, ...]:
     )
 
 
-def _dots(of: Apart, names: Sequence[str], measure: _Measure) -> list[Dot]:
-    by_name = {level.level: level for level in of.levels}
+def _dots(of: Effect, names: Sequence[str], measure: _Measure) -> list[Dot]:
+    by_name = {level.level: level for level in of.found.levels}
     dots = [_dot(by_name.get(name), measure) for name in names]
     return [*dots, _dot(of.whole, measure, whole=True)]
 
@@ -162,49 +245,41 @@ def _dot(found: Estimate | None, measure: _Measure, *, whole: bool = False) -> D
         high=found.high,
         words=written,
         hint=f"{written} {inside}, {wording.count(found.segments, 'segment')}",
-        descriptive=isinstance(found, Cell) and found.descriptive,
+        descriptive=isinstance(found, Level) and found.descriptive,
         whole=whole,
     )
 
 
-def _tests(found: Sequence[Apart]) -> Table:
-    return Table(
+def _tests(found: Sequence[Effect]) -> Table:
+    return table_of(
+        found,
+        ("question", _question),
+        ("of", lambda one: one.about),
+        ("by", lambda one: one.found.by),
+        ("levels", lambda one: count_cell(len(one.found.levels))),
+        ("F", lambda one: number_cell(one.found.test.statistic)),
+        ("df", lambda one: _freedom(one.found.test)),
+        ("p", lambda one: p_cell(one.found.test.p_value)),
+        (HOLM, lambda one: p_cell(one.found.test.p_holm)),
         caption="Whether effects differ between emotions, speakers or segments. p (Holm) is "
         "corrected over these tests of the report, which are exploratory.",
-        header=(
-            *("question", "of", "by", "levels", "F", "df", "p"),
-            f"p{wording.NO_BREAK}(Holm)",
-        ),
-        rows=tuple(
-            (
-                *cells(_question(one), one.about, one.by),
-                count_cell(len(one.levels)),
-                number_cell(one.test.statistic),
-                counted(one.test.df, _freedom(one)),
-                p_cell(one.test.p_value),
-                p_cell(one.test.p_holm),
-            )
-            for one in found
-        ),
-        text_columns=3,
-        notes=tuple(
-            dict.fromkeys(
-                f"By {one.by}: {text.rstrip('.')}."
-                for one in found
-                for text in (one.test.method, one.test.reason and f"no test, {one.test.reason}")
-                if text
-            )
+        notes=dict.fromkeys(
+            f"By {by}: {text.rstrip('.')}."
+            for by, test in ((one.found.by, one.found.test) for one in found)
+            for text in (test.method, test.reason and f"no test, {test.reason}")
+            if text
         ),
         name="heterogeneity-tests",
     )
 
 
-def _question(one: Apart) -> str:
-    of = "" if one.set is None else f"Set {one.set}: "
-    return f"{of}{wording.heading(one.question)}"
+def _question(one: Effect) -> str:
+    of = "" if one.found.set is None else f"Set {one.found.set}: "
+    return f"{of}{wording.heading(one.found.question)}"
 
 
-def _freedom(one: Apart) -> str:
-    if math.isnan(one.test.df):
-        return "–"
-    return f"{wording.fixed(one.test.df, 0)}, {wording.fixed(one.test.df_rest, 1)}"
+def _freedom(test: DifferenceTest) -> Cell:
+    if math.isnan(test.df):
+        return Cell(text="–")
+    text = f"{wording.fixed(test.df, 0)}, {wording.fixed(test.df_rest, 1)}"
+    return Cell(text=text, value=float(test.df))

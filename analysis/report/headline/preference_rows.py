@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeVar
 
 from analysis.report import wording
 from analysis.results.mismatch import MatchedCondition, MismatchResults
-from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
-from analysis.results.preference import Decision, Preference, Robustness
-from analysis.stats.clustered_mean import Estimate
-from analysis.stats.wilcoxon import Pooled
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
 
@@ -28,39 +24,25 @@ class PreferenceRow:
         Names the row beside the others of its group.
     one, other, question : str
         What it is about, for reading.
-    recruited, attentive, n : int
-        Participants who took part; those who are analysed; their answers.
-    levels : tuple of int
-        How many answered clearly one, slightly one, no difference, slightly and clearly other.
-    win_share, everyone : Estimate
-        Of the one: after exclusions, and when nobody is excluded.
-    net : NetPreference
-        For the one, in logits.
-    decision : Decision
-        What the report decides by.
-    robustness, as_published
-        Further tests, which have no direction.
+    found : Comparison or MatchedCondition
+        What the answers say for the one.
     """
 
     label: str
     one: str
     other: str
     question: str
-    recruited: int
-    attentive: int
-    n: int
-    levels: tuple[int, ...]
-    win_share: Estimate
-    everyone: Estimate
-    net: NetPreference
-    decision: Decision
-    robustness: Robustness
-    as_published: Pooled
+    found: Comparison | MatchedCondition
+
+    @property
+    def levels(self) -> tuple[int, ...]:
+        """How many answered clearly one, slightly one, no difference, slightly, clearly other."""
+        return tuple(self.found.counts.values())
 
     @property
     def percentages(self) -> tuple[float, ...]:
         """The levels in percent of all answers; zeros without any."""
-        return tuple(100 * level / max(self.n, 1) for level in self.levels)
+        return tuple(100 * level / max(self.found.n, 1) for level in self.levels)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +78,7 @@ class PreferenceGroup:
     @property
     def all_tied(self) -> str:
         """A sentence where there are answers and all are 'no difference'; '' otherwise."""
-        answers = sum(row.n for row in self.rows)
+        answers = sum(row.found.n for row in self.rows)
         if not answers or sum(row.levels[2] for row in self.rows) < answers:
             return ""
         return (
@@ -121,13 +103,11 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
     found = []
     for name, members in _by_set(results.comparisons):
         from_side = reference_of(members, reference)
-        turned = [_from(comparison, from_side) for comparison in members]
-        if from_side is not None:
-            rows = [replace(row, label=row.other) for row in turned]
-            one, other, heading = wording.name(from_side), "the other", "against"
-        else:
-            rows = [replace(row, label=f"{row.one} against {row.other}") for row in turned]
+        rows = [_compared(comparison, from_side) for comparison in members]
+        if from_side is None:
             one, other, heading = "the first", "the second", "first against second"
+        else:
+            one, other, heading = wording.name(from_side), "the other", "against"
         found.append(_group(name, one, other, heading, [c.question for c in members], rows))
     return tuple(found)
 
@@ -174,9 +154,9 @@ def _group(
     questions = sorted(dict.fromkeys(asked), key=lambda question: "emotion" not in question)
     order = {wording.name(question): place for place, question in enumerate(questions)}
     shares = {
-        row.label: row.win_share.estimate
+        row.label: row.found.win_share.estimate
         for row in rows
-        if row.question == wording.name(questions[0]) and row.n
+        if row.question == wording.name(questions[0]) and row.found.n
     }
     return PreferenceGroup(
         set=name,
@@ -190,43 +170,23 @@ def _group(
     )
 
 
-def _from(comparison: Comparison, reference: str | None) -> PreferenceRow:
-    row = _row(comparison, comparison.a, comparison.b, comparison.question)
-    return _turned(row) if comparison.b == reference else row
-
-
-def _own(condition: MatchedCondition) -> PreferenceRow:
-    row = _row(condition, "own speech", "other speech", condition.question)
-    return replace(row, label=wording.name(condition.condition))
-
-
-def _row(found: Preference, one: str, other: str, question: str) -> PreferenceRow:
+def _compared(comparison: Comparison, reference: str | None) -> PreferenceRow:
+    found = comparison.turned() if comparison.b == reference else comparison
+    one, other = wording.name(found.a), wording.name(found.b)
     return PreferenceRow(
-        label="",
-        one=wording.name(one),
-        other=wording.name(other),
-        question=wording.name(question),
-        recruited=found.recruited,
-        attentive=found.attentive,
-        n=found.n,
-        levels=tuple(found.counts.values()),
-        win_share=found.win_share,
-        everyone=found.without_exclusions.win_share,
-        net=found.clmm,
-        decision=found.decision,
-        robustness=found.robustness,
-        as_published=found.as_published,
+        label=f"{one} against {other}" if reference is None else other,
+        one=one,
+        other=other,
+        question=wording.name(found.question),
+        found=found,
     )
 
 
-def _turned(row: PreferenceRow) -> PreferenceRow:
-    return replace(
-        row,
-        one=row.other,
-        other=row.one,
-        levels=row.levels[::-1],
-        win_share=row.win_share.turned(),
-        everyone=row.everyone.turned(),
-        net=replace(row.net, estimate=-row.net.estimate),
-        decision=row.decision.turned(),
+def _own(condition: MatchedCondition) -> PreferenceRow:
+    return PreferenceRow(
+        label=wording.name(condition.condition),
+        one="own speech",
+        other="other speech",
+        question=wording.name(condition.question),
+        found=condition,
     )

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from types import MappingProxyType
 from typing import Final
 
 from analysis.report import wording
 from analysis.report.by_question import table_by_question
-from analysis.report.content import Cell, Table, cells
+from analysis.report.content import Cell, Column, Table, cells, table_of
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow, levels
 from analysis.report.headline.words import (
     CLUSTERED,
+    HOLM,
+    INTERVAL,
     count_cell,
     counted,
     gathered,
@@ -19,7 +22,8 @@ from analysis.report.headline.words import (
     plus_minus,
     share_words,
 )
-from analysis.stats.clustered_mean import LEVEL
+from analysis.results.net_preference import NetPreference
+from analysis.stats.clustered_mean import LEVEL, Estimate
 from analysis.stats.clustered_variance import TWO_WAY
 
 INSTEAD: Final = MappingProxyType(
@@ -52,42 +56,55 @@ def sums_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
 
 def counts_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     """Return how many gave each of the five answers."""
-    return Table(
-        caption=f"{of_set(group.set)}Answers after exclusions: number, and % of the row.",
-        header=("question", group.heading, *levels(group.one, group.other), "answers"),
-        rows=tuple(
-            (
-                *cells(wording.heading(row.question), row.label),
-                *(
-                    counted(count, f"{count} ({percent:.0f})" if row.n else "–")
-                    for count, percent in zip(row.levels, row.percentages, strict=True)
-                ),
-                count_cell(row.n),
-            )
-            for row in group.rows
+    return table_of(
+        group.rows,
+        *_about(group),
+        *(
+            (words, partial(_count, level))
+            for level, words in enumerate(levels(group.one, group.other))
         ),
-        text_columns=2,
+        ("answers", lambda row: count_cell(row.found.n)),
+        caption=f"{of_set(group.set)}Answers after exclusions: number, and % of the row.",
         notes=("Rounded percentages may not add up to 100.",),
         name=name,
         data=data,
     )
 
 
+def _about(group: PreferenceGroup) -> tuple[Column[PreferenceRow], ...]:
+    return (
+        ("question", lambda row: wording.heading(row.question)),
+        (group.heading, lambda row: row.label),
+    )
+
+
+def _count(level: int, row: PreferenceRow) -> Cell:
+    count, percent = row.levels[level], row.percentages[level]
+    return counted(count, f"{count} ({percent:.0f})" if row.found.n else "–")
+
+
 def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     """Return the headline numbers: win share with its interval, and the model's net preference."""
-    return Table(
+    return table_of(
+        group.rows,
+        *_about(group),
+        (
+            "participants",
+            lambda row: counted(
+                row.found.attentive, f"{row.found.attentive} of {row.found.recruited}"
+            ),
+        ),
+        ("answers", lambda row: count_cell(row.found.n)),
+        (f"win share, {INTERVAL}", lambda row: _share(row.found.win_share)),
+        ("log-odds", lambda row: _log_odds(row.found.clmm)),
+        ("p", lambda row: p_cell(row.found.decision.p_value)),
+        (HOLM, lambda row: p_cell(row.found.decision.p_holm)),
         caption=f"{of_set(group.set)}Win share of {group.one}: preferences for it plus half of "
         "“no difference”, as a share of all answers, with its "
         f"{LEVEL:.0%} interval, clustered by participant and segment ({CLUSTERED}). Log-odds: "
         "net preference in a cumulative link mixed model with crossed effects of participants and "
         "segments; p by its likelihood ratio, or of what a note names in its place, corrected by "
         "Holm over the report's family of tests. After exclusions.",
-        header=(
-            *("question", group.heading, "participants", "answers"),
-            *(f"win share, {LEVEL:.0%} interval", "log-odds", "p", f"p{wording.NO_BREAK}(Holm)"),
-        ),
-        rows=tuple(_headline(row) for row in group.rows),
-        text_columns=2,
         notes=(
             "Participants: those analysed, of those who took part in the comparison.",
             *_reasons(group),
@@ -97,38 +114,32 @@ def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     )
 
 
+def _share(found: Estimate) -> Cell:
+    return counted(found.estimate, share_words(found, why=False))
+
+
+def _log_odds(net: NetPreference) -> Cell:
+    return counted(net.estimate, plus_minus(net.estimate, net.standard_error))
+
+
 def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     """Return what stands beside the headline: without exclusions, by other tests, as published."""
-    ignored = dict.fromkeys(words for row in group.rows for words in row.as_published.ignores)
-    return Table(
+    ignored = dict.fromkeys(words for row in group.rows for words in row.found.as_published.ignores)
+    return table_of(
+        group.rows,
+        *_about(group),
+        (f"win share, {INTERVAL}", lambda row: _share(row.found.without_exclusions.win_share)),
+        ("sign", lambda row: p_cell(row.found.robustness.sign_p)),
+        ("Wilcoxon", lambda row: p_cell(row.found.robustness.wilcoxon_p)),
+        ("min F′", lambda row: p_cell(row.found.robustness.min_f_p)),
+        ("binomial", lambda row: p_cell(row.found.as_published.binomial_p)),
+        ("Wilcoxon", lambda row: p_cell(row.found.as_published.wilcoxon_p)),
         caption=f"{of_set(group.set)}Beside the headline. Nobody excluded: the win share over all "
         "who answered. Further tests: exact ones over participants' means, which take the "
         "segments as the only ones of interest, and min F′, which is conservative. As published: "
         "what papers report, all answers pooled as if each came from another person, ties "
         "dropped; not a valid test of these answers.",
         groups=(("", 2), ("nobody excluded", 1), ("further tests, p", 3), ("as published, p", 2)),
-        header=(
-            *("question", group.heading, f"win share, {LEVEL:.0%} interval"),
-            *("sign", "Wilcoxon", "min F′", "binomial", "Wilcoxon"),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(row.question), row.label),
-                counted(row.everyone.estimate, share_words(row.everyone, why=False)),
-                *(
-                    p_cell(p)
-                    for p in (
-                        row.robustness.sign_p,
-                        row.robustness.wilcoxon_p,
-                        row.robustness.min_f_p,
-                        row.as_published.binomial_p,
-                        row.as_published.wilcoxon_p,
-                    )
-                ),
-            )
-            for row in group.rows
-        ),
-        text_columns=2,
         notes=(f"As published leaves out of account {'; '.join(ignored)}.",) if ignored else (),
         name=name,
         data=data,
@@ -136,7 +147,7 @@ def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
 
 
 def _sums(row: PreferenceRow) -> tuple[Cell, ...]:
-    if not row.n:
+    if not row.found.n:
         return cells("–", "–", "–", "0")
     one_strong, one_weak, equal, other_weak, other_strong = row.percentages
     one, other = one_strong + one_weak, other_strong + other_weak
@@ -144,20 +155,7 @@ def _sums(row: PreferenceRow) -> tuple[Cell, ...]:
         counted(one, wording.percent(one), best=one > other),
         counted(other, wording.percent(other), best=other > one),
         counted(equal, wording.percent(equal)),
-        count_cell(row.n),
-    )
-
-
-def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
-    net = row.net
-    return (
-        *cells(wording.heading(row.question), row.label),
-        counted(row.attentive, f"{row.attentive} of {row.recruited}"),
-        count_cell(row.n),
-        counted(row.win_share.estimate, share_words(row.win_share, why=False)),
-        counted(net.estimate, plus_minus(net.estimate, net.standard_error)),
-        p_cell(row.decision.p_value),
-        p_cell(row.decision.p_holm),
+        count_cell(row.found.n),
     )
 
 
@@ -166,12 +164,13 @@ def _reasons(group: PreferenceGroup) -> tuple[str, ...]:
     return gathered(
         (f"{wording.heading(row.question)}, {row.label}", note)
         for row in group.rows
+        for share, net, decision in ((row.found.win_share, row.found.clmm, row.found.decision),)
         for note in (
-            row.win_share.reason and f"no interval: {row.win_share.reason}",
-            "" if row.win_share.method in {"", TWO_WAY} else f"interval {row.win_share.method}",
-            row.win_share.remark,
-            row.net.reason and f"no log-odds: {row.net.reason}",
-            row.net.remark,
-            row.decision.why and f"p is that of {INSTEAD[row.decision.by]}; {row.decision.why}",
+            share.reason and f"no interval: {share.reason}",
+            "" if share.method in {"", TWO_WAY} else f"interval {share.method}",
+            share.remark,
+            net.reason and f"no log-odds: {net.reason}",
+            net.remark,
+            decision.why and f"p is that of {INSTEAD[decision.by]}; {decision.why}",
         )
     )

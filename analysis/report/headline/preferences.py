@@ -123,8 +123,8 @@ def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Secti
 
 def _why_no_figure(group: PreferenceGroup) -> str:
     return why_no_figure(
-        answers=sum(row.n for row in group.rows),
-        participants=max(row.attentive for row in group.rows),
+        answers=sum(row.found.n for row in group.rows),
+        participants=max(row.found.attentive for row in group.rows),
         tied=group.all_tied,
     )
 
@@ -196,7 +196,7 @@ def preference_pictures(group: PreferenceGroup, about: About) -> tuple[Picture, 
     ]
     reach = min(100, max(60, math.ceil(max(sides)) + 5))
     people = {
-        label: max(row.attentive for row in group.rows if row.label == label)
+        label: max(row.found.attentive for row in group.rows if row.label == label)
         for label in group.labels
     }
     return bar_pictures(
@@ -229,16 +229,16 @@ def _about(group: PreferenceGroup, name: str, data: str, mark: str) -> About:
 
 
 def _bar(row: PreferenceRow | None) -> Bar:
-    if row is None or not row.n:
+    if row is None or not row.found.n:
         return Bar()
-    percents, share = row.percentages, row.win_share
+    percents, share = row.percentages, row.found.win_share
     return Bar(
         start=-(percents[0] + percents[1] + percents[2] / 2),
         parts=tuple(
             Part(
                 percent=percent,
                 colour=colour,
-                hint=f"{level}: {count} of {row.n} answers ({percent:.0f} %)",
+                hint=f"{level}: {count} of {row.found.n} answers ({percent:.0f} %)",
             )
             for percent, colour, count, level in zip(
                 percents, FIVE, row.levels, levels(row.one, row.other), strict=True

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from analysis.report import wording
-from analysis.report.content import Table, cells
+from analysis.report.content import Cell, Table, table_of
 from analysis.report.headline.words import (
     CLUSTERED,
+    CONDITION,
+    INTERVAL,
+    PAIR,
     between,
     count_cell,
     counted,
@@ -17,6 +21,7 @@ from analysis.report.headline.words import (
     number_cell,
     of_set,
     p_cell,
+    place_of,
     share_cell,
 )
 from analysis.results.ranking import RankContrast, RankedCondition
@@ -34,30 +39,21 @@ def ordinal(place: int) -> str:
 def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:
     """Return how often each condition came to each place, in percent."""
     places = max(len(c.rank_percent) for c in conditions)
-    return Table(
+    return table_of(
+        conditions,
+        *CONDITION,
+        ("n", lambda c: count_cell(c.n)),
+        *((ordinal(place), partial(_percent, place)) for place in range(1, places + 1)),
         caption=f"{of_set(conditions[0].set)}How often each condition came to each place, in % of "
         "its n rankings after exclusions; tied conditions share their places.",
-        header=(
-            *("question", "condition", "n"),
-            *(ordinal(place) for place in range(1, places + 1)),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(c.question), wording.name(c.condition)),
-                count_cell(c.n),
-                *(
-                    counted(c.rank_percent[place], wording.fixed(c.rank_percent[place], 1))
-                    if place in c.rank_percent
-                    else cells("–")[0]
-                    for place in range(1, places + 1)
-                ),
-            )
-            for c in conditions
-        ),
-        text_columns=2,
         name=name,
         data=data,
     )
+
+
+def _percent(place: int, ranked: RankedCondition) -> Cell:
+    found = ranked.rank_percent.get(place)
+    return Cell(text="–") if found is None else counted(found, wording.fixed(found, 1))
 
 
 def rank_table(
@@ -69,34 +65,24 @@ def rank_table(
     data: str,
 ) -> Table:
     """Return mean ranks and shares of first places with their intervals."""
-    return Table(
+    return table_of(
+        conditions,
+        *CONDITION,
+        ("n", lambda c: count_cell(c.n)),
+        ("mean", lambda c: number_cell(c.mean_rank.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.mean_rank.low, c.mean_rank.high)),
+        ("p", lambda c: p_cell(c.mean_rank.p_value)),
+        ("share", lambda c: share_cell(c.first_share.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.first_share.low, c.first_share.high, wording.share)),
+        ("p", lambda c: p_cell(c.first_share.p_value)),
         caption=f"{of_set(conditions[0].set)}Mean rank (1 is best) and share of first places, with "
         f"{LEVEL:.0%} intervals clustered by participant and segment ({CLUSTERED}), "
         "each tested against what chance "
         "gives; p is not corrected. After exclusions; n: rankings.",
         groups=(("", 3), ("mean rank", 3), ("first places", 3)),
-        header=(
-            *("question", "condition", "n"),
-            *("mean", f"{LEVEL:.0%} interval", "p"),
-            *("share", f"{LEVEL:.0%} interval", "p"),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(c.question), wording.name(c.condition)),
-                count_cell(c.n),
-                number_cell(c.mean_rank.estimate),
-                interval_cell(c.mean_rank.low, c.mean_rank.high),
-                p_cell(c.mean_rank.p_value),
-                share_cell(c.first_share.estimate),
-                interval_cell(c.first_share.low, c.first_share.high, wording.share),
-                p_cell(c.first_share.p_value),
-            )
-            for c in conditions
-        ),
-        text_columns=2,
         notes=(
             *gathered(
-                (f"{wording.heading(c.question)}, {wording.name(c.condition)}", note)
+                (place_of(c), note)
                 for c in conditions
                 for note in (
                     c.remark,
@@ -112,7 +98,7 @@ def rank_table(
             *(
                 f"{wording.heading(question)}: Friedman's test over participants' mean ranks, "
                 "which takes the segments as the only ones of interest: "
-                f"p {_is(one)}."
+                f"{f'p is missing, {one.reason}' if one.reason else wording.p_is(one.p_value)}."
                 for question, one in tested.items()
             ),
         ),
@@ -123,35 +109,20 @@ def rank_table(
 
 def posthoc_table(contrasts: Sequence[RankContrast], *, name: str) -> Table:
     """Return every two conditions after Friedman's test, secondary."""
-    return Table(
+    return table_of(
+        contrasts,
+        *PAIR,
+        ("n", lambda c: count_cell(c.n)),
+        ("difference", lambda c: number_cell(c.difference)),
+        ("p (Nemenyi)", lambda c: p_cell(c.nemenyi_p)),
+        ("p (Conover)", lambda c: p_cell(c.conover_holm)),
+        ("p (Wilcoxon)", lambda c: p_cell(c.wilcoxon_holm)),
         caption=f"{of_set(contrasts[0].set)}Every two conditions after Friedman's test, secondary: "
         "difference of participants' mean ranks, below zero where the first is better. Nemenyi "
         "corrects for all pairs of its question; Conover's and Wilcoxon's p are corrected by Holm "
         "over them. These tests take the segments as the only ones of interest. n: participants "
         "who ranked all conditions.",
-        header=(
-            *("question", "first", "second", "n", "difference"),
-            *("p (Nemenyi)", "p (Conover)", "p (Wilcoxon)"),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(c.question), wording.name(c.a), wording.name(c.b)),
-                count_cell(c.n),
-                number_cell(c.difference),
-                p_cell(c.nemenyi_p),
-                p_cell(c.conover_holm),
-                p_cell(c.wilcoxon_holm),
-            )
-            for c in contrasts
-        ),
-        text_columns=3,
-        notes=gathered(
-            (
-                f"{wording.heading(c.question)}, {wording.name(c.a)} against {wording.name(c.b)}",
-                c.reason,
-            )
-            for c in contrasts
-        ),
+        notes=gathered((place_of(c), c.reason) for c in contrasts),
         name=name,
         data="posthoc.csv",
     )
@@ -166,10 +137,3 @@ def _concordance(found: Concordance) -> str:
         f"Kendall's W, the mean over segments, is {wording.share(found.estimate)}{inside}; of "
         f"participants' mean ranks {wording.share(found.overall)}"
     )
-
-
-def _is(found: Friedman) -> str:
-    if found.reason:
-        return f"is missing, {found.reason}"
-    p = wording.p_value(found.p_value)
-    return p if p.startswith("<") else f"= {p}"

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from analysis.report import wording
 from analysis.report.by_question import table_by_question
-from analysis.report.content import Cell, Table, cells
+from analysis.report.content import Cell, Table, table_of
 from analysis.report.headline.words import (
     CLUSTERED,
+    CONDITION,
+    HOLM,
+    INTERVAL,
+    PAIR,
     count_cell,
     counted,
     gathered,
@@ -19,6 +24,7 @@ from analysis.report.headline.words import (
     number_cell,
     of_set,
     p_cell,
+    place_of,
     share_cell,
 )
 from analysis.results.rating import RatedCondition
@@ -52,69 +58,46 @@ def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -
 def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -> Table:
     """Return means with their intervals, and how many percent reach each score."""
     scores = tuple(conditions[0].at_least)[1:]
-    return Table(
+    return table_of(
+        conditions,
+        *CONDITION,
+        ("n", lambda c: count_cell(c.n)),
+        ("mean", lambda c: number_cell(c.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.low, c.high)),
+        *((f"≥ {score}", partial(_reaching, score)) for score in scores),
         caption=f"{of_set(conditions[0].set)}Mean ratings with {LEVEL:.0%} intervals, clustered by "
         f"participant and segment ({CLUSTERED}), "
         "and how many of the n ratings are a score or a higher one, in %. After exclusions.",
-        header=(
-            *("question", "condition", "n", "mean", f"{LEVEL:.0%} interval"),
-            *(f"≥ {score}" for score in scores),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(c.question), wording.name(c.condition)),
-                count_cell(c.n),
-                number_cell(c.estimate),
-                interval_cell(c.low, c.high),
-                *(
-                    counted(c.at_least[score], wording.fixed(c.at_least[score], 1))
-                    for score in scores
-                ),
-            )
-            for c in conditions
-        ),
-        text_columns=2,
-        notes=gathered(
-            (
-                f"{wording.heading(c.question)}, {wording.name(c.condition)}",
-                c.reason and f"no interval: {c.reason}",
-            )
-            for c in conditions
-        ),
+        notes=gathered((place_of(c), c.reason and f"no interval: {c.reason}") for c in conditions),
         name=name,
         data=data,
     )
 
 
+def _reaching(score: int, rated: RatedCondition) -> Cell:
+    return counted(rated.at_least[score], wording.fixed(rated.at_least[score], 1))
+
+
 def contrast_table(contrasts: Sequence[RatingContrast], *, name: str) -> Table:
     """Return the headline test: how much better each condition is rated than each other one."""
-    return Table(
+    return table_of(
+        contrasts,
+        *PAIR,
+        ("n", lambda c: count_cell(c.difference.n)),
+        ("difference", lambda c: number_cell(c.difference.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.difference.low, c.difference.high)),
+        ("p", lambda c: p_cell(c.difference.p_value)),
+        (HOLM, lambda c: p_cell(c.difference.p_holm)),
+        ("Cliff's δ", lambda c: share_cell(c.cliffs_delta.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.cliffs_delta.low, c.cliffs_delta.high, wording.share)),
         caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
         f"second, in scores: mean difference of paired ratings with its {LEVEL:.0%} interval, "
         f"clustered by participant and segment ({CLUSTERED}); n: "
         "pairs of ratings. p is corrected by Holm over the report's family of tests. "
         "Cliff's δ: how often the first is rated higher minus how often lower. "
         "After exclusions.",
-        header=(
-            *("question", "first", "second", "n", "difference", f"{LEVEL:.0%} interval"),
-            *("p", f"p{wording.NO_BREAK}(Holm)", "Cliff's δ", f"{LEVEL:.0%} interval"),
-        ),
-        rows=tuple(
-            (
-                *_place(c),
-                count_cell(c.difference.n),
-                number_cell(c.difference.estimate),
-                interval_cell(c.difference.low, c.difference.high),
-                p_cell(c.difference.p_value),
-                p_cell(c.difference.p_holm),
-                share_cell(c.cliffs_delta.estimate),
-                interval_cell(c.cliffs_delta.low, c.cliffs_delta.high, wording.share),
-            )
-            for c in contrasts
-        ),
-        text_columns=3,
         notes=gathered(
-            (_about(c), note)
+            (place_of(c), note)
             for c in contrasts
             for note in (
                 c.difference.reason and f"no interval: {c.difference.reason}",
@@ -133,44 +116,23 @@ def model_table(
     name: str,
 ) -> Table:
     """Return the same contrasts in the mixed model, beside the headline."""
-    return Table(
+    return table_of(
+        contrasts,
+        *PAIR,
+        ("log-odds", lambda c: number_cell(c.log_odds)),
+        ("odds ratio", lambda c: number_cell(c.odds_ratio)),
         caption=f"{of_set(contrasts[0].set)}Beside the headline: the same contrasts in a "
         "cumulative link mixed model with crossed random intercepts of participants and segments. "
         "Log-odds and odds ratio: of a better rating for the first condition. The model takes "
         "conditions to differ alike for all participants and segments; where they do not, its "
         "errors are too small, so that it describes and does not test.",
-        header=("question", "first", "second", "log-odds", "odds ratio"),
-        rows=tuple(
-            (
-                *_place(c),
-                number_cell(c.log_odds),
-                number_cell(c.odds_ratio),
-            )
-            for c in contrasts
-        ),
-        text_columns=3,
         notes=(
-            *(
-                note
-                for question, model in models.items()
-                for note in notes(model.reason, model.remark, wording.heading(question))
-            ),
+            note
+            for question, model in models.items()
+            for note in notes(model.reason, model.remark, wording.heading(question))
         ),
         name=name,
         data="contrasts.csv",
-    )
-
-
-def _place(contrast: RatingContrast) -> tuple[Cell, ...]:
-    return cells(
-        wording.heading(contrast.question), wording.name(contrast.a), wording.name(contrast.b)
-    )
-
-
-def _about(contrast: RatingContrast) -> str:
-    return (
-        f"{wording.heading(contrast.question)}, {wording.name(contrast.a)} against "
-        f"{wording.name(contrast.b)}"
     )
 
 

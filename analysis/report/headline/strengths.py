@@ -6,11 +6,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from analysis.report import wording
-from analysis.report.content import Cell, Picture, Table, cells
+from analysis.report.content import Picture, Table, table_of
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
 from analysis.report.headline.words import (
+    HOLM,
+    INTERVAL,
+    PAIR,
     between,
     gathered,
     interval_cell,
@@ -19,6 +22,7 @@ from analysis.report.headline.words import (
     number_cell,
     of_set,
     p_cell,
+    place_of,
     ranks,
 )
 from analysis.results.strengths import StrengthContrast, Strengths, Worths
@@ -88,24 +92,22 @@ def standings_table(
     caption, name, data
         See `analysis.report.content.Table`.
     """
-    rows = [
-        (
-            *cells(wording.heading(question), wording.name(one)),
-            number_cell(value),
-            *_uncertainty(fitted, one),
-            Cell(text=ranks(fitted.ranks.get(one))),
-        )
-        for question, fitted in found.items()
-        for one, value in sorted(
-            _values(fitted).items(), key=lambda pair: (math.isnan(pair[1]), -pair[1])
-        )
-    ]
-    return Table(
+    return table_of(
+        [
+            (question, fitted, one, value)
+            for question, fitted in found.items()
+            for one, value in sorted(
+                _values(fitted).items(), key=lambda pair: (math.isnan(pair[1]), -pair[1])
+            )
+        ],
+        ("question", lambda row: wording.heading(row[0])),
+        ("condition", lambda row: wording.name(row[2])),
+        (what, lambda row: number_cell(row[3])),
+        ("error", lambda row: number_cell(_error(row[1], row[2]))),
+        (INTERVAL, lambda row: interval_cell(row[1].low[row[2]], row[1].high[row[2]])),
+        ("ranks", lambda row: ranks(row[1].ranks.get(row[2]))),
         caption=caption,
-        header=("question", "condition", what, "error", f"{LEVEL:.0%} interval", "ranks"),
-        rows=tuple(rows),
-        text_columns=2,
-        notes=tuple(
+        notes=(
             note
             for question, fitted in found.items()
             for note in (
@@ -118,11 +120,9 @@ def standings_table(
     )
 
 
-def _uncertainty(fitted: Fitted, name: str) -> tuple[Cell, Cell]:
+def _error(fitted: Fitted, name: str) -> float:
     error = fitted.errors_two_way[name]
-    if math.isnan(error):
-        error = fitted.errors[name]
-    return number_cell(error), interval_cell(fitted.low[name], fitted.high[name])
+    return fitted.errors[name] if math.isnan(error) else error
 
 
 def _values(fitted: Fitted) -> Mapping[str, float]:
@@ -150,26 +150,17 @@ def contrasts_table(
         See `analysis.report.content.Table`.
     """
     shared = any(_share_ranks(one, fitted[one.question]) for one in contrasts)
-    return Table(
+    return table_of(
+        contrasts,
+        *PAIR,
+        ("difference", lambda c: number_cell(c.estimate)),
+        (INTERVAL, lambda c: interval_cell(c.low, c.high)),
+        ("p", lambda c: p_cell(c.p_value)),
+        (HOLM, lambda c: p_cell(c.p_holm)),
         caption=f"{of_set(contrasts[0].set)}Differences of {what} of every two conditions, in "
         f"logits, with {LEVEL:.0%} intervals one at a time, clustered by participant and segment; "
         "above zero where the first is ahead. p is corrected by Holm over the report's family of "
         "tests. After exclusions.",
-        header=(
-            *("question", "first", "second", "difference", f"{LEVEL:.0%} interval"),
-            *("p", f"p{wording.NO_BREAK}(Holm)"),
-        ),
-        rows=tuple(
-            (
-                *cells(wording.heading(one.question), wording.name(one.a), wording.name(one.b)),
-                number_cell(one.estimate),
-                interval_cell(one.low, one.high),
-                p_cell(one.p_value),
-                p_cell(one.p_holm),
-            )
-            for one in contrasts
-        ),
-        text_columns=3,
         notes=(
             *(
                 f"{wording.heading(question)}, all conditions together: "
@@ -183,13 +174,7 @@ def contrasts_table(
                 for test in (model.omnibus,)
             ),
             *gathered(
-                (
-                    f"{wording.heading(one.question)}, {wording.name(one.a)} against "
-                    f"{wording.name(one.b)}",
-                    note,
-                )
-                for one in contrasts
-                for note in (one.reason, one.remark)
+                (place_of(one), note) for one in contrasts for note in (one.reason, one.remark)
             ),
             *((RANKS_ARE_WIDER,) if shared else ()),
         ),

@@ -4,14 +4,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from typing import Final
 
 from analysis.report import wording
-from analysis.report.content import Cell
+from analysis.report.content import Cell, Column
+from analysis.results.grouping import ConditionPlace, PairPlace
 from analysis.results.strengths import RankInterval
-from analysis.stats.clustered_mean import Estimate
+from analysis.stats.clustered_mean import LEVEL, Estimate
 
 CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
 """How intervals of means are computed, for captions."""
+
+INTERVAL: Final = f"{LEVEL:.0%} interval"
+HOLM: Final = f"p{wording.NO_BREAK}(Holm)"
+
+CONDITION: Final[tuple[Column[ConditionPlace], ...]] = (
+    ("question", lambda one: wording.heading(one.question)),
+    ("condition", lambda one: wording.name(one.condition)),
+)
+PAIR: Final[tuple[Column[PairPlace], ...]] = (
+    ("question", lambda one: wording.heading(one.question)),
+    ("first", lambda one: wording.name(one.a)),
+    ("second", lambda one: wording.name(one.b)),
+)
+
+
+def place_of(one: ConditionPlace | PairPlace) -> str:
+    """Return what a note calls a result: its question, and its condition or conditions."""
+    about = one.condition if isinstance(one, ConditionPlace) else f"{one.a} against {one.b}"
+    return f"{wording.heading(one.question)}, {wording.name(about)}"
 
 
 def interval(found: Estimate) -> str:

@@ -7,12 +7,12 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.by_question import each_question
+from analysis.report.headline.heterogeneity import whole_effects
 from analysis.report.sections.flow import is_half_finished, places_words
 from analysis.report.sections.looks import looks_sentence
 from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
 from analysis.report.subject import Subject
 from analysis.results.grouping import ByQuestion
-from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
@@ -173,16 +173,11 @@ def _seeming(found: tuple[Verdict, ...]) -> str:
 
 def _unequal(results: Results) -> str:
     """Warn where one participant weighs much more than the others."""
-    match results:
-        case PairwiseResults(comparisons=found):
-            remarks = [(f"{one.a} against {one.b}", one.win_share.remark) for one in found]
-        case MismatchResults(conditions=matched):
-            remarks = [(one.condition, one.win_share.remark) for one in matched]
-        case RatingResults(contrasts=rated):
-            remarks = [(f"{one.a} against {one.b}", one.difference.remark) for one in rated]
-        case RankingResults(conditions=ranked):
-            remarks = [(one.condition, one.mean_rank.remark) for one in ranked]
-    said = [f"{name}: {remark}" for name, remark in remarks if remark]
+    said = [
+        f"{' against '.join(names)}: {found.remark}"
+        for (_, _, names), found in whole_effects(results).items()
+        if found.remark
+    ]
     more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
     return f"Participants answered very unequally often. {said[0]}{more}." if said else ""
 

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final, cast
+
 from analysis.answers.quality import Quality
 from analysis.report import wording
 from analysis.report.by_question import each_question, question_name
-from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.content import Column, Section, Table, table_of
 from analysis.report.headline.words import between, count_cell, p_cell, share_cell
 from analysis.report.subject import Subject
 from analysis.results.agreement import Agreement
 from analysis.results.grouping import ByQuestion
-from analysis.results.mismatch import MismatchResults
-from analysis.results.pairwise import PairwiseResults
+from analysis.results.mismatch import MismatchResults, OwnSideBias
+from analysis.results.pairwise import PairwiseResults, SideBias
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
+from analysis.stats.clustered_mean import Estimate
+from analysis.stats.intraclass import Intraclass
 from analysis.stats.rankings.kendall_w import Concordance
 from analysis.stats.retest import Retest
 
 DESCRIBED = (
     "Nothing here excludes anybody or decides anything; low agreement does not rule out a real "
     "difference."
+)
+
+_QUESTION: Final[Column[tuple[str, str, object]]] = (
+    "question",
+    lambda row: question_name(row[0], row[1]),
 )
 
 
@@ -47,30 +57,25 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
 
 
 def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) -> Table:
-    first, found = "own speech", []
-    if isinstance(results, MismatchResults):
-        for of, question, own in each_question(results.side_bias, sets):
-            found.append((question_name(of, question), own.left_share, own.own_on_left))
-    else:
-        first = "first condition"
-        for of, question, one in each_question(results.side_bias, sets):
-            found.append((question_name(of, question), one.left_share, one.a_on_left))
-    rows = [
+    first = "own speech" if isinstance(results, MismatchResults) else "first condition"
+    return table_of(
+        [*each_question(cast(ByQuestion[SideBias | OwnSideBias], results.side_bias), sets)],
+        _QUESTION,
+        ("left share", lambda row: share_cell(row[2].left_share.estimate)),
         (
-            Cell(text=name),
-            share_cell(left.estimate),
-            Cell(text=_interval(left.low, left.high, left.reason)),
-            p_cell(left.p_value),
-            share_cell(on_left),
-        )
-        for name, left, on_left in found
-    ]
-    return Table(
+            "95 % interval",
+            lambda row: _of_share(row[2].left_share),
+        ),
+        ("p", lambda row: p_cell(row[2].left_share.p_value)),
+        (
+            f"{first} on the left",
+            lambda row: share_cell(
+                row[2].own_on_left if isinstance(row[2], OwnSideBias) else row[2].a_on_left
+            ),
+        ),
         caption="Side bias: share of analysed answers for the left side, ties counting one half, "
         "tested against .5 (two-way clustered); and how often the "
         f"{first} of a comparison stood on the left.",
-        header=("question", "left share", "95 % interval", "p", f"{first} on the left"),
-        rows=tuple(rows),
         notes=(
             "A bias to one side pulls win shares towards .5; it favours a condition only as far as "
             "the sides were not balanced. The model takes it out of the net preference.",
@@ -81,87 +86,76 @@ def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) ->
 
 
 def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
-    rows = tuple(
+    return table_of(
+        each_question(found, sets),
+        _QUESTION,
+        ("α", lambda row: share_cell(row[2].estimate)),
+        ("95 % interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
+        ("ICC(A,1)", lambda row: share_cell(row[2].icc.single.estimate)),
         (
-            Cell(text=question_name(of, question)),
-            share_cell(one.estimate),
-            Cell(text=_interval(one.low, one.high, one.reason)),
-            share_cell(one.icc.single.estimate),
-            Cell(text=_interval(one.icc.single.low, one.icc.single.high, one.icc.reason)),
-            share_cell(one.icc.average.estimate),
-            count_cell(one.n),
-            count_cell(one.items),
-            count_cell(one.participants),
-        )
-        for of, question, one in each_question(found, sets)
-    )
-    return Table(
+            "95 % interval",
+            lambda row: _of_icc(row[2].icc),
+        ),
+        ("ICC(A,k)", lambda row: share_cell(row[2].icc.average.estimate)),
+        ("answers", lambda row: count_cell(row[2].n)),
+        ("items", lambda row: count_cell(row[2].items)),
+        ("participants", lambda row: count_cell(row[2].participants)),
         caption="Agreement between participants about the same item: Krippendorff's α for ordered "
         "answers (1 is full agreement, 0 what chance gives), its interval over items; intraclass "
         "correlation of one participant's answers, ICC(A,1), and of the means over an item's "
         "participants, ICC(A,k).",
-        header=(
-            *("question", "α", "95 % interval", "ICC(A,1)", "95 % interval", "ICC(A,k)"),
-            *("answers", "items", "participants"),
-        ),
-        rows=rows,
         name="agreement_table",
         data="agreement.csv",
     )
 
 
 def _retest(found: ByQuestion[Retest], sets: tuple[str, ...]) -> Table:
-    rows = tuple(
-        (
-            Cell(text=question_name(of, question)),
-            count_cell(one.n),
-            share_cell(one.kappa),
-            Cell(text=_interval(one.low, one.high, one.reason)),
-            share_cell(one.equal_share),
-            share_cell(one.spearman),
-        )
-        for of, question, one in each_question(found, sets)
-        if one.n
-    )
-    return Table(
+    return table_of(
+        [row for row in each_question(found, sets) if row[2].n],
+        _QUESTION,
+        ("trials", lambda row: count_cell(row[2].n)),
+        ("κ", lambda row: share_cell(row[2].kappa)),
+        ("95 % interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
+        ("equal", lambda row: share_cell(row[2].equal_share)),
+        ("ρ", lambda row: share_cell(row[2].spearman)),
         caption="Test and retest: practice trials against the same trials shown again at the end. "
         "Cohen's κ with quadratic weights, its interval over participants; the share of equal "
         "answers; Spearman's rank correlation.",
-        header=("question", "trials", "κ", "95 % interval", "equal", "ρ"),
-        rows=rows,
         name="test_retest_table",
         data="test_retest.csv",
     )
 
 
 def _concordance(found: ByQuestion[Concordance], sets: tuple[str, ...]) -> Table:
-    rows = tuple(
-        (
-            Cell(text=question_name(of, question)),
-            share_cell(one.estimate),
-            share_cell(one.overall),
-            *cells(str(one.n)),
-        )
-        for of, question, one in each_question(found, sets)
-    )
-    reasons = [
-        f"{question_name(of, question)}: {one.reason}."
-        for of, question, one in each_question(found, sets)
-        if one.reason
-    ]
-    return Table(
+    rows = [*each_question(found, sets)]
+    return table_of(
+        rows,
+        _QUESTION,
+        ("W, mean over segments", lambda row: share_cell(row[2].estimate)),
+        ("W of mean ranks", lambda row: share_cell(row[2].overall)),
+        ("participants", lambda row: str(row[2].n)),
         caption="Agreement between participants: Kendall's W (1 where all rank alike, 0 where "
         "ranks cancel out), mean over segments, and of participants' mean ranks.",
-        header=("question", "W, mean over segments", "W of mean ranks", "participants"),
-        rows=rows,
-        notes=tuple(reasons),
+        notes=(
+            f"{question_name(of, question)}: {one.reason}."
+            for of, question, one in rows
+            if one.reason
+        ),
         name="kendall_w_table",
         data="kendall_w.csv",
     )
 
 
+def _of_share(found: Estimate) -> str:
+    return _interval(found.low, found.high, found.reason)
+
+
+def _of_icc(found: Intraclass) -> str:
+    return _interval(found.single.low, found.single.high, found.reason)
+
+
 def _interval(low: float, high: float, reason: str) -> str:
-    if low != low or high != high:
+    if math.isnan(low) or math.isnan(high):
         return f"none: {reason}" if reason else "none"
     return between(wording.share(low), wording.share(high))
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from analysis.answers.exclusion_rules import BY_HAND
 from analysis.report import wording
-from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.content import Cell, Section, Table, table_of
 from analysis.report.headline.words import count_cell
 from analysis.report.subject import Subject
 from analysis.results.flow import Flow
@@ -17,6 +19,7 @@ _STAGES = (
     ("earlier", "− earlier design"),
     ("silent", "− no answer"),
 )
+_COUNTS = ("places", "opened", "withdrawn", "earlier", "unwatched", "completed")
 
 
 def flow_section(report: TableReport, subject: Subject) -> Section | None:
@@ -38,29 +41,29 @@ def _flow(report: TableReport, subject: Subject) -> Table:
         if any(getattr(flow, name) is not None for flow in report.flow)
     ]
     flows = report.flow if len(report.flow) == 1 else (*report.flow, _sum(report.flow))
-    return Table(
+    return table_of(
+        flows,
+        ("arm", lambda flow: wording.name(flow.arm) or "all"),
+        *((heading, partial(_stage, name)) for name, heading in stages),
+        ("answered", lambda flow: _count(flow.answered)),
+        *(
+            (f"− {_rule(rule.description, rule.exploratory)}", partial(_removed, place))
+            for place, rule in enumerate(report.rules)
+        ),
+        ("analysed", lambda flow: _count(flow.analysed)),
         caption=f"Participant flow: {subject.people}. Rules apply from left to right; a "
         "participant counts under the first that removes them.",
-        header=(
-            "arm",
-            *(heading for _, heading in stages),
-            "answered",
-            *(f"− {_rule(rule.description, rule.exploratory)}" for rule in report.rules),
-            "analysed",
-        ),
-        rows=tuple(
-            (
-                Cell(text=wording.name(flow.arm) or "all"),
-                *(_count(getattr(flow, name)) for name, _ in stages),
-                _count(flow.answered),
-                *map(_count, flow.removed),
-                _count(flow.analysed),
-            )
-            for flow in flows
-        ),
         name="participant_flow",
         data="flow.csv",
     )
+
+
+def _stage(name: str, flow: Flow) -> Cell:
+    return _count(getattr(flow, name))
+
+
+def _removed(rule: int, flow: Flow) -> Cell:
+    return _count(flow.removed[rule])
 
 
 def _sum(flows: tuple[Flow, ...]) -> Flow:
@@ -70,12 +73,7 @@ def _sum(flows: tuple[Flow, ...]) -> Flow:
 
     return Flow(
         arm="all",
-        places=total("places"),
-        opened=total("opened"),
-        withdrawn=total("withdrawn"),
-        earlier=total("earlier"),
-        unwatched=total("unwatched"),
-        completed=total("completed"),
+        **{name: total(name) for name in _COUNTS},
         answered=sum(flow.answered for flow in flows),
         removed=tuple(map(sum, zip(*(flow.removed for flow in flows), strict=True))),
         analysed=sum(flow.analysed for flow in flows),
@@ -130,11 +128,11 @@ def _remarks(report: TableReport) -> tuple[str, ...]:
 
 
 def _reasons(report: TableReport) -> Table:
-    return Table(
+    return table_of(
+        report.exclusions.items(),
+        ("participant", lambda one: one[0]),
+        ("reason", lambda one: one[1]),
         caption="Every excluded participant with the reason.",
-        header=("participant", "reason"),
-        rows=tuple(cells(who, why) for who, why in report.exclusions.items()),
-        text_columns=2,
         data="exclusions.csv",
     )
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from analysis.report.content import Cell, Section, Table, cells
-from analysis.results.looks import Look, LooksBefore
+from analysis.report.content import Section, Table, table_of
+from analysis.report.headline.words import count_cell
+from analysis.results.looks import LooksBefore
 from analysis.results.report import TableReport
 from motion.listing import listed
 
@@ -74,20 +75,17 @@ def _table(found: LooksBefore) -> Table:
     notes = ["Days in UTC. Looks in a row that differ in nothing are one row."]
     if len(shown) < len(found.looks):
         notes.append(f"The last {MOST} rows of {len(found.looks)}; results.json has all.")
-    return Table(
+    return table_of(
+        shown,
+        ("Day", lambda look: look.day),
+        ("Who", lambda look: look.by),
+        ("Where", lambda look: _WAYS.get(look.way, look.way)),
+        ("Why", lambda look: look.reason or "not said"),
+        ("Finished", lambda look: count_cell(look.finished)),
+        ("Planned", lambda look: count_cell(look.planned)),
+        ("Times", lambda look: count_cell(look.times)),
         caption="Looks at results before the answers that are reported: who, why, and how many "
         "participants had finished.",
-        header=("Day", "Who", "Where", "Why", "Finished", "Planned", "Times"),
-        rows=tuple(_row(look) for look in shown),
-        text_columns=4,
-        notes=tuple(notes),
+        notes=notes,
         name="looks",
-    )
-
-
-def _row(look: Look) -> tuple[Cell, ...]:
-    numbers = (look.finished, look.planned, look.times)
-    return (
-        *cells(look.day, look.by, _WAYS.get(look.way, look.way), look.reason or "not said"),
-        *(Cell(text=str(number), value=float(number)) for number in numbers),
     )

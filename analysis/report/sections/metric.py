@@ -11,7 +11,7 @@ from analysis.measurement.paper_tables import PAPER_TABLES, TableColumn
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.report import wording
-from analysis.report.content import Cell, Section, Table
+from analysis.report.content import Cell, Section, Table, table_of
 from analysis.report.sections.metric_table import Systems, metric_table
 from analysis.report.subject import Subject
 from analysis.results.report import TableReport
@@ -162,11 +162,11 @@ def _never_measured(missing: Sequence[ConditionScore]) -> tuple[Table, ...]:
     if not missing:
         return ()
     return (
-        Table(
+        table_of(
+            missing,
+            ("metric", lambda score: score.name),
+            ("why", lambda score: score.reason),
             caption="Metrics that could not be computed.",
-            header=("metric", "why"),
-            rows=tuple((Cell(text=one.name), Cell(text=one.reason)) for one in missing),
-            text_columns=2,
             name="metrics-missing",
         ),
     )

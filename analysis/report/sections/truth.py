@@ -8,8 +8,8 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.by_question import question_name
-from analysis.report.content import Cell, Section, Table
-from analysis.report.headline.words import between, number, number_cell
+from analysis.report.content import Section, table_of
+from analysis.report.headline.words import INTERVAL, between, number, number_cell
 from analysis.report.subject import Subject
 from analysis.results.known_values import KnownValue, found_values
 from analysis.results.report import TableReport
@@ -42,34 +42,35 @@ def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section |
             f"{100 * (1 - LEVEL**with_interval):.0f} of 100 rehearsals.",
         ),
         tables=(
-            Table(
+            table_of(
+                pairs,
+                ("question", lambda pair: question_name(pair[0].part, pair[0].question)),
+                ("of", lambda pair: wording.name(pair[0].about)),
+                ("number", lambda pair: MEASURES[pair[0].measure]),
+                ("truth", lambda pair: number_cell(pair[0].value)),
+                ("estimate", lambda pair: number_cell(pair[1].estimate)),
+                (INTERVAL, lambda pair: _interval(pair[1])),
+                ("truth is", lambda pair: _where(*pair)),
+                (
+                    "truth for these segments",
+                    lambda pair: number_cell(pair[0].on_these_segments),
+                ),
                 caption="What the simulated raters were given to prefer, and its estimate after "
                 "exclusions. The interval speaks of all segments such as these; which ones were "
                 "drawn moves the estimate towards the last column.",
-                header=(
-                    *("question", "of", "number", "truth", "estimate"),
-                    *(f"{LEVEL:.0%} interval", "truth is", "truth for these segments"),
-                ),
-                rows=tuple(_row(known, found) for known, found in pairs),
-                text_columns=3,
                 name="truth",
             ),
         ),
     )
 
 
-def _row(known: KnownValue, found: Estimate) -> tuple[Cell, ...]:
-    where = "outside" if found.has_interval else "no interval"
-    ends = found.reason or "none"
-    if found.has_interval:
-        ends = between(number(found.low), number(found.high))
-    return (
-        Cell(text=question_name(known.part, known.question)),
-        Cell(text=wording.name(known.about)),
-        Cell(text=MEASURES[known.measure]),
-        number_cell(known.value),
-        number_cell(found.estimate),
-        Cell(text=ends),
-        Cell(text="inside" if found.covers(known.value) else where),
-        number_cell(known.on_these_segments),
-    )
+def _interval(found: Estimate) -> str:
+    if not found.has_interval:
+        return found.reason or "none"
+    return between(number(found.low), number(found.high))
+
+
+def _where(known: KnownValue, found: Estimate) -> str:
+    if found.covers(known.value):
+        return "inside"
+    return "outside" if found.has_interval else "no interval"

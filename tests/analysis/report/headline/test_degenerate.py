@@ -8,8 +8,7 @@ import pytest
 
 from analysis.report.content import Section
 from analysis.report.figures.svg import About
-from analysis.report.headline.apart import taken_apart
-from analysis.report.headline.heterogeneity import heterogeneity_section
+from analysis.report.headline.heterogeneity import effects, heterogeneity_section
 from analysis.report.headline.preference_rows import pairwise_groups
 from analysis.report.headline.preferences import preference_pictures
 from analysis.report.page import first_picture, headline_sections
@@ -120,9 +119,9 @@ def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
 def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
     results = analyse("pairwise", table).results
-    (forward,), (turned,) = (taken_apart(results, name) for name in ("ours", "other"))
+    (forward,), (turned,) = (effects(results, name) for name in ("ours", "other"))
     assert forward.about == "ours against other"
     assert turned.about == "other against ours"
-    for one, other in zip(forward.levels, turned.levels, strict=True):
+    for one, other in zip(forward.found.levels, turned.found.levels, strict=True):
         assert other.estimate == pytest.approx(1 - one.estimate)
         assert other.descriptive == one.descriptive

@@ -104,9 +104,9 @@ def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
             continue
         turned += 1
         assert row.levels == tuple(one.counts.values())[::-1]
-        assert row.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
-        assert row.win_share.low == pytest.approx(1 - one.win_share.high)
-        assert row.net.estimate == -one.clmm.estimate
+        assert row.found.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
+        assert row.found.win_share.low == pytest.approx(1 - one.win_share.high)
+        assert row.found.clmm.estimate == -one.clmm.estimate
     assert 0 < turned < len(group.rows)
     (section,) = sections["against one"]
     assert [picture.name for picture in section.pictures] == ["preferences"]
