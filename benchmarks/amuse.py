@@ -17,8 +17,7 @@ from torch import Tensor
 
 from benchmarks.diffsheg import in_turns
 from generators.amuse.config import AMUSE, PARTS, SPEECH
-from generators.amuse.model import Denoiser, MotionPrior
-from generators.amuse.sampling import sample_windows
+from generators.amuse.model import MotionModel
 from generators.amuse.speech import SpeechModel
 from training.layers.packing import pack
 from training.threads import torch_threads
@@ -60,12 +59,11 @@ def main() -> None:
     options.add_argument("--rounds", type=int, default=5)
     options.add_argument("--threads", type=int, default=torch.get_num_threads())
     given = options.parse_args()
-    prior = MotionPrior(AMUSE).eval().requires_grad_(False)
-    denoiser = Denoiser(AMUSE).eval().requires_grad_(False)
-    latents, noise = [torch.randn(1, 256) for _ in PARTS], torch.randn(1, 1, AMUSE.width)
+    motion = MotionModel(AMUSE).eval().requires_grad_(False)
+    latents, noise = [torch.randn(1, 1, 256) for _ in PARTS], torch.randn(1, 1, AMUSE.width)
 
     def moved() -> Tensor:
-        return sample_windows(prior, denoiser, latents, noise)[0]
+        return motion.prior.decode(motion.sample(noise, latents))[0]
 
     def moved_plainly() -> Tensor:
         torch.backends.mha.set_fastpath_enabled(False)

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from types import NoneType
-from typing import Annotated, Any, Self, get_args, get_type_hints
+from typing import Annotated, Any, Final, Self, get_args, get_type_hints
 
 from pydantic import (
     BaseModel,
@@ -62,6 +62,14 @@ File = Annotated[Path, BeforeValidator(_path), "file"]
 
 Folder = Annotated[Path, BeforeValidator(_path), "folder"]
 """A folder, from the study's."""
+
+
+NameOrFile = Annotated[str | Path, "name or file"]
+"""The name of something that was learned, or a recording, which has a suffix."""
+
+
+_ON_DISK: Final = {File: "{}", Folder: "folder of {}", NameOrFile: "recording of {}"}
+"""What of a key is looked for on the disk."""
 
 
 class Settings(BaseModel):
@@ -122,10 +130,12 @@ class Settings(BaseModel):
         for key, value in values.items():
             if isinstance(value, Settings):
                 values[key] = value.within(folder)
-            elif isinstance(value, Path) and types[key] in (File, Folder):
+            elif value is not None and types.get(key) in _ON_DISK:
+                if types[key] == NameOrFile and not Path(value).suffix:
+                    continue
                 path = values[key] = folder / value
-                if not (path.is_file() if types[key] == File else path.is_dir()):
-                    what = key if types[key] == File else f"folder of {key}"
+                if not (path.is_dir() if types[key] == Folder else path.is_file()):
+                    what = _ON_DISK[types[key]].format(key)
                     raise InputError(
                         f"there is no such {what}", where=path, remedy="Check the path"
                     )

@@ -51,6 +51,11 @@ def learned_from(windows: Windows, speakers: Speakers) -> str:
     )
 
 
+def best_step_said(trained: Trained[Any]) -> str:
+    """Say which step's weights were kept."""
+    return f"Its weights are those of step {trained.best.step} of {trained.steps}."
+
+
 def learn(
     request: TrainingRequest,
     task: Task[Network],

@@ -132,15 +132,15 @@ class TrainedGenerator:
     ----------
     sentences : tuple of str
         What was learned, from what, and how well, for whoever asked.
-    warnings : tuple of str
-        What should make them doubt it.
     skipped : tuple of InputError
         Recordings that could not be used.
+    warnings : tuple of str
+        What should make them doubt it.
     """
 
     sentences: tuple[str, ...]
-    warnings: tuple[str, ...]
     skipped: tuple[InputError, ...]
+    warnings: tuple[str, ...] = ()
 
 
 TrainGenerator = Callable[[TrainingRequest], TrainedGenerator]

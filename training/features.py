@@ -8,9 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.audio import read_audio
+from motion.audio import SPEECH_RATE, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.formats import read_motion
 from motion.formats.arkit_json import read_arkit_json
 from motion.formats.clip_npz import read_clip
 from motion.formats.semantic_txt import read_semantic_scores, semantic_weights
@@ -22,12 +23,13 @@ from training.data.feature import Feature
 from training.data.folder_files import has_arrays
 from training.data.take import Take
 from training.hearing.hubert import Hubert
-from training.hearing.spectra import mel_bands
-from training.hearing.speech_frames import hear
+from training.hearing.spectra import ROWS_PER_SECOND, check_speech, filterbank, mel_bands
+from training.hearing.speech_frames import at_speech_rate, hear
 from training.spaces.beat import body_values, face_values
 from training.spaces.beat_skeleton import TOLD_JOINTS
 from training.spaces.show import TOLD_JOINTS as SHOW_JOINTS
 from training.spaces.show import show_values
+from training.spaces.smplx_6d import smplx_6d_values
 
 FloatArray = NDArray[np.float32]
 
@@ -146,3 +148,25 @@ def semantic_scores(frame_rate: float) -> Feature:
         return semantic_weights(spans, frames, frame_rate).astype(np.float32)[:, None]
 
     return Feature(name="semantic", version=VERSION, compute=compute)
+
+
+def whole_body(frame_rate: float) -> Feature:
+    """Return a body's rotations in 6D and its translation, 333 channels, placed on the floor."""
+
+    def compute(take: Take) -> FloatArray:
+        clip = resample(read_motion(take.motion), frame_rate)
+        return smplx_6d_values(clip).astype(np.float32)
+
+    return Feature(name="motion", version=VERSION, compute=compute)
+
+
+def speech_filterbank(bands: int) -> Feature:
+    """Return the standardised filterbank of the speech, a row each 10 ms."""
+
+    def compute(take: Take) -> FloatArray:
+        samples = at_speech_rate(read_audio(take.speech))
+        check_speech(samples)
+        rows = round(len(samples) / SPEECH_RATE * ROWS_PER_SECOND)
+        return np.asarray(filterbank(samples, rows, bands).numpy(), dtype=np.float32)
+
+    return Feature(name="filterbank", version=f"{VERSION} {bands}", compute=compute)

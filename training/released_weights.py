@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -49,6 +50,18 @@ def tensors_in(found: object, file: Path) -> dict[str, Tensor]:
     if not isinstance(found, Mapping) or not all(isinstance(one, Tensor) for one in found.values()):
         raise not_weights(file, "it holds more than named tensors")
     return {str(name).removeprefix("module."): weight for name, weight in found.items()}
+
+
+def renamed(
+    weights: Mapping[str, Tensor], patterns: Sequence[tuple[str, str]]
+) -> dict[str, Tensor]:
+    """Return weights under the names that patterns and what stands for them give, in order."""
+    found = {}
+    for name, weight in weights.items():
+        for pattern, replacement in patterns:
+            name = re.sub(pattern, replacement, name)
+        found[name] = weight
+    return found
 
 
 def not_weights(file: Path, why: str) -> InputError:

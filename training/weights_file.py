@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
@@ -15,6 +16,9 @@ from torch import Tensor, nn
 
 from motion.errors import InputError
 from motion.files import replacing
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Network = TypeVar("Network", bound=nn.Module)
 
@@ -47,12 +51,6 @@ class WeightsFile:
             if name.startswith(start)
         }
 
-    def config(self, kind: str) -> dict[str, Any]:
-        """Return the sizes of the network; ValueError if it is none of that kind."""
-        if self.facts["network"] != kind:
-            raise ValueError("another network")
-        return dict(self.facts["config"])
-
     def loaded(self, network: Network, part: str) -> Network:
         """Return a network with the weights of a part, in evaluation mode."""
         network.load_state_dict(self.part(part))
@@ -60,30 +58,59 @@ class WeightsFile:
         return network
 
 
-@contextmanager
-def holding(path: Path, wanted: str, remedy: str) -> Iterator[None]:
-    """Say that the file holds no such network where it lacks something that is looked for.
+@dataclass(frozen=True, kw_only=True)
+class NetworkKind:
+    """What a file of one kind of networks holds, and what to say where it does not.
 
-    Raises
-    ------
-    InputError
-        If a fact or a tensor is missing, or of another shape.
+    Attributes
+    ----------
+    name : str
+        By which its facts call it.
+    wanted : str
+        What it should hold, as in ``a DiffSHEG network``.
+    remedy : str
+        What to do where it holds something else.
     """
-    try:
-        yield
-    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
-        raise InputError(
-            f"the file holds weights, but not of {wanted}", where=path, remedy=remedy
-        ) from error
 
+    name: str
+    wanted: str
+    remedy: str
 
-def tensors_of(parts: Mapping[str, nn.Module]) -> dict[str, Tensor]:
-    """Return the weights of networks as a file holds them, each as ``part.name``."""
-    return {
-        f"{part}.{name}": tensor
-        for part, network in parts.items()
-        for name, tensor in network.state_dict().items()
-    }
+    def write(
+        self,
+        path: Path,
+        networks: Mapping[str, nn.Module],
+        config: DataclassInstance,
+        tensors: Mapping[str, Tensor] = MappingProxyType({}),
+        **facts: Any,
+    ) -> None:
+        """Write networks by name with their sizes, further tensors and further facts."""
+        weights = {
+            f"{part}.{name}": tensor
+            for part, network in networks.items()
+            for name, tensor in network.state_dict().items()
+        }
+        known = {"network": self.name, "config": asdict(config), **facts}
+        write_weights(path, {**weights, **tensors}, known)
+
+    @contextmanager
+    def reading(self, path: Path) -> Iterator[WeightsFile]:
+        """Give what such a file holds, and say so where it lacks something that is looked for.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or a fact or a tensor is missing or of another shape.
+        """
+        file = read_weights(path)
+        try:
+            if file.facts["network"] != self.name:
+                raise ValueError("another network")
+            yield file
+        except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
+            raise InputError(
+                f"the file holds weights, but not of {self.wanted}", where=path, remedy=self.remedy
+            ) from error
 
 
 def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str, Any]) -> None:

@@ -11,10 +11,11 @@ import torch
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.network_file import load_speech_network
 from generators.amuse.speech_losses import SpeechLosses
-from generators.amuse.train_speech import SpeechTask, speech_filterbank
+from generators.amuse.train_speech import SpeechTask
 from training.data.feature_cache import prepare
 from training.data.take import TakeFolder
 from training.data.windows import Windows
+from training.features import speech_filterbank
 from training.hearing.spectra import ROWS_PER_SECOND
 
 

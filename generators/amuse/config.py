@@ -17,6 +17,9 @@ from training.config import Decay, Preset, TrainingConfig
 FRAME_RATE: Final = 30
 """Frames of motion in a second."""
 
+STEPS: Final = 50
+"""Of DDIM, of the 1000 that the denoiser learns."""
+
 Part = Literal["content", "emotion", "style"]
 PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
 

@@ -21,15 +21,16 @@ from torch import Tensor, nn
 from generators.amuse.config import PARTS
 from generators.amuse.model import Denoiser, MotionPrior
 from generators.amuse.speech import SpeechEncoder
+from training.layers.first_weights import (
+    LEAST_SPREAD,
+    components_of,
+    look_near,
+    tell_components,
+    waves,
+)
 
 _SHORTEST: Final = 12
 """Frames of the fastest wave that tells the time."""
-
-_SHARPNESS: Final = 3.0
-"""How much more attention is paid to what is near in time."""
-
-_LEAST_SPREAD: Final = 1e-3
-"""Of a principal component, or of what is heard; smaller ones are rounding."""
 
 _COMPONENTS: Final = 64
 """Principal components of a patch that an encoder hears at first; smaller ones are noise."""
@@ -40,7 +41,7 @@ _SIZE: Final = 0.5
 
 @torch.no_grad()
 def listen(encoder: SpeechEncoder, filterbanks: Tensor) -> None:
-    """Set the layers that a fresh encoder hears by.
+    """Set the layers that a fresh encoder hears by; its positions tell patches' time and pitch.
 
     Parameters
     ----------
@@ -49,34 +50,19 @@ def listen(encoder: SpeechEncoder, filterbanks: Tensor) -> None:
     filterbanks : Tensor
         (windows, frames, bands), what it is to hear.
     """
-    first = encoder.transformer.embeddings.patch_embeddings.projection
-    size = first.kernel_size[0]
-    patches = (
-        filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4).reshape(-1, size**2)
-    )
-    mean = patches.mean(dim=0)
-    count = min(_COMPONENTS, len(first.weight))
-    components = torch.pca_lowrank(patches, q=count, niter=4)[2]
-    spread = ((patches - mean) @ components).std(dim=0).clamp_min(_LEAST_SPREAD)
-    rows = _SIZE * (components / spread).T
-    first.weight[:count] = rows.view(count, 1, size, size)
-    first.bias[:count] = -rows @ mean
-    _place_patches(encoder)
-
-
-def _place_patches(encoder: SpeechEncoder) -> None:
-    """Let the positions of an encoder tell the time and the pitch of its patches."""
     embeddings = encoder.transformer.embeddings
-    positions = embeddings.position_embeddings
+    first, positions = embeddings.patch_embeddings.projection, embeddings.position_embeddings
+    size = first.kernel_size[0]
+    patches = filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4)
+    found = components_of(patches.reshape(-1, size**2), min(_COMPONENTS, len(first.weight)))
+    tell_components(first, found, _SIZE)
     bands, rows = embeddings.get_shape(embeddings.config)
     half = positions.shape[-1] // 2
     pitch, time = (
-        _waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
+        waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
     )
-    places = torch.cat(
-        [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)], dim=-1
-    ).flatten(0, 1)
-    positions[0, -len(places) :] = _SIZE * places
+    places = [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)]
+    positions[0, -bands * rows :] = _SIZE * torch.cat(places, dim=-1).flatten(0, 1)
 
 
 @torch.no_grad()
@@ -93,7 +79,7 @@ def hear(denoiser: Denoiser, latents: Sequence[Tensor]) -> None:
     for part, latent in zip(PARTS, latents, strict=False):
         weight, bias = (denoiser.get_parameter(f"{part}.1.{name}") for name in ("weight", "bias"))
         heard = latent.relu()
-        weight.div_(heard.std(dim=0).clamp_min(_LEAST_SPREAD))
+        weight.div_(heard.std(dim=0).clamp_min(LEAST_SPREAD))
         bias.sub_(weight @ heard.mean(dim=0))
 
 
@@ -104,65 +90,33 @@ def set_out(prior: MotionPrior, motion: Tensor) -> None:
     Of several tokens' prior, five eighths of the width hold what moves, the rest tells the time;
     one token sets out from the mean alone.
     """
-    config = prior.config
+    config, last = prior.config, prior.final_layer
     if config.tokens == 1:
-        prior.final_layer.bias.copy_(motion.mean(dim=(0, 1)))
+        last.bias.copy_(motion.mean(dim=(0, 1)))
         return
     held = 5 * config.width // 8
-    _code_frames(prior, motion.flatten(0, 1), held)
-    for positions, first in (
-        (prior.query_pos_encoder, 2 * config.tokens),
-        (prior.query_pos_decoder, 0),
-    ):
-        positions.pe[first : first + config.frames] = _times(
-            config.frames, config.frames, config.width - held, held
-        )
-    tokens = _times(config.tokens, config.frames, config.width - held, held)
-    prior.memory_pos.copy_(tokens)
-    prior.query_pos_encoder.pe[: 2 * config.tokens] = 0
-    prior.global_motion_token.copy_(tokens.repeat(2, 1))
-    prior.global_motion_token[:, :held].normal_(std=0.3)
-    for layer in prior.modules():
-        if isinstance(layer, nn.MultiheadAttention):
-            _look_near(layer, held)
-
-
-def _code_frames(prior: MotionPrior, frames: Tensor, held: int) -> None:
-    """Let the linear layers take frames apart into principal components, and put them together."""
-    mean = frames.mean(dim=0)
-    components = torch.pca_lowrank(frames, q=min(held, *frames.shape), niter=4)[2]
-    spread = ((frames - mean) @ components).std(dim=0).clamp_min(_LEAST_SPREAD)
-    count = len(spread)
-    first, last = prior.skel_embedding, prior.final_layer
-    for layer in (first, last):
+    found = components_of(motion.flatten(0, 1), held)
+    for layer in (prior.skel_embedding, last):
         layer.weight.zero_()
         layer.bias.zero_()
-    first.weight[:count] = (components / spread).T
-    first.bias[:count] = -first.weight[:count] @ mean
-    last.weight[:, :count] = components * spread
-    last.bias.copy_(mean)
+    tell_components(prior.skel_embedding, found)
+    last.weight[:, : len(found.spread)] = found.directions * found.spread
+    last.bias.copy_(found.mean)
 
+    def times(count: int) -> Tensor:
+        """Return what tells the time of `count` evenly spaced moments of a window."""
+        moments = (torch.arange(count) + 0.5) * config.frames / count
+        slowest, fastest = math.pi / config.frames, 2 * math.pi / _SHORTEST
+        told = waves(moments, slowest, fastest, config.width - held)
+        return torch.cat([torch.zeros(count, held), told], dim=1)
 
-def _times(count: int, frames: int, waves: int, before: int) -> Tensor:
-    """Return what tells the time of `count` evenly spaced moments of a window."""
-    moments = (torch.arange(count) + 0.5) * frames / count
-    told = _waves(moments, math.pi / frames, 2 * math.pi / _SHORTEST, waves)
-    return torch.cat([torch.zeros(count, before), told], dim=1)
-
-
-def _waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:
-    """Return sines and cosines (places, width) of `places`, from slow to fast, radians for 1."""
-    turns = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
-    angles = places[:, None] * turns
-    return torch.cat([angles.sin(), angles.cos()], dim=1)
-
-
-def _look_near(attention: nn.MultiheadAttention, held: int) -> None:
-    """Let each head compare times, in other waves each, and hardly what moves."""
-    width, size = attention.embed_dim, attention.head_dim
-    for head in range(attention.num_heads):
-        waves = torch.linalg.qr(torch.randn(width - held, width - held)).Q[:size]
-        for part in (0, width):
-            rows = slice(part + head * size, part + head * size + len(waves))
-            attention.in_proj_weight[rows] *= 0.3
-            attention.in_proj_weight[rows, held:] = _SHARPNESS * waves
+    coded = 2 * config.tokens
+    prior.query_pos_encoder.pe[coded : coded + config.frames] = times(config.frames)
+    prior.query_pos_decoder.pe[: config.frames] = times(config.frames)
+    prior.memory_pos.copy_(times(config.tokens))
+    prior.query_pos_encoder.pe[:coded] = 0
+    prior.global_motion_token.copy_(times(config.tokens).repeat(2, 1))
+    prior.global_motion_token[:, :held].normal_(std=0.3)
+    for module in prior.modules():
+        if isinstance(module, nn.MultiheadAttention):
+            look_near(module, held)

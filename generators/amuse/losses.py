@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.config import FRAME_RATE, MotionConfig
-from generators.amuse.model import Denoiser, prior_of
-from generators.amuse.sampling import STEPS
+from generators.amuse.config import FRAME_RATE, STEPS
+from generators.amuse.model import Denoiser, MotionModel
 from training.diffusion import SCALED_LINEAR
-from training.layers.body_points import BodyPoints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,16 +51,6 @@ class LossWeights:
 
 OF_PRIOR: Final = ("rec", "vrec", "kl", "velocity")
 OF_ALIGNMENT: Final = ("align", "valign")
-
-
-class MotionModel(nn.Module):
-    """Prior and denoiser, which learn together."""
-
-    def __init__(self, config: MotionConfig) -> None:
-        super().__init__()
-        self.prior = prior_of(config)
-        self.denoiser = Denoiser(config)
-        self.points = BodyPoints()
 
 
 def motion_losses(
@@ -108,16 +96,27 @@ def motion_losses(
     z = mu + std * noise[0]
     parts: dict[str, Tensor] = {}
     points = model.points(motion) if weights.vrec or weights.valign else None
+
+    def compare(z: Tensor, whole: str, surface: str) -> Tensor:
+        """Return the motion of latents, and tell by how much it and its points miss the true."""
+        decoded = model.prior.decode(z, motion.shape[1])
+        parts[whole] = functional.smooth_l1_loss(decoded, motion)
+        if points is not None and getattr(weights, surface):
+            parts[surface] = functional.smooth_l1_loss(model.points(decoded), points)
+        return decoded
+
     if weights.kl:
         parts["kl"] = (mu.square() + std.square() - 2 * std.log() - 1).mean() / 2
     if weights.rec or weights.vrec or weights.velocity:
-        parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
+        moves, moved = (FRAME_RATE * one.diff(dim=1) for one in (compare(z, "rec", "vrec"), motion))
+        if weights.velocity:
+            parts["velocity"] = functional.smooth_l1_loss(moves, moved)
     if weights.ld:
         parts["ld"] = _unpredicted(model.denoiser, z.detach(), latents, noise[2:], timestep)
     if weights.align or weights.valign:
         with torch.no_grad():
-            z = SCALED_LINEAR.ddim(noise[1], lambda z_t, t: model.denoiser(z_t, t, *latents), steps)
-        parts |= _missed(model, motion, points, z, "align", "valign", weights)
+            z = model.sample(noise[1], latents, steps)
+        compare(z, "align", "valign")
     total = sum(
         (getattr(weights, name) * part for name, part in parts.items()), motion.new_zeros(())
     )
@@ -134,24 +133,3 @@ def _unpredicted(
     predicted = denoiser.predict(SCALED_LINEAR.x_t(z, eps, t), t, *told)
     wanted = eps if denoiser.config.predicts == "eps" else SCALED_LINEAR.v(z, eps, t)
     return functional.mse_loss(predicted, wanted)
-
-
-def _missed(
-    model: MotionModel,
-    motion: Tensor,
-    points: Tensor | None,
-    z: Tensor,
-    whole: str,
-    surface: str,
-    weights: LossWeights,
-) -> dict[str, Tensor]:
-    """Return by how much the motion of latents misses the true one, and its points theirs."""
-    decoded = model.prior.decode(z, motion.shape[1])
-    parts = {whole: functional.smooth_l1_loss(decoded, motion)}
-    if points is not None and getattr(weights, surface):
-        parts[surface] = functional.smooth_l1_loss(model.points(decoded), points)
-    if whole == "rec" and weights.velocity:
-        parts["velocity"] = functional.smooth_l1_loss(
-            FRAME_RATE * decoded.diff(dim=1), FRAME_RATE * motion.diff(dim=1)
-        )
-    return parts

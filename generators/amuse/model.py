@@ -6,13 +6,15 @@ positions are added once, where a sequence comes in, as in the released network.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
 
-from generators.amuse.config import PARTS, MotionConfig
+from generators.amuse.config import PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
+from training.layers.body_points import BodyPoints
 
 
 class Gaussian(NamedTuple):
@@ -20,11 +22,6 @@ class Gaussian(NamedTuple):
 
     mu: Tensor
     std: Tensor
-
-    def sample(self, generator: torch.Generator | None = None) -> Tensor:
-        """Return a latent z = mu + std · eps."""
-        noise = torch.empty_like(self.mu).normal_(generator=generator)
-        return self.mu + self.std * noise
 
 
 class SkipTransformer(nn.Module):
@@ -148,11 +145,6 @@ class NoPrior(nn.Module):
         return z[:, :frames]
 
 
-def prior_of(config: MotionConfig) -> MotionPrior | NoPrior:
-    """Return a fresh prior, or what stands in its place."""
-    return MotionPrior(config) if config.prior else NoPrior(config)
-
-
 class Denoiser(nn.Module):
     """The latent denoiser Δ: which noise `eps` is in a latent, given the speech."""
 
@@ -205,3 +197,28 @@ class Denoiser(nn.Module):
         x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *told], dim=1)
         predicted: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
         return predicted
+
+
+class MotionModel(nn.Module):
+    """Prior and denoiser, and the points on the body that their losses look at."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.prior = MotionPrior(config) if config.prior else NoPrior(config)
+        self.denoiser = Denoiser(config)
+        self.points = BodyPoints()
+
+    def sample(self, noise: Tensor, speech: Sequence[Tensor], steps: int = STEPS) -> Tensor:
+        """Return the latents that so many steps of DDIM find in `noise`, of its shape.
+
+        Parameters
+        ----------
+        noise : Tensor
+            (batch, tokens, width): equal noise gives equal latents.
+        speech : sequence of Tensor
+            Content, emotion and style, (batch, 1, condition width) each.
+        steps : int
+            Of DDIM.
+        """
+        return SCALED_LINEAR.ddim(noise, lambda z_t, t: self.denoiser(z_t, t, *speech), steps)

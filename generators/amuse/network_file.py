@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from torch import Tensor
 
 from generators.amuse.config import MotionConfig, SpeechConfig
-from generators.amuse.model import Denoiser, MotionPrior, NoPrior, prior_of
-from generators.amuse.released import read_motion_networks, read_speech_model
+from generators.amuse.model import MotionModel
+from generators.amuse.released import read_motion_model, read_speech_model
 from generators.amuse.speech import AnySpeechModel, speech_model_of
 from motion.errors import InputError
 from motion.listing import listed
-from training.weights_file import holding, holds_facts, read_weights, tensors_of, write_weights
+from training.weights_file import NetworkKind, holds_facts
 
-_MOTION: Final = "amuse motion"
-_SPEECH: Final = "amuse speech"
+
+def _kind(name: str, wanted: str) -> NetworkKind:
+    remedy = f"Give AMUSE's {wanted}: one that was trained here, or the released one"
+    return NetworkKind(name=f"amuse {name}", wanted=f"AMUSE's {wanted}", remedy=remedy)
+
+
+_MOTION: Final = _kind("motion", "motion prior and denoiser")
+_SPEECH: Final = _kind("speech", "speech model")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,15 +33,13 @@ class MotionNetworks:
 
     Attributes
     ----------
-    prior : MotionPrior or NoPrior
-    denoiser : Denoiser
+    model : MotionModel
         In evaluation mode, on the CPU.
     training : mapping
         How they were trained, as JSON values; empty where nobody knows.
     """
 
-    prior: MotionPrior | NoPrior
-    denoiser: Denoiser
+    model: MotionModel
     training: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -79,27 +82,25 @@ class SpeechNetwork:
 
 def write_motion_networks(path: Path, networks: MotionNetworks) -> None:
     """Write prior and denoiser to one safetensors file, with their sizes and their origin."""
-    tensors = tensors_of({"prior": networks.prior, "denoiser": networks.denoiser})
-    facts = {
-        "network": _MOTION,
-        "config": asdict(networks.prior.config),
-        "training": dict(networks.training),
-    }
-    write_weights(path, tensors, facts)
+    model = networks.model
+    parts = dict(model.named_children())
+    _MOTION.write(path, parts, model.config, training=dict(networks.training))
 
 
 def write_speech_network(path: Path, network: SpeechNetwork) -> None:
     """Write a speech model to one safetensors file, with its sizes, its labels and its origin."""
-    tensors = tensors_of({"model": network.model})
-    for part, latents in network.latents.items():
-        tensors |= {f"{part}.{label}": latent for label, latent in latents.items()}
-    facts = {
-        "network": _SPEECH,
-        "config": asdict(network.model.config),
-        "labels": {part: list(latents) for part, latents in network.latents.items()},
-        "training": dict(network.training),
-    }
-    write_weights(path, tensors, facts)
+    _SPEECH.write(
+        path,
+        {"model": network.model},
+        network.model.config,
+        {
+            f"{part}.{label}": latent
+            for part, latents in network.latents.items()
+            for label, latent in latents.items()
+        },
+        labels={part: list(latents) for part, latents in network.latents.items()},
+        training=dict(network.training),
+    )
 
 
 def load_motion_networks(path: Path) -> MotionNetworks:
@@ -111,16 +112,12 @@ def load_motion_networks(path: Path) -> MotionNetworks:
         If the file is no such network.
     """
     if not holds_facts(path):
-        prior, denoiser = read_motion_networks(path)
-        return MotionNetworks(prior=prior, denoiser=denoiser)
-    file = read_weights(path)
-    with _looking(path, "motion prior and denoiser"):
-        config = MotionConfig(**file.config(_MOTION))
-        return MotionNetworks(
-            prior=file.loaded(prior_of(config), "prior"),
-            denoiser=file.loaded(Denoiser(config), "denoiser"),
-            training=file.facts["training"],
-        )
+        return MotionNetworks(model=read_motion_model(path))
+    with _MOTION.reading(path) as file:
+        model = MotionModel(MotionConfig(**file.facts["config"]))
+        for part, network in model.named_children():
+            file.loaded(network, part)
+        return MotionNetworks(model=model.eval(), training=file.facts["training"])
 
 
 def load_speech_network(path: Path) -> SpeechNetwork:
@@ -133,19 +130,12 @@ def load_speech_network(path: Path) -> SpeechNetwork:
     """
     if not holds_facts(path):
         return SpeechNetwork(model=read_speech_model(path))
-    file = read_weights(path)
-    with _looking(path, "speech model"):
-        config = SpeechConfig(**file.config(_SPEECH))
+    with _SPEECH.reading(path) as file:
         return SpeechNetwork(
-            model=file.loaded(speech_model_of(config), "model"),
+            model=file.loaded(speech_model_of(SpeechConfig(**file.facts["config"])), "model"),
             latents={
                 part: {label: file.tensors[f"{part}.{label}"] for label in labels}
                 for part, labels in file.facts["labels"].items()
             },
             training=file.facts["training"],
         )
-
-
-def _looking(path: Path, wanted: str) -> AbstractContextManager[None]:
-    remedy = f"Give AMUSE's {wanted}: one that was trained here, or the released one"
-    return holding(path, f"AMUSE's {wanted}", remedy)

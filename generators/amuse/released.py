@@ -7,7 +7,7 @@ out by name, and every other weight must find its place.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
@@ -16,10 +16,10 @@ import torch
 from torch import Tensor
 
 from generators.amuse.config import AMUSE, SPEECH
-from generators.amuse.model import Denoiser, Gaussian, MotionPrior
+from generators.amuse.model import Gaussian, MotionModel
 from generators.amuse.speech import HeardSpeech, SpeechModel
 from motion.errors import InputError
-from training.released_weights import fill, not_weights, read_saved, tensors_in
+from training.released_weights import fill, not_weights, read_saved, renamed, tensors_in
 
 Network = TypeVar("Network")
 
@@ -64,29 +64,27 @@ class Released:
 
     Attributes
     ----------
-    prior : MotionPrior or None
-    denoiser : Denoiser or None
+    motion : MotionModel or None
     speech : SpeechModel or None
-        All in evaluation mode, on the CPU.
+        Both in evaluation mode, on the CPU.
     """
 
-    prior: MotionPrior | None
-    denoiser: Denoiser | None
+    motion: MotionModel | None
     speech: SpeechModel | None
 
     def encode(self, motion: Tensor) -> Gaussian:
         """Return ``(mu, std)`` of the latent of normalised motion (batch, 300, 333)."""
-        return _loaded(self.prior, "prior").encode(motion)
+        return _loaded(self.motion, "prior").prior.encode(motion)
 
     def decode(self, z: Tensor) -> Tensor:
         """Return the normalised motion (batch, 300, 333) of latents (batch, 1, 128)."""
-        return _loaded(self.prior, "prior").decode(z)
+        return _loaded(self.motion, "prior").prior.decode(z)
 
     def denoise(
         self, z: Tensor, timestep: Tensor | int, content: Tensor, emotion: Tensor, style: Tensor
     ) -> Tensor:
         """Return the noise in latents `z` (batch, 1, 128); see `Denoiser.forward`."""
-        denoiser = _loaded(self.denoiser, "prior")
+        denoiser = _loaded(self.motion, "prior").denoiser
         found: Tensor = denoiser(z, torch.as_tensor(timestep), content, emotion, style)
         return found
 
@@ -112,61 +110,46 @@ def load_released(prior: str | Path | None = None, speech: str | Path | None = N
         If a file cannot be read, or is another network's: it names the weights that are missing,
         unknown or of another shape.
     """
-    motion_prior, denoiser = (None, None) if prior is None else read_motion_networks(Path(prior))
     return Released(
-        prior=motion_prior,
-        denoiser=denoiser,
+        motion=None if prior is None else read_motion_model(Path(prior)),
         speech=None if speech is None else read_speech_model(Path(speech)),
     )
 
 
-def read_motion_networks(file: Path) -> tuple[MotionPrior, Denoiser]:
+def read_motion_model(file: Path) -> MotionModel:
     """Return the released prior and denoiser; see `load_released`."""
     found = read_saved(file)
     if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
         raise not_weights(file, "it has no 'prior' and 'denoiser'")
-    parts = {
-        part: _renamed(tensors_in(found[part], file), patterns)
-        for part, patterns in (("prior", ()), ("denoiser", _DENOISER))
-    }
-    for weights in parts.values():
+    model = MotionModel(AMUSE)
+    for part, network, patterns, whose in (
+        ("prior", model.prior, (), "AMUSE's motion prior"),
+        ("denoiser", model.denoiser, _DENOISER, "AMUSE's latent denoiser"),
+    ):
         # A position is one row for each token; the release keeps a dimension for the batch.
-        for name in [name for name in weights if name.endswith(".pe") and weights[name].ndim == 3]:
-            weights[name] = weights[name].squeeze(1)
-    with torch.device("meta"):
-        prior, denoiser = MotionPrior(AMUSE), Denoiser(AMUSE)
-    return (
-        fill(prior, parts["prior"], file, "AMUSE's motion prior", _REMEDY),
-        fill(denoiser, parts["denoiser"], file, "AMUSE's latent denoiser", _REMEDY),
-    )
+        weights = {
+            name: weight.squeeze(1) if name.endswith(".pe") and weight.ndim == 3 else weight
+            for name, weight in renamed(_asked(found[part], file), patterns).items()
+        }
+        fill(network, weights, file, whose, _REMEDY)
+    return model.eval()
 
 
 def read_speech_model(file: Path) -> SpeechModel:
     """Return the released speech model; see `load_released`."""
-    weights: dict[str, Tensor] = {}
-    for name, weight in _renamed(tensors_in(read_saved(file), file), _SPEECH).items():
-        queries, qkv, kind = name.partition(".attn.qkv.")
-        if not qkv:
-            weights[name] = weight
-            continue
-        for one, part in zip("qkv", weight.chunk(3), strict=True):
-            weights[f"{queries}.attention.{one}_proj.{kind}"] = part.clone()
+    weights = renamed(_asked(read_saved(file), file), _SPEECH)
+    for name in [name for name in weights if ".attn.qkv." in name]:
+        for one, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
+            weights[name.replace(".attn.qkv.", f".attention.{one}_proj.")] = part.clone()
     with torch.device("meta"):
         model = SpeechModel(SPEECH)
     return fill(model, weights, file, "AMUSE's speech model", _REMEDY)
 
 
-def _renamed(
-    weights: Mapping[str, Tensor], patterns: Sequence[tuple[str, str]]
-) -> dict[str, Tensor]:
-    renamed = {}
-    for name, weight in weights.items():
-        if _UNUSED.search(name):
-            continue
-        for pattern, replacement in patterns:
-            name = re.sub(pattern, replacement, name)
-        renamed[name] = weight
-    return renamed
+def _asked(found: object, file: Path) -> dict[str, Tensor]:
+    """Return the weights that the release's own forward pass asks."""
+    weights = tensors_in(found, file)
+    return {name: weight for name, weight in weights.items() if not _UNUSED.search(name)}
 
 
 def _loaded(network: Network | None, which: str) -> Network:

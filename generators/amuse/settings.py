@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Self
 
 from pydantic import Field, model_validator
 
-from generators.settings import File, ModelSettings, content
-from motion.errors import InputError
+from generators.settings import File, ModelSettings, NameOrFile, content
 
 
 class AmuseSettings(ModelSettings):
@@ -36,16 +34,16 @@ class AmuseSettings(ModelSettings):
 
     speech_model: File = Field(description="Weights of the speech model.")
     content: File | None = Field(None, description="Recording whose words it moves to.")
-    emotion: str | Path | None = Field(
+    emotion: NameOrFile | None = Field(
         None, description="Emotion that it moves in: one it learned, or a recording."
     )
-    style: str | Path | None = Field(
+    style: NameOrFile | None = Field(
         None, description="As whom it moves: a speaker it learned from, or a recording."
     )
-    from_emotion: str | Path | None = Field(
+    from_emotion: NameOrFile | None = Field(
         None, description="Emotion that strength goes from, in place of the speech's own."
     )
-    from_style: str | Path | None = Field(
+    from_style: NameOrFile | None = Field(
         None, description="Style that strength goes from, in place of the speech's own."
     )
     strength: float = Field(
@@ -60,28 +58,6 @@ class AmuseSettings(ModelSettings):
                 raise ValueError(f"from_{part} needs the {part} that it goes to")
         return self
 
-    def within(self, folder: Path) -> Self:
-        """Return the settings with paths from `folder`; see `Settings.within`."""
-        found = {part: _recording(part, getattr(self, part), folder) for part in _VOICES}
-        return super().within(folder).model_copy(update=found)
-
     def fingerprint(self) -> tuple[object, ...]:
         """Return what changes with any value and the content of any file, not with its place."""
-        files = (self.checkpoint, self.speech_model, self.content)
-        voices = (getattr(self, part) for part in _VOICES)
-        return (*(content(one) for one in (*files, *voices)), self.strength)
-
-
-_VOICES = ("emotion", "style", "from_emotion", "from_style")
-
-
-def _recording(part: str, named: str | Path | None, folder: Path) -> str | Path | None:
-    """Return the path of a recording from `folder`, or what else is named as it is."""
-    if named is None or not Path(named).suffix:
-        return named
-    path = folder / named
-    if not path.is_file():
-        raise InputError(
-            f"there is no such recording of {part}", where=path, remedy="Check the path"
-        )
-    return path
+        return tuple(content(getattr(self, name)) for name in type(self).model_fields)

@@ -56,7 +56,7 @@ def speech_losses(
     model : SpeechModel
         The network.
     heard, target : Tensor
-        (batch, 4, frames, bands), in the order of `generators.amuse.quadruples`: what the encoders
+        (batch, 4, frames, bands), in the order of `training.data.quadruples`: what the encoders
         are given, and what the decoder is to give.
     emotions, styles : Tensor
         (batch, 4) classes.

@@ -19,32 +19,29 @@ from generators.amuse.losses import (
     OF_ALIGNMENT,
     OF_PRIOR,
     LossWeights,
-    MotionModel,
     motion_losses,
 )
-from generators.amuse.model import MotionPrior
+from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
     load_speech_network,
     write_motion_networks,
 )
-from generators.amuse.sampling import WindowPlan
 from generators.settings import content
-from generators.teaching import learn, prepared_takes
+from generators.teaching import best_step_said, learn, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
-from motion.formats import read_motion
-from motion.resample import resample
 from training.data.feature import Feature
 from training.data.take import Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
+from training.features import whole_body
+from training.joined_windows import WindowPlan
 from training.run.batch_order import evenly
 from training.run.launching import is_leader
 from training.run.passes import Pass
-from training.spaces.smplx_6d import smplx_6d_values
 from training.window_task import WindowTask
 
 HELD_OUT: Final = 128
@@ -62,8 +59,6 @@ STAGES: Final = {"prior": ("ld", *OF_ALIGNMENT), "denoiser": (*OF_PRIOR, *OF_ALI
 
 LEFT_OUT: Final = {"without_alignment": OF_ALIGNMENT, "without_prior": STAGES["denoiser"]}
 """What does not count in ablations that leave out losses."""
-
-_VERSION: Final = "1"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,7 +99,7 @@ class MotionTask(WindowTask):
 
     def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return `motion_losses` of a batch at steps and with noise that chance draws."""
-        return self._losses(network, self.training, rows, self.weights)
+        return self.losses_of("", network, rows)
 
     def losses_of(
         self, name: str, network: MotionModel, rows: NDArray[np.int64]
@@ -145,30 +140,16 @@ class MotionTask(WindowTask):
     def _by_name(self, heard: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
         """Return latents (batch, 1, width), some of them the mean of their label where known."""
         told = dict(zip(PARTS, heard, strict=False))
-        labels_of: dict[Part, list[str]] = {
-            "emotion": [take.emotion for take in takes],
-            "style": [take.speaker for take in takes],
-        }
-        for part, labels in labels_of.items():
+        labels: tuple[tuple[Part, str], ...] = (("emotion", "emotion"), ("style", "speaker"))
+        for part, of in labels:
             if part in self.means:
-                rows = zip(told[part], labels, torch.rand(len(takes)) < self.named, strict=True)
-                told[part] = torch.stack(
-                    [
-                        self.means[part].get(label, one[0]).to(one)[None] if by_name else one
-                        for one, label, by_name in rows
-                    ]
-                )
+                known, by_name = self.means[part], torch.rand(len(takes), 1, 1) < self.named
+                means = [
+                    known.get(getattr(take, of), own[0]).to(own)[None]
+                    for own, take in zip(told[part], takes, strict=True)
+                ]
+                told[part] = torch.where(by_name.to(self.device), torch.stack(means), told[part])
         return list(told.values())
-
-
-def whole_body() -> Feature:
-    """Return a take's rotations in 6D and its translation, 333 channels, placed on the floor."""
-
-    def compute(take: Take) -> NDArray[np.float32]:
-        clip = resample(read_motion(take.motion), FRAME_RATE)
-        return smplx_6d_values(clip).astype(np.float32)
-
-    return Feature(name="motion", version=_VERSION, compute=compute)
 
 
 def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: int) -> Feature:
@@ -181,7 +162,7 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: in
         audio = read_audio(take.speech)
         total = max(1, round(audio.duration * FRAME_RATE))
         count = 1 + max(0, total - frames) // stride
-        plan = WindowPlan(frames=frames, stride=stride, count=count, fade=0)
+        plan = WindowPlan(frames=frames, stride=stride, count=count)
         told = [
             torch.cat([speech.model.latent(part, rows) for part in speech.model.parts], dim=-1)
             for rows in heard_windows(audio, plan, speech.model.config)
@@ -205,7 +186,10 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     if ablation == "without_prior":
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
-    features = (whole_body(), speech_latents(speech, identity, config.frames, preset.stride))
+    features = (
+        whole_body(FRAME_RATE),
+        speech_latents(speech, identity, config.frames, preset.stride),
+    )
     prepared = prepared_takes(request, features, FRAME_RATE)
     weights = LossWeights(**preset.weights).without(*LEFT_OUT.get(str(ablation), ()))
     task = MotionTask(
@@ -229,10 +213,9 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         passes = _passes(preset.together, training.steps, disjoint=ablation == "disjoint")
         training = replace(training, passes=passes)
     trained, facts = learn(request, task, training, ("transformers",))
-    model = trained.network.cpu()
     facts |= {"speech_model": identity}
     if is_leader():
-        networks = MotionNetworks(prior=model.prior, denoiser=model.denoiser, training=facts)
+        networks = MotionNetworks(model=trained.network.cpu(), training=facts)
         write_motion_networks(request.out, networks)
     found = trained.best.measured
     return TrainedGenerator(
@@ -242,9 +225,8 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
             f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
             f"{found['align']:.4f}"
             + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
-            f"Its weights are those of step {trained.best.step} of {trained.steps}.",
+            best_step_said(trained),
         ),
-        warnings=(),
         skipped=prepared.skipped,
     )
 

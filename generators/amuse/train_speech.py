@@ -15,12 +15,12 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
-from generators.amuse.encoder_weights import WEIGHTS, read_encoder_weights
+from generators.amuse.encoder_weights import read_encoder_weights
 from generators.amuse.initialisation import listen
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
-from generators.amuse.quadruples import quadruples
 from generators.amuse.speech import (
     AnySpeechModel,
+    HeardSpeech,
     SpeechAutoencoder,
     SpeechModel,
     speech_model_of,
@@ -32,17 +32,17 @@ from generators.amuse.speech_losses import (
     speech_losses,
 )
 from generators.settings import content
-from generators.teaching import learn, prepared_takes
+from generators.teaching import best_step_said, learn, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
-from motion.audio import read_audio
 from motion.errors import InputError
 from motion.listing import listed
 from training.corpus.description import DESCRIPTION, read_request
-from training.data.feature import Feature
-from training.data.take import Take, TakeFolder
+from training.data.quadruples import quadruples
+from training.data.take import TakeFolder
 from training.data.windows import Windows
-from training.hearing.spectra import ROWS_PER_SECOND, check_speech, filterbank
-from training.hearing.speech_frames import at_speech_rate
+from training.features import speech_filterbank
+from training.hearing.spectra import ROWS_PER_SECOND
+from training.pretrained import WEIGHTS
 from training.run.batch_order import evenly
 from training.run.launching import is_leader
 from training.window_task import WindowTask
@@ -131,76 +131,65 @@ class SpeechTask(WindowTask):
         accuracies and F1 scores (macro), as in Table A.1, and `reconstruction_errors` of held-out
         quadruples, as in Table A.2. Of an auto-encoder, what it misses.
         """
-        known = self.known(self.held_out)
-        rows = known[evenly(len(known), HELD_OUT)]
+        rows = self.measured
         if isinstance(network, SpeechAutoencoder):
             return {"loss": float(network.missed(self._filterbanks(self.held_out, rows)))}
-        found = {"self": 0.0, "emo": 0.0, "sty": 0.0}
-        named: dict[str, list[Tensor]] = {"emotion": [], "style": []}
-        for first in range(0, len(rows), _AT_ONCE):
-            part = rows[first : first + _AT_ONCE]
-            filterbanks = self._filterbanks(self.held_out, part)
-            emotions, styles = self._classes(self.held_out, part)
-            heard = network(filterbanks)
-            share = len(part) / len(rows)
-            found["self"] += share * float(functional.l1_loss(heard.reconstruction, filterbanks))
-            found["emo"] += share * float(functional.cross_entropy(heard.emotion_logits, emotions))
-            found["sty"] += share * float(functional.cross_entropy(heard.style_logits, styles))
-            named["emotion"].append(torch.stack([heard.emotion_logits.argmax(1), emotions]))
-            named["style"].append(torch.stack([heard.style_logits.argmax(1), styles]))
+        filterbanks, heard = self._heard(network, rows)
+        found = {"self": float(functional.l1_loss(heard.reconstruction, filterbanks))}
         scores = {}
-        for kind, pairs in named.items():
-            told, true = torch.cat(pairs, dim=1).cpu().numpy()
-            scores[f"{kind} accuracy"] = float((told == true).mean())
-            scores[f"{kind} F1"] = macro_f1(told, true)
-        return {"loss": sum(found.values()), **found, **scores, **self._rebuilt(network)}
+        classes = self._classes(self.held_out, rows)
+        for short, kind, true in zip(("emo", "sty"), ("emotion", "style"), classes, strict=True):
+            logits: Tensor = getattr(heard, f"{kind}_logits")
+            found[short] = float(functional.cross_entropy(logits, true))
+            told, named = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
+            scores[f"{kind} accuracy"] = float((told == named).mean())
+            scores[f"{kind} F1"] = macro_f1(told, named)
+        if len(fours := self.held_out_fours):
+            filterbanks, heard = self._heard(network, fours.ravel())
+            errors = reconstruction_errors(network.decoder, heard[:3], filterbanks, self.weights)
+            scores |= {SELF: float(errors.pop("self"))}
+            scores |= {name: float(error) for name, error in errors.items()}
+        return {"loss": sum(found.values()), **found, **scores}
+
+    @cached_property
+    def measured(self) -> NDArray[np.int64]:
+        """Rows of `held_out` that tell how well held-out recordings are known."""
+        known = self.known(self.held_out)
+        return known[evenly(len(known), HELD_OUT)]
 
     @cached_property
     def held_out_fours(self) -> NDArray[np.int64]:
         """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
-        try:
-            fours = quadruples(self.held_out, most=MOST, seed=0)
-        except InputError:
-            return np.empty((0, 4), dtype=np.int64)
+        fours = quadruples(self.held_out, most=MOST, seed=0)
         fours = fours[np.isin(fours, self.known(self.held_out)).all(axis=1)]
         return fours[evenly(len(fours), HELD_OUT // 4)]
 
-    def _rebuilt(self, network: SpeechModel) -> dict[str, float]:
-        """Return the `reconstruction_errors` of held-out quadruples, where there are any."""
-        errors: dict[str, float] = {}
-        for four in self.held_out_fours:
-            filterbanks = self._filterbanks(self.held_out, four)
-            heard = network(filterbanks)
-            latents = (heard.content, heard.emotion, heard.style)
-            missed = reconstruction_errors(network.decoder, latents, filterbanks, self.weights)
-            for name, error in missed.items():
-                key = SELF if name == "self" else name
-                errors[key] = errors.get(key, 0.0) + float(error) / len(self.held_out_fours)
-        return errors
+    def _heard(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, HeardSpeech]:
+        """Return held-out filterbanks, and what is heard in them."""
+        filterbanks = self._filterbanks(self.held_out, rows)
+        heard = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
+        return filterbanks, HeardSpeech(*(torch.cat(part) for part in zip(*heard, strict=True)))
 
+    @torch.inference_mode()
     def mean_latents(self, model: AnySpeechModel) -> dict[str, dict[str, Tensor]]:
         """Return the mean latent of each emotion, and of each speaker's style."""
         if isinstance(model, SpeechAutoencoder):
             return {}
         rows = self.known(self.training)
-        parts = [
-            self._filterbanks(self.training, rows[first : first + _AT_ONCE])
-            for first in range(0, len(rows), _AT_ONCE)
-        ]
-        emotions, styles = self._classes(self.training, rows)
-        means = {}
-        with torch.inference_mode():
-            for part, classes, names in (
-                ("emotion", emotions, self.emotions),
-                ("style", styles, self.speakers),
-            ):
-                latents = torch.cat([getattr(model, part)(one)[0] for one in parts])
-                means[part] = {
-                    name: latents[classes == number].mean(dim=0).cpu()
-                    for number, name in enumerate(names)
-                    if bool((classes == number).any())
-                }
-        return means
+        names = {"emotion": self.emotions, "style": self.speakers}
+        latents: dict[str, list[Tensor]] = {part: [] for part in names}
+        for first in range(0, len(rows), _AT_ONCE):
+            heard = self._filterbanks(self.training, rows[first : first + _AT_ONCE])
+            for part, found in latents.items():
+                found.append(getattr(model, part)(heard)[0])
+        return {
+            part: {
+                name: torch.cat(latents[part])[classes == number].mean(dim=0).cpu()
+                for number, name in enumerate(names[part])
+                if bool((classes == number).any())
+            }
+            for part, classes in zip(names, self._classes(self.training, rows), strict=True)
+        }
 
     def known(self, windows: Windows) -> NDArray[np.int64]:
         """Return the rows of windows whose emotion and speaker are among the classes."""
@@ -215,13 +204,12 @@ class SpeechTask(WindowTask):
         return functional.pad(values, (0, 0, 0, short)).to(self.device)
 
     def _classes(self, windows: Windows, rows: NDArray[np.int64]) -> tuple[Tensor, Tensor]:
+        """Return the numbers of emotions and of speakers, (rows,) each."""
         takes = [windows.take_of(int(row)) for row in rows]
         emotions = [self.emotions.index(take.emotion) for take in takes]
         styles = [self.speakers.index(take.speaker) for take in takes]
-        return (
-            torch.tensor(emotions, device=self.device),
-            torch.tensor(styles, device=self.device),
-        )
+        classes = torch.tensor([emotions, styles], device=self.device)
+        return classes[0], classes[1]
 
 
 def macro_f1(told: NDArray[np.int64], true: NDArray[np.int64]) -> float:
@@ -233,60 +221,48 @@ def macro_f1(told: NDArray[np.int64], true: NDArray[np.int64]) -> float:
     return float(np.mean(scores))
 
 
-def speech_filterbank(bands: int) -> Feature:
-    """Return the standardised filterbank of a take's speech, a row each 10 ms."""
-
-    def compute(take: Take) -> NDArray[np.float32]:
-        samples = at_speech_rate(read_audio(take.speech))
-        check_speech(samples)
-        rows = round(len(samples) / 16_000 * ROWS_PER_SECOND)
-        return np.asarray(filterbank(samples, rows, bands).numpy(), dtype=np.float32)
-
-    return Feature(name="filterbank", version=f"1 {bands}", compute=compute)
-
-
 def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     """Train AMUSE's speech model; see `generators.trainable.TrainGenerator`."""
     _check_texts(request.takes)
-    preset = SPEECH_PRESETS[request.config]
-    ablation = request.choices.get("ablation")
+    preset, ablation = SPEECH_PRESETS[request.config], request.choices.get("ablation")
     weights, origin = _encoder_weights(request.choices, preset.network)
-    heard = speech_filterbank(preset.network.bands)
-    prepared = prepared_takes(request, (heard,), ROWS_PER_SECOND)
-    frames = preset.seconds * ROWS_PER_SECOND
-    stride = preset.stride * ROWS_PER_SECOND
+    features = (speech_filterbank(preset.network.bands),)
+    prepared = prepared_takes(request, features, ROWS_PER_SECOND)
+    frames, stride = (ROWS_PER_SECOND * seconds for seconds in (preset.seconds, preset.stride))
     training = Windows(prepared, split="train", frames=frames, stride=stride)
+    fours = quadruples(training, most=MOST, seed=preset.training.seed)
+    if not len(fours):
+        raise InputError(
+            "no two speakers speak the same two texts in one emotion",
+            remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
+        )
     learned = [training.take_of(row) for row in range(len(training))]
     emotions = tuple(sorted({take.emotion for take in learned if take.emotion}))
     speakers = tuple(sorted({take.speaker for take in learned}))
-    held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
-    config = replace(
-        preset.network,
-        emotions=len(emotions),
-        styles=len(speakers),
-        mfcc=MFCC if ablation == "mfcc" else 0,
-    )
-    counted = SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only")
     task = SpeechTask(
-        config=config,
-        weights=counted,
+        config=replace(
+            preset.network,
+            emotions=len(emotions),
+            styles=len(speakers),
+            mfcc=MFCC if ablation == "mfcc" else 0,
+        ),
+        weights=SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only"),
         training=training,
-        held_out=held_out,
-        fours=quadruples(training, most=MOST, seed=preset.training.seed),
+        held_out=Windows(prepared, split="validation", frames=frames, stride=frames),
+        fours=fours,
         emotions=emotions,
         speakers=speakers,
         further={"emotions": list(emotions), "speakers": list(speakers), **origin},
         device=request.device,
         encoder_weights=weights,
     )
-    if not len(task.known(held_out)):
+    if not len(task.measured):
         raise InputError(
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
-    training_config = preset.trained_on(task.examples, request.changes)
-    trained, facts = learn(request, task, training_config, ("transformers",))
-    found = trained.best.measured
+    config = preset.trained_on(task.examples, request.changes)
+    trained, facts = learn(request, task, config, ("transformers",))
     if is_leader():
         network = SpeechNetwork(
             model=trained.network,
@@ -295,8 +271,12 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
         )
         write_speech_network(request.out, network)
     return TrainedGenerator(
-        sentences=_said(task, found, trained.best.step, trained.steps),
-        warnings=(),
+        sentences=(
+            f"Learned from {len(fours)} fours of {len(training)} windows, by {len(speakers)} "
+            f"speakers in {len(emotions)} emotions.",
+            _measured_said(task, trained.best.measured),
+            best_step_said(trained),
+        ),
         skipped=prepared.skipped,
     )
 
@@ -330,35 +310,23 @@ def _check_texts(takes: TakeFolder) -> None:
             )
 
 
-def _said(task: SpeechTask, found: Mapping[str, float], best: int, steps: int) -> tuple[str, ...]:
-    heard = min(HELD_OUT, len(task.known(task.held_out)))
+def _measured_said(task: SpeechTask, found: Mapping[str, float]) -> str:
+    heard = f"{len(task.measured)} held-out windows"
     if task.config.mfcc:
-        said = f"It misses the coefficients of {heard} held-out windows by {found['loss']:.3f}."
-    else:
-        said = (
-            f"Of {heard} held-out windows it tells the emotion of {found['emotion accuracy']:.0%} "
-            f"(chance {1 / len(task.emotions):.0%}) and the speaker of "
-            f"{found['style accuracy']:.0%} (chance {1 / len(task.speakers):.0%}); its filterbanks "
-            f"miss theirs by {found['self']:.3f}. {_rebuilt_said(task, found)}"
-        )
-    return (
-        f"Learned from {len(task.fours)} fours of {len(task.training)} windows, by "
-        f"{len(task.speakers)} speakers in {len(task.emotions)} emotions.",
-        said,
-        f"Its weights are those of step {best} of {steps}.",
+        return f"It misses the coefficients of {heard} by {found['loss']:.3f}."
+    said = (
+        f"Of {heard} it tells the emotion of {found['emotion accuracy']:.0%} (chance "
+        f"{1 / len(task.emotions):.0%}) and the speaker of {found['style accuracy']:.0%} (chance "
+        f"{1 / len(task.speakers):.0%}); its filterbanks miss theirs by {found['self']:.3f}."
     )
-
-
-def _rebuilt_said(task: SpeechTask, found: Mapping[str, float]) -> str:
-    """Say Table A.2, or why it is left out."""
-    if not len(task.held_out_fours):
+    if SELF not in found:
         return (
-            "Errors of cross-reconstruction are left out: no two speakers speak two held-out texts "
-            "in one emotion. A split list (--split) can hold out such texts."
+            f"{said} Errors of cross-reconstruction are left out: no two speakers speak two "
+            "held-out texts in one emotion. A split list (--split) can hold out such texts."
         )
     names = {"xcon": "content", "xemo": "emotion", "xsty": "style"}
     crossed = [f"{found[one]:.3f} with another's {of}" for one, of in names.items() if one in found]
     return (
-        f"Those of {len(task.held_out_fours)} held-out fours miss theirs by {found[SELF]:.3f}, and "
-        f"rebuilt from two recordings by {listed(crossed)}."
+        f"{said} Those of {len(task.held_out_fours)} held-out fours miss theirs by "
+        f"{found[SELF]:.3f}, and rebuilt from two recordings by {listed(crossed)}."
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,16 +16,13 @@ from generators.diffsheg.released import DATASETS, load_released, read_normalisa
 from motion.errors import InputError
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
-from training.weights_file import (
-    WeightsFile,
-    holding,
-    holds_facts,
-    read_weights,
-    tensors_of,
-    write_weights,
-)
+from training.weights_file import NetworkKind, holds_facts
 
-_NETWORK: Final = "diffsheg"
+_NETWORK: Final = NetworkKind(
+    name="diffsheg",
+    wanted="a DiffSHEG network",
+    remedy="Give a DiffSHEG checkpoint: one that was trained here, or the released one",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,18 +55,20 @@ class MotionNetwork:
 
 def write_network(path: Path, network: MotionNetwork) -> None:
     """Write a network to one safetensors file, with its sizes, its normalisation and its origin."""
-    tensors = tensors_of({"denoiser": network.denoiser})
-    tensors["normalisation.mean"] = torch.from_numpy(network.normalisation.mean)
-    tensors["normalisation.std"] = torch.from_numpy(network.normalisation.std)
-    facts = {
-        "network": _NETWORK,
-        "config": asdict(network.denoiser.config),
-        "dataset": network.dataset,
-        "speakers": None if network.speakers is None else list(network.speakers.names),
-        "hubert": network.hubert,
-        "training": dict(network.training),
-    }
-    write_weights(path, tensors, facts)
+    normalisation = network.normalisation
+    _NETWORK.write(
+        path,
+        {"denoiser": network.denoiser},
+        network.denoiser.config,
+        {
+            "normalisation.mean": torch.from_numpy(normalisation.mean),
+            "normalisation.std": torch.from_numpy(normalisation.std),
+        },
+        dataset=network.dataset,
+        speakers=None if network.speakers is None else list(network.speakers.names),
+        hubert=network.hubert,
+        training=dict(network.training),
+    )
 
 
 def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
@@ -91,7 +90,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         If the file is no such network, or a released one comes without its normalisation.
     """
     if holds_facts(path):
-        return _own(read_weights(path), path)
+        return _own(path)
     if stats is None:
         raise InputError(
             "a released checkpoint says nothing of means and standard deviations, without which "
@@ -108,24 +107,20 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
     )
 
 
-def _own(file: WeightsFile, path: Path) -> MotionNetwork:
-    facts: Mapping[str, Any] = file.facts
-    remedy = "Give a DiffSHEG checkpoint: one that was trained here, or the released one"
-    with holding(path, "a DiffSHEG network", remedy):
-        config = DenoiserConfig(**file.config(_NETWORK))
+def _own(path: Path) -> MotionNetwork:
+    with _NETWORK.reading(path) as file:
+        facts, config = file.facts, DenoiserConfig(**file.facts["config"])
         if facts["dataset"] not in DATASETS:
             raise ValueError("another data set")
-        denoiser = file.loaded(Denoiser(config), "denoiser")
         mean, std = (np.asarray(file.tensors[f"normalisation.{kind}"]) for kind in ("mean", "std"))
         if mean.shape != (config.motion_width,) or std.shape != mean.shape:
             raise ValueError("a normalisation of another size")
-        names, hubert, training = (facts[key] for key in ("speakers", "hubert", "training"))
-        speakers = None if names is None else Speakers(tuple(names), config.speakers)
-    return MotionNetwork(
-        denoiser=denoiser,
-        dataset=str(facts["dataset"]),
-        normalisation=Normalisation(mean, std),
-        speakers=speakers,
-        hubert=hubert,
-        training=training,
-    )
+        names = facts["speakers"]
+        return MotionNetwork(
+            denoiser=file.loaded(Denoiser(config), "denoiser"),
+            dataset=str(facts["dataset"]),
+            normalisation=Normalisation(mean, std),
+            speakers=None if names is None else Speakers(tuple(names), config.speakers),
+            hubert=facts["hubert"],
+            training=facts["training"],
+        )

@@ -6,7 +6,6 @@ find its place.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -20,7 +19,7 @@ from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from motion.listing import listed
-from training.released_weights import fill, read_saved, tensors_in
+from training.released_weights import fill, read_saved, renamed, tensors_in
 from training.spaces.normalisation import Normalisation
 
 DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
@@ -92,7 +91,7 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
             f"DiffSHEG was not released for {dataset!r}", remedy=f"Use {listed(list(DATASETS))}"
         )
     file = Path(path)
-    weights = {own_name(name): weight for name, weight in read_weights(file).items()}
+    weights = renamed(read_weights(file), _NAMES)
     with torch.device("meta"):
         denoiser = Denoiser(DATASETS[dataset])
     return fill(
@@ -102,13 +101,6 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
         f"DiffSHEG's network for {dataset}",
         "Name the dataset it was trained on, or give the released checkpoint",
     )
-
-
-def own_name(name: str) -> str:
-    """Return what the weight that the release calls `name` is called here."""
-    for pattern, replacement in _NAMES:
-        name = re.sub(pattern, replacement, name)
-    return name
 
 
 def read_weights(file: Path) -> dict[str, Tensor]:

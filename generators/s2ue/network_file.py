@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,9 +13,13 @@ from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network
 from motion.body.face_landmarks import FaceLandmarks
 from training.speakers import Speakers
-from training.weights_file import holding, read_weights, tensors_of, write_weights
+from training.weights_file import NetworkKind
 
-_NETWORK: Final = "s2ue"
+_NETWORK: Final = NetworkKind(
+    name="s2ue",
+    wanted="a Speech2UnifiedExpressions network of the default body's face",
+    remedy="Give one that 'motionjury train s2ue' wrote",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,14 +46,14 @@ class S2ueNetwork:
 
 def write_network(path: Path, network: S2ueNetwork) -> None:
     """Write a network to one safetensors file."""
-    facts = {
-        "network": _NETWORK,
-        "config": asdict(network.network.config),
-        "speakers": list(network.speakers.names),
-        "vectors": network.vectors,
-        "training": dict(network.training),
-    }
-    write_weights(path, tensors_of({"network": network.network}), facts)
+    _NETWORK.write(
+        path,
+        {"network": network.network},
+        network.network.config,
+        speakers=list(network.speakers.names),
+        vectors=network.vectors,
+        training=dict(network.training),
+    )
 
 
 def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
@@ -60,10 +64,8 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
     InputError
         If the file holds another network, or one of other landmarks than `face` has.
     """
-    file = read_weights(path)
-    wanted = "a Speech2UnifiedExpressions network of the default body's face"
-    with holding(path, wanted, "Give one that 'motionjury train s2ue' wrote"):
-        config = NetworkConfig(**file.config(_NETWORK))
+    with _NETWORK.reading(path) as file:
+        config = NetworkConfig(**file.facts["config"])
         neutral, ours = file.tensors["network.neutral"], torch.from_numpy(face.neutral)
         if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
             raise ValueError("landmarks of another face")

@@ -16,7 +16,7 @@ from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfi
 from generators.s2ue.losses import diversity_loss, phoneme_loss, reconstruction_losses
 from generators.s2ue.model import Latents, Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
-from generators.teaching import learn, learned_from, prepared_takes
+from generators.teaching import best_step_said, learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
@@ -215,7 +215,7 @@ def _said(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -> Tr
         f"Of its takes {told} have a transcript.",
         f"In {len(task.held_out)} held-out windows its motion is off by "
         f"{trained.best.measured['reconstruction']:.3f} of how far motion spreads (equation 17).",
-        f"Its weights are those of step {trained.best.step}.",
+        best_step_said(trained),
     )
     warnings = []
     if isinstance(vectors, StandIn):

@@ -9,7 +9,6 @@ what, and says so.
 from __future__ import annotations
 
 import hashlib
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Protocol, cast
@@ -17,12 +16,11 @@ from typing import Final, Protocol, cast
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from safetensors import SafetensorError
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE
-from motion.errors import InputError
 from training.hearing.sound_context import SoundContext
+from training.pretrained import CONFIG, WEIGHTS, SavedNetworks
 
 FEATURES: Final = 1024
 RATE: Final = 50
@@ -32,9 +30,13 @@ _SHORTEST: Final = 400
 """Samples that one feature vector looks at."""
 
 _SEED: Final = 20_210_614
-_SAVE: Final = (
-    "Save it there once: transformers.HubertModel.from_pretrained("
-    "'facebook/hubert-large-ls960-ft').save_pretrained(FOLDER)"
+_SAVED: Final = SavedNetworks(
+    whose="HuBERT",
+    types={"hubert": "HuBERT-large"},
+    # It hides parts of the speech, in training alone.
+    unasked=("masked_spec_embed",),
+    remedy="Save it there once: transformers.HubertModel.from_pretrained("
+    "'facebook/hubert-large-ls960-ft').save_pretrained(FOLDER)",
 )
 
 
@@ -104,25 +106,9 @@ def load_hubert(folder: Path) -> Hubert:
     InputError
         If the folder holds no such network, lacks a weight, or gives other than 1024 channels.
     """
-    weights = check_hubert(folder)
-    from transformers import HubertModel
-
-    try:
-        network, report = HubertModel.from_pretrained(
-            folder, local_files_only=True, use_safetensors=True, output_loading_info=True
-        )
-    except (SafetensorError, OSError, ValueError, RuntimeError, KeyError, TypeError) as error:
-        what = str(error).partition("\n")[0]
-        raise InputError(f"HuBERT cannot be read: {what}", where=folder, remedy=_SAVE) from error
-    # The vector that hides parts of the speech is used in training alone.
-    missing = sorted(set(report["missing_keys"]) - {"masked_spec_embed"})
-    if missing:
-        raise InputError(
-            f"HuBERT's file lacks {len(missing)} weights ({', '.join(missing[:3])})",
-            where=weights,
-            remedy=_SAVE,
-        )
-    with weights.open("rb") as file:
+    check_hubert(folder)
+    network = _SAVED.load(folder)
+    with (folder / WEIGHTS).open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     return Hubert(
         network=network.eval(),
@@ -132,27 +118,13 @@ def load_hubert(folder: Path) -> Hubert:
     )
 
 
-def check_hubert(folder: Path) -> Path:
-    """Return the file of weights in `folder`, or say what is wrong there; nothing is loaded."""
-    weights, config = folder / "model.safetensors", folder / "config.json"
-    for path in (config, weights):
-        if not path.is_file():
-            raise InputError(
-                f"the folder of HuBERT holds no {path.name}", where=folder, remedy=_SAVE
-            )
-    try:
-        facts = json.loads(config.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError("the file is no JSON", where=config, remedy=_SAVE) from error
-    kind = facts.get("model_type") if isinstance(facts, dict) else None
-    width = facts.get("hidden_size") if isinstance(facts, dict) else None
-    if kind != "hubert" or width != FEATURES:
-        raise InputError(
-            f"the folder holds a network of type {kind!r} with {width} channels, not HuBERT-large",
-            where=config,
-            remedy=_SAVE,
+def check_hubert(folder: Path) -> None:
+    """Say what is wrong with a folder of HuBERT; nothing is loaded."""
+    width = _SAVED.check(folder).get("hidden_size")
+    if width != FEATURES:
+        raise _SAVED.refused(
+            f"the network has {width} channels, not HuBERT-large's {FEATURES}", folder / CONFIG
         )
-    return weights
 
 
 def stand_in(*, full_size: bool = False) -> Hubert:

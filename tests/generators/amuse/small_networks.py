@@ -8,7 +8,7 @@ from typing import Final
 import torch
 
 from generators.amuse.config import MotionConfig, SpeechConfig
-from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -40,8 +40,9 @@ SPEECH: Final = SpeechConfig(
 def written_networks(folder: Path) -> AmuseSettings:
     """Write both files; the speech model knows happiness and fear, and the speaker anna."""
     torch.manual_seed(11)
-    motion = MotionNetworks(prior=MotionPrior(MOTION), denoiser=Denoiser(MOTION))
-    _stand_upright(motion.prior)
+    motion = MotionNetworks(model=MotionModel(MOTION))
+    assert isinstance(motion.model.prior, MotionPrior)
+    _stand_upright(motion.model.prior)
     model = SpeechModel(SPEECH)
     for encoder in (model.content, model.emotion, model.style):
         # Untrained latents hardly differ from speech to speech; these do.

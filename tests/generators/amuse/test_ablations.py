@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from generators.amuse.generate import Amuse
-from generators.amuse.model import Denoiser, NoPrior
+from generators.amuse.model import MotionModel
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -35,14 +35,12 @@ def _speech(hertz: float) -> SpeechSegment:
 
 def test_without_a_prior_the_denoiser_tells_the_frames_themselves(tmp_path: Path) -> None:
     config = replace(MOTION, frames=60, prior=False)
-    network = Denoiser(config)
+    model = MotionModel(config)
     noise = torch.randn(2, 60, 333)
     told = [torch.randn(2, 1, 8) for _ in range(3)]
-    assert network(noise, torch.tensor([3]), *told).shape == noise.shape
+    assert model.denoiser(noise, torch.tensor([3]), *told).shape == noise.shape
     settings = written_networks(tmp_path)
-    write_motion_networks(
-        settings.checkpoint, MotionNetworks(prior=NoPrior(config), denoiser=network)
-    )
+    write_motion_networks(settings.checkpoint, MotionNetworks(model=model))
     clips = [
         Amuse(settings, "cpu").generate(_speech(hertz), seed=1, frame_rate=30)
         for hertz in (200, 200, 2000)
@@ -58,11 +56,9 @@ def _whole(tmp_path: Path) -> AmuseSettings:
     settings = written_networks(tmp_path)
     config = replace(SPEECH, mfcc=4)
     model = SpeechAutoencoder(config)
-    denoiser = Denoiser(replace(MOTION, conditions=1, prior=False, frames=60))
+    motion = MotionModel(replace(MOTION, conditions=1, prior=False, frames=60))
     write_speech_network(settings.speech_model, SpeechNetwork(model=model))
-    write_motion_networks(
-        settings.checkpoint, MotionNetworks(prior=NoPrior(denoiser.config), denoiser=denoiser)
-    )
+    write_motion_networks(settings.checkpoint, MotionNetworks(model=motion))
     return settings
 
 

@@ -12,9 +12,9 @@ from generators.amuse.losses import (
     OF_ALIGNMENT,
     OF_PRIOR,
     LossWeights,
-    MotionModel,
     motion_losses,
 )
+from generators.amuse.model import MotionModel
 from tests.generators.amuse.small_networks import MOTION
 
 SMALL = replace(MOTION, frames=12)

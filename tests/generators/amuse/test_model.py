@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from generators.amuse.config import MotionConfig
-from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.model import Denoiser, MotionModel, MotionPrior
 from training.diffusion import SCALED_LINEAR
 
 SMALL = MotionConfig(
@@ -38,13 +38,6 @@ def test_the_prior_codes_each_motion_by_itself() -> None:
         torch.testing.assert_close(decoded[2:], prior.decode(alone.mu))
     assert decoded.shape == motion.shape
     assert (together.std > 0).all()
-
-
-def test_a_latent_is_drawn_from_its_gaussian_and_repeats_with_its_generator() -> None:
-    gaussian = MotionPrior(SMALL).eval().encode(torch.randn(2, 20, 12))
-    drawn = [gaussian.sample(torch.Generator().manual_seed(3)) for _ in range(2)]
-    torch.testing.assert_close(drawn[0], drawn[1])
-    assert drawn[0].shape == (2, 1, 16)
 
 
 def test_the_noise_found_hangs_on_every_condition_and_on_the_step() -> None:
@@ -81,3 +74,13 @@ def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it() -> No
     denoiser.predict = lambda *_: SCALED_LINEAR.v(z0, eps, t)  # type: ignore[method-assign]
     found = denoiser(SCALED_LINEAR.x_t(z0, eps, t), t)
     assert torch.allclose(found, eps, atol=1e-5)
+
+
+def test_equal_noise_gives_equal_latents_whatever_is_sampled_beside_it() -> None:
+    model = MotionModel(SMALL).eval()
+    noise, *speech = torch.randn(9, 1, SMALL.width), *torch.randn(3, 9, 1, SMALL.condition_width)
+    with torch.inference_mode():
+        many = model.sample(noise, speech, steps=5)
+        few = model.sample(noise[:2], [one[:2] for one in speech], steps=5)
+    assert many.shape == noise.shape
+    torch.testing.assert_close(many[:2], few)

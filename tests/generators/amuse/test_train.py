@@ -139,7 +139,7 @@ def test_without_a_prior_the_denoiser_learns_alone(learn: Learn, tmp_path: Path)
     out = tmp_path / "out.safetensors"
     said = learn(2, out, ablation="without_prior")
     found = load_motion_networks(out)
-    assert found.prior.latent_shape == (FRAMES, 333)
+    assert found.model.prior.latent_shape == (FRAMES, 333)
     assert set(found.training["held_out"]) == {"loss", "ld", "align", "valign"}
     assert "reconstruction" not in said.sentences[1]
 

@@ -13,7 +13,7 @@ import torch
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.network_file import load_speech_network
 from generators.amuse.speech import SpeechEncoder, SpeechModel
-from generators.amuse.train_speech import macro_f1, speech_filterbank, train_amuse_speech
+from generators.amuse.train_speech import macro_f1, train_amuse_speech
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
@@ -22,6 +22,7 @@ from tests.generators.amuse.toy_speech import toy_speech
 from training.corpus.description import claim
 from training.corpus.request import CorpusRequest
 from training.data.take import Take, TakeFolder
+from training.features import speech_filterbank
 
 Learn = Callable[..., TrainedGenerator]
 

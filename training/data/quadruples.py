@@ -1,4 +1,4 @@
-"""Fours of speech windows that take content, emotion and style apart.
+"""Fours of windows that tell content, emotion and style of speech apart.
 
 Chhatre et al. 2024, appendix B.4: two texts, each spoken by two speakers, all in one emotion.
 """
@@ -10,13 +10,12 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import InputError
 from training.data.beat_names import BeatName
 from training.data.windows import Windows
 
 
 def quadruples(windows: Windows, *, most: int, seed: int) -> NDArray[np.int64]:
-    """Return rows of windows, (quadruples, 4).
+    """Return rows of windows.
 
     The columns are (c1, s1), (c2, s1), (c1, s2), (c2, s2); the four windows of a row are equally
     far from the beginning of their recordings.
@@ -30,10 +29,10 @@ def quadruples(windows: Windows, *, most: int, seed: int) -> NDArray[np.int64]:
     seed : int
         Of the draw.
 
-    Raises
-    ------
-    InputError
-        If no two speakers speak two texts in one emotion.
+    Returns
+    -------
+    ndarray, shape (quadruples, 4)
+        None where no two speakers speak two texts in one emotion.
     """
     found = [
         four
@@ -46,12 +45,7 @@ def quadruples(windows: Windows, *, most: int, seed: int) -> NDArray[np.int64]:
         )
         if emotion
     ]  # fmt: skip
-    if not found:
-        raise InputError(
-            "no two speakers speak the same two texts in one emotion",
-            remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
-        )
-    rows = np.array(found, dtype=np.int64)
+    rows = np.array(found, dtype=np.int64).reshape(-1, 4)
     if len(rows) <= most:
         return rows
     return rows[np.sort(np.random.default_rng(seed).choice(len(rows), most, replace=False))]

@@ -1,16 +1,12 @@
-"""Sampling latents and joining windows."""
+"""Windows that cover a motion, and go over into each other."""
 
 from __future__ import annotations
 
-import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generators.amuse.config import MotionConfig
-from generators.amuse.model import Denoiser, MotionPrior
-from generators.amuse.sampling import join_windows, plan_windows, sample_windows
-from tests.generators.amuse.test_model import SMALL
+from training.joined_windows import plan_windows
 
 
 @given(total=st.integers(1, 5000), frames=st.integers(40, 300), fade=st.integers(1, 30))
@@ -29,7 +25,7 @@ def test_one_motion_cut_into_windows_comes_back_whole() -> None:
     plan = plan_windows(95, 40, 6)
     motion = torch.randn(plan.starts[-1] + 40, 3)
     windows = torch.stack([motion[start : start + 40] for start in plan.starts])
-    torch.testing.assert_close(join_windows(windows, plan), motion)
+    torch.testing.assert_close(plan.join(windows), motion)
 
 
 def test_joined_windows_do_not_jerk_at_their_seams() -> None:
@@ -39,31 +35,8 @@ def test_joined_windows_do_not_jerk_at_their_seams() -> None:
     phases, speeds = (torch.rand(plan.count, 1, 8, generator=random) for _ in range(2))
     waves = torch.sin(2 * torch.pi * ((0.5 + speeds) * times[:, None] + phases))
     windows = waves.mean(dim=-1, keepdim=True)
-    joined = join_windows(windows, plan)
+    joined = plan.join(windows)
     sizes = joined.diff(n=2, dim=0).abs()[:, 0]
     centres = torch.arange(len(sizes)) + 1
     at_seam = (centres >= plan.stride) & (centres % plan.stride < plan.fade)
     assert float(sizes[at_seam].mean() / sizes[~at_seam].mean()) < 1.2
-
-
-@pytest.fixture(name="networks", scope="module")
-def _networks() -> tuple[MotionPrior, Denoiser]:
-    torch.manual_seed(3)
-    return MotionPrior(SMALL).eval(), Denoiser(SMALL).eval()
-
-
-def _sampled(
-    networks: tuple[MotionPrior, Denoiser], windows: int, config: MotionConfig = SMALL
-) -> torch.Tensor:
-    random = torch.Generator().manual_seed(8)
-    noise = torch.randn(9, 1, config.width, generator=random)[:windows]
-    latents = [torch.randn(9, config.condition_width, generator=random)[:windows] for _ in range(3)]
-    return sample_windows(*networks, latents, noise, steps=5)
-
-
-def test_equal_noise_gives_equal_motion_whatever_is_sampled_beside_it(
-    networks: tuple[MotionPrior, Denoiser],
-) -> None:
-    many, few = _sampled(networks, 9), _sampled(networks, 2)
-    assert many.shape == (9, SMALL.frames, SMALL.motion_width)
-    torch.testing.assert_close(many[:2], few)

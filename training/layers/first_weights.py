@@ -1,0 +1,61 @@
+"""Weights that layers set out from, so that they learn when something happens, and early.
+
+Linear layers can set out from the principal components of what they are to see, and attention from
+looking at what is near in time, where positions are waves.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+LEAST_SPREAD: Final = 1e-3
+"""Of a principal component, or of what is heard; smaller ones are rounding."""
+
+_SHARPNESS: Final = 3.0
+"""How much more attention is paid to what is near in time."""
+
+
+class Components(NamedTuple):
+    """Principal components: the mean (values,), directions (values, count), spreads (count,)."""
+
+    mean: Tensor
+    directions: Tensor
+    spread: Tensor
+
+
+def components_of(rows: Tensor, most: int) -> Components:
+    """Return the largest principal components of `rows` (n, values)."""
+    mean = rows.mean(dim=0)
+    directions = torch.pca_lowrank(rows, q=min(most, *rows.shape), niter=4)[2]
+    spread = ((rows - mean) @ directions).std(dim=0).clamp_min(LEAST_SPREAD)
+    return Components(mean, directions, spread)
+
+
+def tell_components(layer: nn.Linear | nn.Conv2d, found: Components, size: float = 1.0) -> None:
+    """Let the first channels of a layer tell components, all of one size."""
+    rows = size * (found.directions / found.spread).T
+    layer.weight[: len(rows)] = rows.view(len(rows), *layer.weight.shape[1:])
+    if layer.bias is not None:
+        layer.bias[: len(rows)] = -layer.weight[: len(rows)].flatten(1) @ found.mean
+
+
+def waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:
+    """Return sines and cosines (places, width) of `places`, from slow to fast, radians for 1."""
+    turns = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
+    angles = places[:, None] * turns
+    return torch.cat([angles.sin(), angles.cos()], dim=1)
+
+
+def look_near(attention: nn.MultiheadAttention, first: int) -> None:
+    """Let each head compare the waves from channel `first` on, others each, and hardly the rest."""
+    width, size = attention.embed_dim, attention.head_dim
+    for head in range(attention.num_heads):
+        compared = torch.linalg.qr(torch.randn(width - first, width - first)).Q[:size]
+        for part in (0, width):
+            rows = slice(part + head * size, part + head * size + len(compared))
+            attention.in_proj_weight[rows] *= 0.3
+            attention.in_proj_weight[rows, first:] = _SHARPNESS * compared
