@@ -37,7 +37,7 @@ def picture_overview(page: Page, address: str, database: Path) -> None:
         link = first_owner_link(stored, Clock())
     page.goto(f"{address}research/join/{link}")
     page.get_by_label("Your name").fill("Ada Lovelace")
-    for label in ("New password", "The same once more"):
+    for label in ("New password", "Repeat it"):
         page.get_by_label(label).fill("for this picture only")
     page.get_by_role("button", name="Join").click()
     page.goto(f"{address}research/rehearsal/")

@@ -56,7 +56,7 @@ def list_(folder: StudyFolder) -> None:
     """List all researchers with their roles."""
     found = listed_researchers(folder)
     for account in found:
-        out = ", shut out" if account.disabled_at else ""
+        out = ", no access" if account.disabled_at else ""
         out += ", second factor" if account.has_second_factor else ""
         click.echo(f"{account.name} ({account.role}{out}), since {account.joined_at:%Y-%m-%d}")
     if not found:

@@ -78,9 +78,8 @@ def decisions(
 def _of_places(places: PlaceCounts, open_to_newcomers: bool) -> Iterator[Decision]:
     if places.still_to_be_done and not open_to_newcomers:
         yield Decision(
-            what=f"{places.still_to_be_done} places are not done, and nobody new is let in.",
-            remedy="Let newcomers in again, here or by 'open = true' in study.toml, or leave it at "
-            "that.",
+            what=f"{places.still_to_be_done} places are not done, and the study admits nobody new.",
+            remedy="Admit participants again, here or by 'open = true' in study.toml, or leave it.",
         )
 
 

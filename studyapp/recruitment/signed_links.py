@@ -88,7 +88,7 @@ def signed_names(token: str, host: str) -> dict[str, str] | None:
     except jwt.PyJWKClientError:
         LOG.warning("The keys that Prolific signs with could not be fetched")
         raise UnacceptableError(
-            "It cannot be checked at the moment that Prolific sent you.",
+            "At the moment we cannot verify that Prolific sent you.",
             "Please open the study from Prolific again in a few minutes.",
         ) from None
     except jwt.InvalidTokenError:

@@ -106,7 +106,7 @@ def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) 
                 remedy="See who there is with 'motionjury researchers STUDY list'",
             )
         if found.disabled_at is not None:
-            raise InputError(f"{found.name!r} is shut out", remedy="An owner can let them in again")
+            raise InputError(f"{found.name!r} has no access", remedy="An owner can restore it")
         session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))
         log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {found.name}")
         return _make(session, now, "new_password", researcher_id=found.id, made_by=by)

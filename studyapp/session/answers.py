@@ -122,7 +122,7 @@ def skip_unplayable(
         video = _unplayable(trial, video_token)
         if not failed_to_play(video, media_error):
             raise UnacceptableError(
-                "Nothing shows yet that this video does not play.",
+                "There is no sign yet that this video does not play.",
                 "Please load it again, press play and wait a few seconds. If it still does not "
                 "play, try another browser, device or network with the same link: nothing is lost.",
             )

@@ -106,8 +106,8 @@ def answer_form(
         checking = sound_check_due(study_session, served)
         if not running or checking or form_due(study_session, study) != stage:
             raise ConflictError(
-                "These questions are not the ones you are at.",
-                "The page you come to next shows how to go on.",
+                "These are not the questions you are on.",
+                "The next page shows how to go on.",
             )
         study_session.form_answers.extend(answers)
         move_on(session, study_session, study, now)

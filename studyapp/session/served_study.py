@@ -164,7 +164,7 @@ class VideoRecord:
 def study_has_changed() -> ConflictError:
     """Return what those are told who come while another study takes the place of this one."""
     return ConflictError(
-        "The study has just been changed, and this page is of the one before.",
+        "The study has just been changed, and this page belongs to its earlier version.",
         "Please try again in a few minutes with the same link.",
     )
 

@@ -49,9 +49,7 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
     with database.writing() as session:
         study_session = find(session, token)
         if not sound_check_due(study_session, served):
-            raise ConflictError(
-                "The sound check is over.", "The page you come to next shows how to go on."
-            )
+            raise ConflictError("The sound check is over.", "The next page shows how to go on.")
         draw_digits(study_session)
         return study_session.sound_digits
 

@@ -124,12 +124,12 @@ def require_present(study_session: StudySession, trial: Trial) -> datetime:
     if state != "started":
         raise ConflictError(
             "{problem}",
-            "The page you come to next shows how to go on.",
+            "The next page shows how to go on.",
             problem=NOT_AT_A_TRIAL[state],
         )
     if trial is not current_trial(study_session) or trial.shown_at is None:
         raise ConflictError(
-            "This page is not the one you are at.",
+            "This is not the page you are on.",
             "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
         )
     return trial.shown_at

@@ -21,6 +21,6 @@ def join(page: Page, link: str) -> None:
     """Become `NAME` by a link."""
     page.goto(link)
     page.get_by_label("Your name").fill(NAME)
-    for label in ("New password", "The same once more"):
+    for label in ("New password", "Repeat it"):
         page.get_by_label(label).fill(PASSWORD)
     page.get_by_role("button", name="Join").click()

@@ -153,7 +153,7 @@ def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     page.get_by_role("button", name="I agree").click()
     expect(page.get_by_role("button", name="Begin")).to_be_visible()
     page.goto(first)
-    expect(page.get_by_role("heading", level=1)).to_contain_text("taken meanwhile")
+    expect(page.get_by_role("heading", level=1)).to_contain_text("taken in the meantime")
     yield "lapsed"
     with app.app_context():
         here = running()

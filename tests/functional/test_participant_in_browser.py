@@ -237,7 +237,7 @@ def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: s
     page.get_by_role("button", name="Play both").click()
     wait_for_video(page, "ended")
 
-    expect(page.locator("#watched")).to_have_text("Turn the sound on, please")
+    expect(page.locator("#watched")).to_have_text("Please turn the sound on")
 
 
 def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> None:

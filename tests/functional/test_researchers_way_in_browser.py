@@ -148,7 +148,7 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
 
             pseudonym = export(study).loc[3, "participant"]
             exclude(page, str(pseudonym), look_at)
-            follow(page, "Newcomers")
+            follow(page, "Recruitment")
             page.get_by_label("Places more in each arm").fill("1")
             send(page, "Extend", "one was asleep")
             (code,) = crowd.come(["one-more"])
@@ -199,17 +199,17 @@ def join_and_log_in(page: Page, link: str) -> None:
 
 def prepare(page: Page, look_at: LookAt) -> None:
     """Keep newcomers out, look at a trial as they will see it, and let them in."""
-    follow(page, "Newcomers")
+    follow(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
     follow(page, "Preview")
     look_at("preview")
     page.get_by_role("link", name="1", exact=True).click()
     expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
     page.get_by_role("link", name="All trials of this place").click()
-    follow(page, "Newcomers")
+    follow(page, "Recruitment")
     look_at("before-the-launch")
     send(page, "Resume", "all is well")
-    expect(page.locator(".truth")).to_contain_text("Newcomers are let in")
+    expect(page.locator(".truth")).to_contain_text("New participants are admitted")
 
 
 def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
@@ -229,9 +229,9 @@ def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
 
 def close(page: Page, address: str, look_at: LookAt) -> None:
     """Close the study; a newcomer is told that it is over."""
-    follow(page, "Newcomers")
+    follow(page, "Recruitment")
     send(page, "Close", "all we need")
-    expect(page.locator(".truth")).to_contain_text("The study is closed to newcomers")
+    expect(page.locator(".truth")).to_contain_text("The study is closed to new participants")
     look_at("closed")
     late = httpx.post(address, data={"visit": "v" * 32})
     assert late.status_code == 409

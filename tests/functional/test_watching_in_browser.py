@@ -115,7 +115,7 @@ def test_playing_faster_does_not_count_and_says_so(
     with page.expect_response("**/watched/**") as answered:
         play_button(page, "A").click()
 
-    expect(page.locator("#watched")).to_have_text("Let the video play at its own speed, please")
+    expect(page.locator("#watched")).to_have_text("Please let the video play at normal speed")
     expect(page.locator("#needed")).to_contain_text("Still needed: watch A and B")
     assert {report["rate"] for report in reports} == {4}
     assert answered.value.json()["intervals"] == []
@@ -134,7 +134,7 @@ def test_playing_out_of_view_does_not_count_and_says_so(page: Page, address: str
     with page.expect_response(all_told) as answered:
         play_button(page, "A").click()
 
-    expect(page.locator("#watched")).to_have_text("Keep the video in view while it plays, please")
+    expect(page.locator("#watched")).to_have_text("Please keep the video in view while it plays")
     assert answered.value.json()["intervals"] == []
 
 

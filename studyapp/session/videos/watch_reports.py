@@ -89,7 +89,7 @@ def record_watched(
         passed = clock.seconds_since(playing.shown_at)
         if passed is not None and _claimed(report, record, playing.others) > passed + TOLERANCE:
             raise TooMuchWatchedError(
-                "More of the video was reported as played than time has passed.",
+                "More of the video was reported as played than there was time for.",
                 "Please play it again.",
             )
         if len(record.intervals) > MOST_INTERVALS:

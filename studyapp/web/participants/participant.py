@@ -106,7 +106,7 @@ def end_break(token: str) -> ResponseReturnValue:
     position = request.form.get("position", "")
     if not position.isdecimal() or len(position) > LONGEST_NUMBER:
         raise UnacceptableError(
-            "This did not come from the page of a break.", "Please go on; nothing is lost."
+            "This did not come from a break page.", "Please go on; nothing is lost."
         )
     leave_break(here.database, here.served, token, int(position), here.clock)
     return to_where_they_stand(token)

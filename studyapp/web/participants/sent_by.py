@@ -62,7 +62,7 @@ def names_in(values: Mapping[str, str]) -> dict[str, str]:
         return {}
     if channel == "invitations":
         raise UninvitedError(
-            "This study can be opened with an invitation only.",
+            "This study can be opened only with an invitation.",
             "Please open the whole link that you were sent.",
         )
     raise _not_sent()
@@ -70,7 +70,7 @@ def names_in(values: Mapping[str, str]) -> dict[str, str]:
 
 def _not_sent() -> UninvitedError:
     return UninvitedError(
-        "This study is open to people who come from a recruiting site only.",
+        "This study is open only to people who come from a recruiting site.",
         "Please open it from its page there.",
     )
 

@@ -192,9 +192,7 @@ def _instruction(widget: Widget, labels: Labels, instructed: int) -> tuple[tuple
         text = _("To show that you read each question, please put {answer} first here.")
         return emphasised(text, "{answer}", letter(instructed))
     if widget == "slider":
-        text = _(
-            "To show that you read each question, please move this slider into the part {answer}."
-        )
+        text = _("To show that you read each question, please move this slider to {answer}.")
         return emphasised(text, "{answer}", labels[instructed - 1][1])
     text = _("To show that you read each question, please answer this one with {answer}.")
     return emphasised(text, "{answer}", dict(labels)[instructed])

@@ -14,6 +14,6 @@ button.addEventListener("click", async () => {
     copied.textContent = say("Copied ✓");
   } catch {
     getSelection().selectAllChildren(code);
-    copied.textContent = say("Marked: press Ctrl+C to copy");
+    copied.textContent = say("Selected: press Ctrl+C to copy");
   }
 });

@@ -32,7 +32,7 @@ if (phone) {
     } catch {
       link.focus();
       link.select();
-      copied.textContent = say("Marked: you can copy it now");
+      copied.textContent = say("Selected: you can copy it now");
     }
   });
 }

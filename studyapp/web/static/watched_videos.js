@@ -36,9 +36,9 @@ export class WatchedVideos extends EventTarget {
   // What keeps playing from counting; nothing where nothing does.
   get why() {
     const reasons = this.unwatched.map(({ why }) => why);
-    if (reasons.includes("silent")) return say("Turn the sound on, please");
-    if (reasons.includes("hidden")) return say("Keep the video in view while it plays, please");
-    if (reasons.includes("fast")) return say("Let the video play at its own speed, please");
+    if (reasons.includes("silent")) return say("Please turn the sound on");
+    if (reasons.includes("hidden")) return say("Please keep the video in view while it plays");
+    if (reasons.includes("fast")) return say("Please let the video play at normal speed");
     return "";
   }
 

@@ -142,7 +142,7 @@ def test_who_is_let_in_by_nobody_needs_a_decision(
 
     (decision,) = overview(opened, closed, clock.now()).decisions
 
-    assert "nobody new is let in" in decision.what
+    assert "the study admits nobody new" in decision.what
 
 
 @pytest.fixture

@@ -107,5 +107,5 @@ def test_where_the_keys_cannot_be_fetched_people_are_asked_to_come_again(
 
     monkeypatch.setattr(jwt.PyJWKClient, "fetch_data", fail)
 
-    with pytest.raises(UnacceptableError, match="at the moment"):
+    with pytest.raises(UnacceptableError, match="At the moment"):
         signed_names(signed(private_key), HOST)

@@ -111,7 +111,7 @@ def test_a_trial_ahead_of_the_present_one_is_refused(participant: Participant) -
     with participant.database.reading() as session:
         following = session.scalars(select(StudySession)).one().trials[1].token
 
-    with pytest.raises(ConflictError, match="not the one you are at"):
+    with pytest.raises(ConflictError, match="not the page you are on"):
         participant.answer(following)
     assert stored(participant) == []
 
@@ -207,7 +207,7 @@ def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
         leave_out()
         assert participant.trial().position == 2
     else:
-        with pytest.raises(UnacceptableError, match="Nothing shows yet"):
+        with pytest.raises(UnacceptableError, match="There is no sign yet"):
             leave_out()
         assert participant.trial().position == 1
 

@@ -151,5 +151,5 @@ def test_every_question_that_needs_another_answer_is_named(asking: Participant) 
 def test_closing_questions_cannot_be_answered_before_the_trials(asking: Participant) -> None:
     come(asking, **ADULT)
 
-    with pytest.raises(ConflictError, match="not the ones you are at"):
+    with pytest.raises(ConflictError, match="not the questions you are on"):
         tell(asking, "closing", {"comment": "Early."})

@@ -100,7 +100,7 @@ def test_pausing_keeps_what_was_extended_and_the_other_way_round(
         ("open", 3, "Ada"),
     ]
     (decision,) = overview(opened, served, clock.now()).decisions
-    assert "nobody new is let in" in decision.what
+    assert "the study admits nobody new" in decision.what
 
 
 @SQLITE

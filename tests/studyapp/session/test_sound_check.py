@@ -232,7 +232,7 @@ def test_questions_wait_for_the_sound_check(
     arrival = Arrival(visit="visit", form=ADULT)
     listener.token = enrol(database, listener.served, arrival, clock)
     assert listener.look().form is None
-    with pytest.raises(ConflictError, match="not the ones you are at"):
+    with pytest.raises(ConflictError, match="not the questions you are on"):
         answer_form(database, listener.served, listener.token, "demographics", ABOUT, clock)
 
     hear(listener, digits(listener))

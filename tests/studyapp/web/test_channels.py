@@ -102,7 +102,7 @@ def test_neither_failed_catch_trials_nor_one_failed_attention_check_cost_pay(
     page = last_page(Visitor(opened(PROLIFIC), clock).enrol(BY_PROLIFIC))
 
     assert shown_code(page) == CODES["completed"]
-    assert "asked you to choose one certain answer" not in page.text
+    assert "asked you to choose a particular answer" not in page.text
 
 
 def test_failed_attention_checks_are_counted_from_the_answers(
@@ -130,7 +130,7 @@ def test_failed_attention_checks_are_counted_from_the_answers(
             assert visitor.post(page, **wrong)[0] == 303
             page = visitor.page()
         assert shown_code(page) == CODES["failed_attention"]
-        assert "asked you to choose one certain answer" in page.text
+        assert "asked you to choose a particular answer" in page.text
     finally:
         database.close()
 

@@ -14,7 +14,7 @@ from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
 
-TOO_MUCH = "More of the video was reported as played than time has passed."
+TOO_MUCH = "More of the video was reported as played than there was time for."
 ANSWERED = "You have already answered this page, and your first answer is stored."
 
 

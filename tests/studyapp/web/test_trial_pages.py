@@ -258,9 +258,7 @@ def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive:
 
     assert [video["data-label"] for video in page.soup.select("video")] == ["Reference", "A", "B"]
     assert words(page.one(".apart .label")) == "Reference"
-    assert words(page.one(".aside")) == (
-        "The reference is there to compare with; it is not ranked."
-    )
+    assert words(page.one(".aside")) == ("The reference is for comparison; it is not ranked.")
     ranks = page.soup.select("#answers select")
     assert [rank["name"] for rank in ranks] == ["realism:1", "realism:2"]
     assert [rank["aria-label"] for rank in ranks] == [

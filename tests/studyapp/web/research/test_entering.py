@@ -250,7 +250,7 @@ def test_a_changed_password_is_asked_for_from_then_on(app: Flask, log_in: LogIn)
     assert viewer.post("/research/account", **(fields | {"again": "x"})).status_code == 422
     assert viewer.post("/research/account", **fields).status_code == 303
 
-    assert "is changed" in viewer.get("/research/account?changed=").text
+    assert "has been changed" in viewer.get("/research/account?changed=").text
     assert elsewhere.client.get("/research/").status_code == 303
     assert ResearchBrowser(app).log_in("Mary").status_code == 403
     assert ResearchBrowser(app).log_in("Mary", new).status_code == 303

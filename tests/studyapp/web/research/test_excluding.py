@@ -96,9 +96,9 @@ def test_the_page_says_what_a_decision_does_and_what_it_does_not(
 ) -> None:
     said = words(log_in("analyst").get(ONE))
 
-    assert "leave out who did not finish; who failed more than 1 catch trial." in said
+    assert "leave out participants who did not finish; who failed more than 1 catch trial." in said
     assert "Reinstating somebody does not overrule them." in said
-    assert "goes on, and is paid like everybody. The place stays taken" in said
+    assert "can go on, and is paid like everybody. The place stays taken" in said
 
 
 def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
@@ -129,7 +129,7 @@ def test_who_withdrew_cannot_be_excluded(
     withdraw(stored, people[1].token, clock)
     gone = f"{LIST}/2"
 
-    assert "Nothing of who withdrew is analysed." in words(analyst.get(gone))
+    assert "Nothing from participants who withdrew is analysed." in words(analyst.get(gone))
     assert not analyst.get(gone).soup.select("[name=decision]")
     assert decide(analyst, "exclude", "r", gone) == 422
 
@@ -172,7 +172,7 @@ def test_participants_go_by_the_pseudonyms_of_the_export(
     for called in ("p" * 17, "77", "9" * 40, SCRIPT, "٣"):
         nobody = analyst.client.get(LIST, query_string={"called": called})
         assert nobody.status_code == 200
-        assert "No study session is called" in nobody.text
+        assert "No study session has the number or pseudonym" in nobody.text
         assert SCRIPT not in nobody.text
 
 

@@ -13,7 +13,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
     analyst = log_in("analyst")
     newcomers = "/research/newcomers"
     start = {"visit": "v" * 32}
-    assert "Newcomers are let in" in analyst.get(newcomers).text
+    assert "New participants are admitted" in analyst.get(newcomers).text
 
     unexplained = analyst.post(f"{newcomers}/state", state="paused")
     paused = analyst.post(f"{newcomers}/state", state="paused", reason="a video stalls <b>")
@@ -29,7 +29,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
     assert {each.status_code for each in odd} == {422}
     assert {each.status_code for each in (paused, resumed, extended, closed, taken)} == {303}
     assert refused.status_code == 409
-    assert "closed to newcomers" in analyst.get("/research/").text
+    assert "closed to new participants" in analyst.get("/research/").text
     page = analyst.get(newcomers)
     assert "a video stalls <b>" in page.soup.get_text()
     assert [(each.state, each.more_places, each.researcher) for each in decided(stored)] == [
