@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from benchmarks.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
 from motion.files import replacing
-from studyapp.study.design.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
 
 CONDITIONS: Final = 10
 STRENGTH_SDS: Final = (1.0, 2.0)

@@ -3,10 +3,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from benchmarks.adaptive_pairs import KNOWN, answers_needed, draw, report, simulate
-from studyapp.study.design.adaptive_simulation import CHOICES, TRIALS
+from benchmarks.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
 
 
 def test_the_figure_is_drawn_and_its_numbers_are_told(tmp_path: Path) -> None:
@@ -29,3 +30,24 @@ def test_an_order_counts_as_known_from_the_first_participant_who_makes_it_so() -
 
     assert answers_needed(curve) == 2 * TRIALS
     assert answers_needed(curve[:, :1]) is None
+
+
+def test_adaptive_pairs_find_the_order_sooner_than_any_rival() -> None:
+    final: dict[str, list[float]] = {choice: [] for choice in CHOICES}
+    for seed in range(100, 125):
+        strengths = np.random.default_rng([seed, 1]).normal(0, 2, 6)
+        for choice in CHOICES:
+            *_, last = tournament(strengths, choice=choice, participants=8, seed=seed)
+            final[choice].append(last.tau)
+
+    assert np.mean(final["adaptive"]) > max(np.mean(final["even"]), np.mean(final["random"]))
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_in_the_end_every_choice_of_pairs_knows_the_strengths(choice: Choice) -> None:
+    strengths = np.array([-1.5, -0.5, 0.5, 1.5])
+
+    *_, last = tournament(strengths, choice=choice, participants=60, seed=3)
+
+    assert last.tau == 1
+    assert last.error < 0.3

@@ -8,7 +8,7 @@ from typing import Final
 
 from analysis.answers.exclusion_rules import excluded_by_hand
 from studyapp.results.export.columns import fixed_values
-from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.settings.form import FormQuestion
 from studyapp.study.settings.questions import Question

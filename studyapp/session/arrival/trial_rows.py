@@ -35,9 +35,9 @@ from analysis.answers.columns import ANALYSED_KINDS
 from studyapp.database.tables import Base, Response, StudySession, Trial, TrialStimulus, Video
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.arm import NO_VOTES, Tally
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content
-from studyapp.study.design.tally import NO_VOTES, Tally
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""

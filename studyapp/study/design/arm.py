@@ -1,8 +1,16 @@
-"""Arms: groups of places whose participants are asked about the same conditions."""
+"""Arms: groups of places whose participants are asked about the same, and what they preferred."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+Tally = Mapping[tuple[str, str], float]
+"""How often the first condition was preferred to the second; a tie is half a win for both."""
+
+NO_VOTES: Final[Tally] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,15 +1,25 @@
-"""Trials that show two stimuli, one way round in half of them."""
+"""Trials that show two stimuli, one way round in half of them, and preferences between these."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final, Literal
 
 import numpy as np
 
 from motion.segment import Segment
+from studyapp.study.design.asking import Answers
 from studyapp.study.design.order import even_sides
 from studyapp.study.design.planned_trial import Kind, PlannedTrial
 from studyapp.study.design.stimulus import Content, Stimulus
+
+Levels = Literal[2, 3, 5]
+
+PREFERENCES: Final[Mapping[int, Sequence[int]]] = MappingProxyType(
+    {2: (-1, 1), 3: (-1, 0, 1), 5: (-2, -1, 0, 1, 2)}
+)
+"""By how many answers there are: below 0 for the first stimulus (A), above for the second (B)."""
 
 Shown = tuple[Segment, Stimulus, Stimulus]
 """What a trial is about, and the two stimuli that it shows."""
@@ -46,3 +56,8 @@ def pair_trials(
 def pair_videos(left: Stimulus, right: Stimulus, *, composed: bool) -> tuple[Content, ...]:
     """Return the videos that show two stimuli."""
     return ((left, right),) if composed else ((left,), (right,))
+
+
+def prefer_side(answers: Answers, number: int) -> bool:
+    """Tell whether every answer prefers stimulus `number`, which is 1 or 2, however little."""
+    return all((value > 0) if number == 2 else (value < 0) for value in answers.values())

@@ -11,44 +11,25 @@ from motion.segment import Segment
 
 @dataclass(frozen=True, kw_only=True)
 class TrialCount:
-    """The trials of one participant, by kind, and why they are not what the study file asks for.
+    """The pairs of one participant, and why they are not what the study file asks for.
 
     Attributes
     ----------
-    practice, main, repeat, catch, attention : int
-        Presentations of each kind; `repeat` equals `practice`.
+    practice, analysed : int
+        Pairs that are discarded, all of which are shown again, and pairs that are not.
     sentences : tuple of str
         What differs from the study file and why, for people; empty where nothing does.
     """
 
     practice: int
-    main: int
-    repeat: int
-    catch: int
-    attention: int
+    analysed: int
     sentences: tuple[str, ...] = ()
-
-    @property
-    def presentations(self) -> int:
-        """Trials that a participant sees, of all kinds."""
-        return self.practice + self.main + self.repeat + self.catch + self.attention
-
-    @property
-    def analysed(self) -> int:
-        """Trials whose answers are analysed."""
-        return self.main + self.repeat
 
 
 def planned_trials(
-    segments: Sequence[Segment],
-    *,
-    trials: int,
-    practice: int,
-    catch: int,
-    attention: int = 0,
-    rounds: int = 1,
+    segments: Sequence[Segment], *, trials: int, practice: int, rounds: int = 1
 ) -> TrialCount:
-    """Count the trials of one participant with these segments.
+    """Count the pairs of one participant with these segments.
 
     A segment comes in at most `rounds` analysed trials, so a study with fewer segments than its
     file asks for shows each of them so often.
@@ -67,14 +48,7 @@ def planned_trials(
             f"{discarded} trials are practice instead of {practice}, for the same reason"
         )
     sentences.extend(_uneven_emotions(segments, pairs / rounds))
-    return TrialCount(
-        practice=discarded,
-        main=pairs - discarded,
-        repeat=discarded,
-        catch=catch,
-        attention=attention,
-        sentences=tuple(sentences),
-    )
+    return TrialCount(practice=discarded, analysed=pairs, sentences=tuple(sentences))
 
 
 def _uneven_emotions(segments: Sequence[Segment], pairs: float) -> list[str]:

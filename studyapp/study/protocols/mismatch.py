@@ -22,14 +22,18 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, even_quotas, shuffled
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.arm import NO_VOTES, Arm, Tally
 from studyapp.study.design.asking import Answers, Trial
 from studyapp.study.design.order import drawn_segments, numbered, scattered_by_part
-from studyapp.study.design.pair_trials import Shown, pair_trials
+from studyapp.study.design.pair_trials import (
+    PREFERENCES,
+    Levels,
+    Shown,
+    pair_trials,
+    prefer_side,
+)
 from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.preference import PREFERENCES, Levels, prefer_side
 from studyapp.study.design.stimulus import Content, Stimulus
-from studyapp.study.design.tally import NO_VOTES, Tally
 from studyapp.study.settings.conditions import Catch
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.study import Study
@@ -86,11 +90,6 @@ class MismatchStudy(Study):
     def parts(self) -> tuple[str, ...]:
         """The tasks."""
         return tuple(name for name, n in ((FIT, self.fit), (REALISM, self.realism)) if n)
-
-    @property
-    def arms(self) -> tuple[Arm, ...]:
-        """One arm: everybody judges all conditions."""
-        return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
 
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
         """Yield every motion with its own and with another speech, and without sound."""

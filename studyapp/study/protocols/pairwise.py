@@ -30,14 +30,12 @@ from motion.listing import listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.adaptive import Pair, worthiest_pairs
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.arm import NO_VOTES, Arm, Tally
 from studyapp.study.design.asking import Answers, Trial
 from studyapp.study.design.order import drawn_segments, numbered, scattered
-from studyapp.study.design.pair_trials import pair_trials, pair_videos
+from studyapp.study.design.pair_trials import PREFERENCES, pair_trials, pair_videos, prefer_side
 from studyapp.study.design.planned_trial import Kind, PlannedTrial
-from studyapp.study.design.preference import PREFERENCES, prefer_side
 from studyapp.study.design.stimulus import Content, Stimulus
-from studyapp.study.design.tally import NO_VOTES, Tally
 from studyapp.study.design.trial_count import TrialCount, planned_trials
 from studyapp.study.settings.conditions import Condition, with_sources
 from studyapp.study.settings.questions import Question
@@ -189,7 +187,8 @@ class PairwiseStudy(Study):
         first, rest = shown[: count.practice], shown[count.practice :]
         practice = self._pairs("practice", first, chance)
         analysed = self._pairs("main", [*rest, *first], chance)
-        main, repeats = analysed[: count.main], analysed[count.main :]
+        new = count.analysed - count.practice
+        main, repeats = analysed[:new], analysed[new:]
         repeats = [
             replace(trial, kind="repeat", repeats=position)
             for position, trial in enumerate(repeats, start=1)
@@ -210,8 +209,6 @@ class PairwiseStudy(Study):
             segments,
             trials=self.trials,
             practice=self.practice,
-            catch=self.catch.trials,
-            attention=self.attention.trials,
             rounds=1 if self.has_reference_arms else len(self.conditions) - 1,
         )
 

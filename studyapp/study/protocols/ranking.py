@@ -15,7 +15,6 @@ open is decided here:
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -23,19 +22,16 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.arm import NO_VOTES, Arm, Tally
 from studyapp.study.design.asking import Answers, Trial
-from studyapp.study.design.grouped_trial import grouped_catch_trial, grouped_trial
 from studyapp.study.design.message import Message
-from studyapp.study.design.order import drawn_segments, numbered, scattered_by_part
+from studyapp.study.design.order import drawn_segments
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content, Stimulus
-from studyapp.study.design.tally import NO_VOTES, Tally
+from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
 from studyapp.study.settings.conditions import Catch
-from studyapp.study.settings.part import Part, part_problems
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.section import Name
-from studyapp.study.settings.study import Study
 
 
 class RankingBlock(Part):
@@ -58,7 +54,7 @@ class RankingBlock(Part):
         return [s for s in segments if self.shortest <= s.duration <= self.longest]
 
 
-class RankingStudy(Study):
+class RankingStudy(GroupedStudy):
     """Rankings of the motions of one speech.
 
     Attributes
@@ -105,11 +101,6 @@ class RankingStudy(Study):
         """The reference, and what all protocols have."""
         return {**dict.fromkeys(self._apart, "reference"), **super().roles}
 
-    @property
-    def arms(self) -> tuple[Arm, ...]:
-        """One arm: everybody ranks all conditions."""
-        return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
-
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
         """Yield every motion that may be ranked, and the reference beside it."""
         yield from dict.fromkeys(
@@ -134,27 +125,16 @@ class RankingStudy(Study):
                 seed=(self.seed, *block.name.encode()),
             )
             main += [
-                grouped_trial(
-                    "main", block.name, segment, block.conditions, chance, reference=self.reference
-                )
-                for segment in shuffled(heard, chance)
+                self.trial("main", block, segment, chance) for segment in shuffled(heard, chance)
             ]
         drawn = self._extra(segments, [trial.segment for trial in main], chance)
-        extra = [
-            *self._catch(drawn[: self.catch.trials], chance),
-            *self._attention(drawn[self.catch.trials :], chance),
-        ]
-        return numbered(scattered_by_part(extra, main, chance))
+        catch, attention = drawn[: self.catch.trials], drawn[self.catch.trials :]
+        return self.ordered(main, catch, attention, chance)
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the ranks, 1 the best."""
         del question
         return range(1, len(trial.conditions) + 1)
-
-    @property
-    def asks_each_stimulus(self) -> bool:
-        """Every motion gets a rank."""
-        return True
 
     @property
     def is_ordered(self) -> bool:
@@ -199,35 +179,21 @@ class RankingStudy(Study):
         )
 
     @property
+    def shown_apart(self) -> str | None:
+        """The reference."""
+        return self.reference
+
+    def instructions(self, part: Part) -> int:
+        """Return the motions that may be asked to be put first."""
+        return len(part.conditions)
+
+    @property
     def _apart(self) -> tuple[str, ...]:
         return () if self.reference is None else (self.reference,)
 
     @property
     def _caught(self) -> tuple[str, ...]:
         return (self.catch_against, self.catch.condition) if self.catch.trials else ()
-
-    def _catch(
-        self, drawn: Sequence[tuple[RankingBlock, Segment]], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        return [
-            grouped_catch_trial(
-                block.name, segment, block.conditions, chance,
-                right=self.catch_against, flawed=self.catch.condition, reference=self.reference,
-            )
-            for block, segment in drawn
-        ]  # fmt: skip
-
-    def _attention(
-        self, drawn: Sequence[tuple[RankingBlock, Segment]], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        trials = []
-        for block, segment in drawn:
-            trial = grouped_trial(
-                "attention", block.name, segment, block.conditions, chance, reference=self.reference
-            )
-            first = int(chance.integers(1, len(block.conditions) + 1))
-            trials.append(replace(trial, instructed=first))
-        return trials
 
     def _extra(
         self, segments: Sequence[Segment], heard: Sequence[Segment], chance: np.random.Generator

@@ -13,8 +13,6 @@ is decided here:
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from itertools import cycle, islice
 from typing import Literal
 
 import numpy as np
@@ -22,18 +20,15 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.arm import NO_VOTES, Arm, Tally
 from studyapp.study.design.asking import Answers, Trial
-from studyapp.study.design.grouped_trial import grouped_catch_trial, grouped_trial
-from studyapp.study.design.order import drawn_segments, numbered, scattered_by_part
+from studyapp.study.design.order import drawn_segments
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content, Stimulus
-from studyapp.study.design.tally import NO_VOTES, Tally
+from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
 from studyapp.study.settings.conditions import Catch
-from studyapp.study.settings.part import Part, part_problems
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.scales import STEPS, RatingQuestion
-from studyapp.study.settings.study import Study
 
 
 class RatingSet(Part):
@@ -48,7 +43,7 @@ class RatingSet(Part):
     groups: int = Field(8, ge=1, le=200)
 
 
-class RatingStudy(Study):
+class RatingStudy(GroupedStudy):
     """Ratings of single motions.
 
     Attributes
@@ -74,11 +69,6 @@ class RatingStudy(Study):
         """The sets."""
         return tuple(part.name for part in self.sets)
 
-    @property
-    def arms(self) -> tuple[Arm, ...]:
-        """One arm: everybody rates all conditions."""
-        return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
-
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
         """Yield every motion that may be rated."""
         shown = dict.fromkeys(name for part in self.sets for name in part.conditions)
@@ -103,31 +93,22 @@ class RatingStudy(Study):
             groups = min(part.groups, len(ring))
             ring = [*ring[groups:], *ring[:groups]] if groups else ring
             heard = ring[-groups:] if groups else []
-            main += [
-                grouped_trial("main", part.name, segment, part.conditions, chance)
-                for segment in heard
-            ]
+            main += [self.trial("main", part, segment, chance) for segment in heard]
         drawn = drawn_segments(
             segments,
             self.catch.trials + self.attention.trials,
             chance,
             heard=[trial.segment for trial in main],
         )
-        extra = [
-            *self._catch(drawn[: self.catch.trials], chance),
-            *self._attention(drawn[self.catch.trials :], chance),
-        ]
-        return numbered(scattered_by_part(extra, main, chance))
+        catch, attention = drawn[: self.catch.trials], drawn[self.catch.trials :]
+        return self.ordered(
+            main, self._in_turn(catch, chance), self._in_turn(attention, chance), chance
+        )
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the steps of the question's scale."""
         del trial
         return self._scale(question.name).values
-
-    @property
-    def asks_each_stimulus(self) -> bool:
-        """Every motion is rated on its own."""
-        return True
 
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
         """Tell whether `better` is rated above `worse` on every question."""
@@ -157,24 +138,15 @@ class RatingStudy(Study):
     def _scale(self, name: str) -> RatingQuestion:
         return next(question for question in self.questions if question.name == name)
 
-    def _catch(self, drawn: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
-        return [
-            grouped_catch_trial(
-                part.name, segment, part.conditions, chance,
-                right=self.catch_against, flawed=self.catch.condition,
-            )
-            for part, segment in zip(self._turns(chance), drawn, strict=False)
-        ]  # fmt: skip
+    def instructions(self, part: Part) -> int:
+        """Return the steps of a scale."""
+        del part
+        return STEPS
 
-    def _attention(
-        self, drawn: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        trials = []
-        for part, segment in zip(self._turns(chance), drawn, strict=False):
-            trial = grouped_trial("attention", part.name, segment, part.conditions, chance)
-            trials.append(replace(trial, instructed=int(chance.integers(1, STEPS + 1))))
-        return trials
-
-    def _turns(self, chance: np.random.Generator) -> Iterator[RatingSet]:
-        """Yield the sets in turn without end, beginning with any."""
-        return islice(cycle(self.sets), int(chance.integers(len(self.sets))), None)
+    def _in_turn(
+        self, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> Iterator[tuple[RatingSet, Segment]]:
+        """Yield each segment with a set, these in turn beginning with any."""
+        first = int(chance.integers(len(self.sets)))
+        for index, segment in enumerate(segments, start=first):
+            yield self.sets[index % len(self.sets)], segment

@@ -12,12 +12,11 @@ from analysis.results.family import read_family
 from motion.errors import InputError
 from motion.freeze import CHANNELS
 from motion.segment import Segment, check_name
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.arm import NO_VOTES, Arm, Tally
 from studyapp.study.design.asking import Answers, Ask, Trial
 from studyapp.study.design.message import Message
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content
-from studyapp.study.design.tally import NO_VOTES, Tally
 from studyapp.study.settings.conditions import (
     Attention,
     Catch,
@@ -26,8 +25,12 @@ from studyapp.study.settings.conditions import (
     generated,
     source_problems,
 )
-from studyapp.study.settings.exclusion_rules import exclusion_problems, settled
-from studyapp.study.settings.exclusions import Exclusion, ExclusionSection
+from studyapp.study.settings.exclusions import (
+    Exclusion,
+    ExclusionSection,
+    exclusion_problems,
+    settled,
+)
 from studyapp.study.settings.form import Form
 from studyapp.study.settings.page import Page
 from studyapp.study.settings.questions import Question, question_problems
@@ -130,6 +133,8 @@ class Study(Section, ABC):
 
     Attributes
     ----------
+    participants : int
+        How many are wanted.
     lease_minutes : int
         An unfinished participant who does nothing for so long gives the place back.
     open : bool
@@ -170,6 +175,7 @@ class Study(Section, ABC):
     name: Name
     title: str = Field(min_length=1, max_length=200)
     protocol: str
+    participants: int = Field(ge=1, le=100_000)
     lease_minutes: int = Field(45, ge=5, le=1440)
     open: bool = True
     replace_excluded: bool = False
@@ -193,9 +199,12 @@ class Study(Section, ABC):
     page: Page
 
     @property
-    @abstractmethod
     def arms(self) -> tuple[Arm, ...]:
-        """The groups of places, each with the conditions its participants compare."""
+        """The groups of places, each with the conditions its participants compare.
+
+        One for everybody, unless a protocol says otherwise.
+        """
+        return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
 
     @abstractmethod
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:

@@ -110,15 +110,6 @@ def test_a_family_or_scale_that_does_not_fit_is_refused(
     assert not out.exists()
 
 
-def test_a_word_that_is_no_rule_is_refused(tmp_path: Path) -> None:
-    table = tmp_path / "answers.csv"
-    ranking_table(participants=2, segments=2).to_csv(table, index=False)
-    arguments = ["--responses", str(table), "--protocol", "ranking", "--out", str(tmp_path / "o")]
-    with pytest.raises(InputError, match="Write coverage<NUMBER"):
-        CliRunner().invoke(command, [*arguments, "--exclude", "coverage"], catch_exceptions=False)
-    assert not (tmp_path / "o").exists()
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -13,7 +13,7 @@ from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.study.design.asking import Ask
-from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.design.stimulus import Stimulus
 
 CONDITIONS = ("a", "b", "flaw")

@@ -16,7 +16,7 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.design.asking import Ask
-from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.made_study import make_segments

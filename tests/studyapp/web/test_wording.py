@@ -5,7 +5,7 @@ from flask import Flask
 
 from motion.freeze import CHANNELS
 from motion.segment import EMOTIONS
-from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.settings.scales import QUALITY_CATEGORIES
 from studyapp.web.language import language_of, speak
 from studyapp.web.participants.wording import (

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studyapp.study.design.adaptive import PRIOR_SD, posterior, worthiest_pairs
-from studyapp.study.design.adaptive_simulation import CHOICES, Choice, tournament
 
 NAMES = ("a", "b", "c", "d")
 VOTES = st.dictionaries(
@@ -67,24 +66,3 @@ def test_the_posterior_is_the_prior_before_anybody_answers() -> None:
 
     assert strengths.tolist() == [0.0] * 4
     assert covariance == pytest.approx(np.eye(4) * PRIOR_SD**2)
-
-
-def test_adaptive_pairs_find_the_order_sooner_than_any_rival() -> None:
-    final: dict[str, list[float]] = {choice: [] for choice in CHOICES}
-    for seed in range(100, 125):
-        strengths = np.random.default_rng([seed, 1]).normal(0, 2, 6)
-        for choice in CHOICES:
-            *_, last = tournament(strengths, choice=choice, participants=8, seed=seed)
-            final[choice].append(last.tau)
-
-    assert np.mean(final["adaptive"]) > max(np.mean(final["even"]), np.mean(final["random"]))
-
-
-@pytest.mark.parametrize("choice", CHOICES)
-def test_in_the_end_every_choice_of_pairs_knows_the_strengths(choice: Choice) -> None:
-    strengths = np.array([-1.5, -0.5, 0.5, 1.5])
-
-    *_, last = tournament(strengths, choice=choice, participants=60, seed=3)
-
-    assert last.tau == 1
-    assert last.error < 0.3

@@ -50,41 +50,6 @@ def test_what_cannot_be_shared_evenly_goes_round() -> None:
     assert Counter(extra) == {"anger": 2, "fear": 2, "neutral": 2}
 
 
-def test_amuse_gets_three_segments_of_each_of_eight_emotions() -> None:
-    segments = make_segments(EMOTIONS * 5)
-
-    chosen = allocate_segments(segments, 24, number=3, seed=[1])
-
-    assert Counter(segment.emotion for segment in chosen) == dict.fromkeys(EMOTIONS, 3)
-
-
-@given(
-    st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30),
-    st.integers(1, 30),
-    st.integers(0, 10),
-)
-def test_a_participant_never_gets_a_segment_twice(
-    emotions: list[str], total: int, number: int
-) -> None:
-    segments = make_segments(emotions)
-
-    chosen = allocate_segments(segments, total, number=number, seed=[7])
-
-    assert len(set(chosen)) == len(chosen) == min(total, len(segments))
-
-
-def test_all_segments_are_judged_equally_often() -> None:
-    segments = make_segments(["anger"] * 7 + ["fear"] * 7)
-
-    shown = Counter(
-        segment.name
-        for number in range(7)
-        for segment in allocate_segments(segments, 6, number=number, seed=[2])
-    )
-
-    assert set(shown.values()) == {3}
-
-
 @given(
     st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30),
     st.integers(1, 30),

@@ -9,10 +9,8 @@ from hypothesis import strategies as st
 
 from studyapp.study.design.order import (
     drawn_segments,
-    even_sides,
     numbered,
     scattered,
-    scattered_by_part,
 )
 from studyapp.study.design.pair_trials import pair_trials
 from studyapp.study.design.planned_trial import Kind, PlannedTrial
@@ -41,28 +39,6 @@ def test_extra_trials_leave_the_others_in_order_and_apart_where_there_is_room(
     assert may_lead or merged[0].kind == "main"
     if extra <= others:
         assert all("main" in (a.kind, b.kind) for a, b in itertools.pairwise(merged))
-
-
-@given(st.integers(0, 5), st.integers(0, 5), SEEDS)
-def test_extra_trials_stay_in_their_part(first: int, second: int, seed: int) -> None:
-    others = [trial("main", part) for part in ("a", "b") for _ in range(3)]
-    extra = [trial("catch", "a")] * first + [trial("catch", "b")] * second
-
-    merged = scattered_by_part(extra, others, np.random.default_rng(seed))
-
-    assert [part for part, _ in itertools.groupby(t.part for t in merged)] == ["a", "b"]
-    assert Counter((t.part, t.kind) for t in merged if t.kind == "catch") == Counter(
-        (t.part, t.kind) for t in extra
-    )
-    assert merged[0].kind == "main"
-
-
-@given(st.integers(0, 30), SEEDS)
-def test_sides_are_even(count: int, seed: int) -> None:
-    sides = even_sides(count, np.random.default_rng(seed))
-
-    assert len(sides) == count
-    assert abs(2 * sum(sides) - count) <= 1
 
 
 @given(st.integers(1, 6), st.integers(0, 20), SEEDS)

@@ -1,25 +1,15 @@
 from __future__ import annotations
 
-from motion.segment import EMOTIONS
 from studyapp.study.design.trial_count import planned_trials
 from tests.studyapp.made_study import make_segments
 
-AMUSE = {"trials": 24, "practice": 3, "catch": 3}
-
-
-def test_amuse_shows_thirty_presentations_and_analyses_twenty_four() -> None:
-    count = planned_trials(make_segments(EMOTIONS * 3), **AMUSE)
-
-    assert (count.practice, count.main, count.repeat, count.catch) == (3, 21, 3, 3)
-    assert count.presentations == 30
-    assert count.analysed == 24
-    assert count.sentences == ()
+AMUSE = {"trials": 24, "practice": 3}
 
 
 def test_fewer_segments_shrink_the_study_and_it_says_why() -> None:
     count = planned_trials(make_segments(["neutral"] * 6), **AMUSE)
 
-    assert (count.practice, count.main, count.repeat) == (3, 3, 3)
+    assert (count.practice, count.analysed) == (3, 6)
     assert count.sentences == (
         "each participant judges 6 pairs instead of 24, because the study has 6 segments and "
         "shows each of them once",
@@ -29,7 +19,7 @@ def test_fewer_segments_shrink_the_study_and_it_says_why() -> None:
 def test_practice_shrinks_with_the_segments() -> None:
     count = planned_trials(make_segments(["neutral"] * 2), **AMUSE)
 
-    assert (count.practice, count.main, count.repeat) == (2, 0, 2)
+    assert (count.practice, count.analysed) == (2, 2)
     assert "2 trials are practice instead of 3" in count.sentences[1]
 
 

@@ -85,45 +85,14 @@ def test_catch_trials_are_never_first_nor_among_the_practice_ones(
     assert all(trial.position > max(1, practice) for trial in catch)
 
 
-@given(designs())
-def test_a_catch_trial_expects_the_side_without_the_flaw(
-    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
-) -> None:
-    study, plan, _ = design
-
-    for trial in plan:
-        if trial.kind == "catch":
-            assert trial.expected is not None
-            assert trial.conditions[trial.expected - 1] == study.catch_against
-            assert set(trial.conditions) == {study.catch_against, study.catch.condition}
-        else:
-            assert trial.expected is None
-            assert set(trial.conditions) == {study.reference, "static"}
-
-
-@given(designs())
-def test_positions_count_from_one(
-    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
-) -> None:
-    _, plan, _ = design
-
-    assert [trial.position for trial in plan] == list(range(1, len(plan) + 1))
-
-
 def test_catch_trials_do_not_follow_each_other_in_a_study_of_amuses_size() -> None:
     segments = make_segments(EMOTIONS * 3)
 
     for number in range(50):
         plan = pair_plan(make_study(), segments, other="static", number=number)
+        assert len(plan) == 3 + 21 + 3 + 3
         positions = [trial.position for trial in of_kind(plan, "catch")]
         assert all(b - a > 1 for a, b in itertools.pairwise(positions))
-
-
-def test_the_same_place_always_has_the_same_trials() -> None:
-    segments = make_segments(EMOTIONS)
-    plans = [pair_plan(make_study(), segments, other="static", number=4) for _ in "ab"]
-
-    assert plans[0] == plans[1]
 
 
 @pytest.mark.parametrize("difference", [{"number": 5}, {"other": "mismatched"}])
