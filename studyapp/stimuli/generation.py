@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from generators.interface import Generator, OnPart, SpeechSegment
+from generators.interface import OnPart, SpeechSegment
 from generators.registry import load_generator, needs_model
 from generators.settings import Settings
-from motion.audio import read_audio
+from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
@@ -21,7 +21,6 @@ from motion.segment import Segment
 from studyapp.stimuli.digest import digest
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.study import Study
 
 
 class OnClip(Protocol):
@@ -109,17 +108,66 @@ def generate(
     total = len(conditions) * len(segments)
     remarks = Remarks()
     for name, condition in conditions.items():
-        maker = _ConditionMaker.of(folder, study, segments, name, condition, device)
+        settings = settings_of(folder, name, condition)
+        generator = load_generator(str(condition.generator), settings, device)
+        source = (condition.source and ConditionClips(folder, condition.source, segments)) or None
+        shared = digest(
+            generator.name,
+            generator.version,
+            study.seed,
+            study.video.frame_rate,
+            source.paths_digest() if source else "",
+            *settings.fingerprint(),
+        )
         for segment in segments:
-            on_part = part_shown(on_clip, made + kept, total, f"{name}/{segment.name}")
-            if maker.make_if_needed(segment, on_part):
-                made += 1
-            else:
+            path, speech = folder.clip(name, segment.name), folder.speech / segment.wav
+            inputs = digest(shared, segment, speech)
+            imported = InputError(
+                f"this motion was imported, but condition {name!r} has a generator",
+                where=path,
+                remedy="Remove the condition's generator from study.toml to use the file, or move "
+                "the file away to generate the motion",
+            )
+            if is_made_from(inputs, path, otherwise=imported):
                 kept += 1
+            else:
+                clip = generator.generate(
+                    SpeechSegment(segment=segment, audio=_excerpt(speech, segment)),
+                    seed=zlib.crc32(f"{study.seed}/{name}/{segment.name}".encode()),
+                    frame_rate=study.video.frame_rate,
+                    source=source,
+                    on_part=part_shown(on_clip, made + kept, total, f"{name}/{segment.name}"),
+                )
+                write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
+                made += 1
             on_clip(made + kept, total)
             if needs_model(str(condition.generator)):
-                remarks.look_at(name, segment.name, folder.clip(name, segment.name))
+                remarks.look_at(name, segment.name, path)
     return GenerationCount(made=made, kept=kept, remarks=remarks.sentences())
+
+
+def is_made_from(inputs: str, path: Path, *, otherwise: InputError) -> bool:
+    """Tell whether the clip at `path` is there and was made from `inputs`.
+
+    Raises
+    ------
+    InputError
+        `otherwise`, if no generator made it.
+    """
+    if not path.exists():
+        return False
+    made_from = read_clip(path).provenance.get("inputs")
+    if made_from is None:
+        raise otherwise
+    return made_from == inputs
+
+
+def _excerpt(speech: Path, segment: Segment) -> Audio:
+    try:
+        return read_audio(speech).cut(segment.start, segment.end)
+    except InputError as error:
+        where = f"{speech}, segment {segment.name}"
+        raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
 def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Settings:
@@ -136,85 +184,6 @@ def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Setting
         raise InputError(
             f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy
         ) from error
-
-
-@dataclass(frozen=True, kw_only=True)
-class _ConditionMaker:
-    """Makes the clips of one condition."""
-
-    folder: StudyFolder
-    condition: str
-    generator: Generator
-    source: ConditionClips | None
-    study_seed: int
-    frame_rate: int
-    inputs: str
-
-    @classmethod
-    def of(
-        cls,
-        folder: StudyFolder,
-        study: Study,
-        segments: Sequence[Segment],
-        name: str,
-        condition: Condition,
-        device: str,
-    ) -> _ConditionMaker:
-        source = (
-            ConditionClips(folder, condition.source, segments)
-            if condition.source is not None
-            else None
-        )
-        settings = settings_of(folder, name, condition)
-        generator = load_generator(str(condition.generator), settings, device)
-        return cls(
-            folder=folder,
-            condition=name,
-            generator=generator,
-            source=source,
-            study_seed=study.seed,
-            frame_rate=study.video.frame_rate,
-            inputs=digest(
-                generator.name,
-                generator.version,
-                study.seed,
-                study.video.frame_rate,
-                source.paths_digest() if source else "",
-                *settings.fingerprint(),
-            ),
-        )
-
-    def make_if_needed(self, segment: Segment, on_part: OnPart) -> bool:
-        """Make the clip of `segment` unless the one that is there still fits; tell whether."""
-        path = self.folder.clip(self.condition, segment.name)
-        speech_file = self.folder.speech / segment.wav
-        inputs = digest(self.inputs, segment, speech_file)
-        if path.exists():
-            made_from = read_clip(path).provenance.get("inputs")
-            if made_from == inputs:
-                return False
-            if made_from is None:
-                raise InputError(
-                    f"this motion was imported, but condition {self.condition!r} has a generator",
-                    where=path,
-                    remedy="Remove the condition's generator from study.toml to use the file, or "
-                    "move the file away to generate the motion",
-                )
-        speech = read_audio(speech_file)
-        try:
-            audio = speech.cut(segment.start, segment.end)
-        except InputError as error:
-            where = f"{speech_file}, segment {segment.name}"
-            raise InputError(error.what, where=where, remedy=error.remedy) from error
-        clip = self.generator.generate(
-            SpeechSegment(segment=segment, audio=audio),
-            seed=zlib.crc32(f"{self.study_seed}/{self.condition}/{segment.name}".encode()),
-            frame_rate=self.frame_rate,
-            source=self.source,
-            on_part=on_part,
-        )
-        write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
-        return True
 
 
 class Remarks:

@@ -12,10 +12,17 @@ from generators.registry import load_generator, needs_source
 from generators.settings import Settings
 from motion.audio import read_audio
 from motion.errors import InputError
-from motion.formats import read_clip, write_clip
+from motion.formats import write_clip
 from motion.segment import Segment
 from studyapp.stimuli.digest import digest
-from studyapp.stimuli.generation import GenerationCount, OnClip, Remarks, part_shown, unshown
+from studyapp.stimuli.generation import (
+    GenerationCount,
+    OnClip,
+    Remarks,
+    is_made_from,
+    part_shown,
+    unshown,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +93,12 @@ def generate_files(
     for number, path in enumerate(speech, start=1):
         target = out / f"{path.stem}.npz"
         inputs = digest(settings, path)
-        if not _fits(target, inputs):
+        foreign = InputError(
+            "this motion was made elsewhere and would be written over",
+            where=target,
+            remedy="Move it away, or name another --out",
+        )
+        if not is_made_from(inputs, target, otherwise=foreign):
             audio = read_audio(path)
             segment = Segment(
                 name=path.stem,
@@ -107,17 +119,3 @@ def generate_files(
         remarks.look_at(how.generator, path.stem, target)
         on_clip(number, len(speech))
     return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks.sentences())
-
-
-def _fits(target: Path, inputs: str) -> bool:
-    """Tell whether a clip is there already; one that nothing here made is never written over."""
-    if not target.exists():
-        return False
-    made_from = read_clip(target).provenance.get("inputs")
-    if made_from is None:
-        raise InputError(
-            "this motion was made elsewhere and would be written over",
-            where=target,
-            remedy="Move it away, or name another --out",
-        )
-    return made_from == inputs

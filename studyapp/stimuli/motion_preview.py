@@ -13,7 +13,6 @@ from motion.audio import Audio, read_audio
 from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.files import replacing
-from motion.formats import read_motion
 from motion.formats.joint_maps import JointMap
 from motion.resample import cut
 from renderer.avatars import default_body
@@ -24,7 +23,7 @@ from renderer.look import Look
 from renderer.stills import still
 from renderer.video.encoder import SOUND_RATE, VideoWriter
 from renderer.video.loudness import at_common_loudness
-from studyapp.stimuli.recorded_face import with_face_beside
+from studyapp.stimuli.recorded_beside import read_recorded
 
 _COLUMNS: Final = 4
 _FRAMES: Final = 12
@@ -72,10 +71,7 @@ def write_preview(
     InputError
         If motion or speech cannot be read.
     """
-    clip = read_motion(motion, frame_rate=frame_rate, joint_map=joint_map)
-    clip, notes = with_face_beside(clip, motion)
-    said = clip.provenance.get("notes", "")
-    notes = [*([f"{motion.name}: {said}"] if said else []), *notes]
+    clip, notes = read_recorded(motion, frame_rate=frame_rate, joint_map=joint_map)
     sound, seconds = _sound(speech, clip)
     body = default_body(look.avatar)
     model = read_body(body)

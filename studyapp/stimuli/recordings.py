@@ -13,15 +13,18 @@ import numpy as np
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_motion, write_clip
+from motion.formats import write_clip
 from motion.formats.joint_maps import JointMap
 from motion.formats.semantic_txt import write_semantic_scores
 from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
 from motion.segments_table import read_segments, write_segments
-from studyapp.stimuli.recorded_face import with_face_beside
-from studyapp.stimuli.recorded_words import semantics_beside, with_words_beside
+from studyapp.stimuli.recorded_beside import (
+    read_recorded,
+    semantics_beside,
+    with_words_beside,
+)
 from studyapp.stimuli.shown_body import licensed_hands
 from studyapp.study.creation.study_file import add_condition
 from studyapp.study.folder import StudyFolder
@@ -89,15 +92,14 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     _check_condition(study, take.condition, folder)
     check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
-    clip = read_motion(
+    clip, motion_notes = read_recorded(
         take.motion,
         frame_rate=take.frame_rate,
         mean_hands=licensed_hands(folder, study),
         as_recorded=take.as_recorded,
         joint_map=take.joint_map,
     )
-    clip, face_notes = with_face_beside(clip, take.motion)
-    notes = [*audio.notes, *_notes_of(clip, take.motion), *face_notes]
+    notes = [*audio.notes, *motion_notes]
     seconds, note = _common_length(take, audio, clip)
     notes += note
     segments = _cut_points(take, seconds)
@@ -187,16 +189,15 @@ def import_clips(
                 where=path,
                 remedy="Give one motion for each segment",
             )
-        clip = read_motion(
+        clip, motion_notes = read_recorded(
             path,
             frame_rate=frame_rate,
             joint_map=joint_map,
             mean_hands=mean_hands,
             as_recorded=as_recorded,
         )
-        clip, face_notes = with_face_beside(clip, path)
         check_same_length(clip, segment, path)
-        notes += [*_notes_of(clip, path), *face_notes]
+        notes += motion_notes
         clips[segment.name] = _placed_cut(clip, 0.0, min(clip.duration, segment.duration))
     _check_no_other_motion(folder, condition, clips)
     for name, clip in clips.items():
@@ -223,11 +224,6 @@ def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     A segment would otherwise show whether its condition came as whole takes or as segments.
     """
     return place(cut(clip, start, end))[0]
-
-
-def _notes_of(clip: MotionClip, path: Path) -> list[str]:
-    note = clip.provenance.get("notes", "")
-    return [f"{path.name}: {note}"] if note else []
 
 
 def _common_length(take: Take, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:

@@ -14,96 +14,72 @@ from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 
 
+class _Inside:
+    """A path within a study's folder."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __get__(self, folder: StudyFolder, owner: type[StudyFolder]) -> Path:
+        return folder.root / self._name
+
+
 @dataclass(frozen=True)
 class StudyFolder:
     """The paths of one study; making one touches no disk."""
 
     root: Path
 
-    @property
-    def definition(self) -> Path:
-        """The study file."""
-        return self.root / "study.toml"
+    definition = _Inside("study.toml")
+    """The study file."""
 
-    @property
-    def speech(self) -> Path:
-        """Folder of ``segments.csv`` and the recordings it names."""
-        return self.root / "speech"
+    speech = _Inside("speech")
+    """Folder of ``segments.csv`` and the recordings it names."""
 
-    @property
-    def videos(self) -> Path:
-        """Folder of the rendered media."""
-        return self.root / "videos"
+    videos = _Inside("videos")
+    """Folder of the rendered media."""
 
-    @property
-    def stimuli(self) -> Path:
-        """What each rendered file is."""
-        return self.root / "stimuli.json"
+    stimuli = _Inside("stimuli.json")
+    """What each rendered file is."""
 
-    @property
-    def responses(self) -> Path:
-        """SQLite database of real participants."""
-        return self.root / "responses.db"
+    responses = _Inside("responses.db")
+    """SQLite database of real participants."""
 
-    @property
-    def rehearsal(self) -> Path:
-        """SQLite database of simulated participants; never mixed with the real one."""
-        return self.root / "rehearsal.db"
+    rehearsal = _Inside("rehearsal.db")
+    """SQLite database of simulated participants; never mixed with the real one."""
 
-    @property
-    def tries(self) -> Path:
-        """SQLite database of test participations; never mixed with the real one."""
-        return self.root / "tries.db"
+    tries = _Inside("tries.db")
+    """SQLite database of test participations; never mixed with the real one."""
 
-    @property
-    def rehearsal_truth(self) -> Path:
-        """What the simulated participants were given to prefer."""
-        return self.root / "rehearsal.json"
+    rehearsal_truth = _Inside("rehearsal.json")
+    """What the simulated participants were given to prefer."""
 
-    @property
-    def rehearsal_findings(self) -> Path:
-        """Folder of what a rehearsal's participants were told, and of what came of it."""
-        return self.root / "rehearsal"
+    rehearsal_findings = _Inside("rehearsal")
+    """Folder of what a rehearsal's participants were told, and of what came of it."""
 
-    @property
-    def acknowledged(self) -> Path:
-        """What the simulated participants were told is stored, line by line."""
-        return self.rehearsal_findings / "acknowledged.jsonl"
+    acknowledged = _Inside("rehearsal/acknowledged.jsonl")
+    """What the simulated participants were told is stored, line by line."""
 
-    @property
-    def pseudonym_key(self) -> Path:
-        """Key of the participants' pseudonyms; it is never exported."""
-        return self.root / "pseudonyms.key"
+    pseudonym_key = _Inside("pseudonyms.key")
+    """Key of the participants' pseudonyms; it is never exported."""
 
-    @property
-    def shared_answers(self) -> Path:
-        """Folder of answers that another lab has passed on, in place of a database."""
-        return self.root / "shared_answers"
+    shared_answers = _Inside("shared_answers")
+    """Folder of answers that another lab has passed on, in place of a database."""
 
-    @property
-    def report(self) -> Path:
-        """Folder of the report."""
-        return self.root / "report"
+    report = _Inside("report")
+    """Folder of the report."""
 
-    @property
-    def figures(self) -> Path:
-        """Folder of figures for a paper; they name conditions and are never served."""
-        return self.root / "figures"
+    figures = _Inside("figures")
+    """Folder of figures for a paper; they name conditions and are never served."""
 
-    @property
-    def joint_positions(self) -> Path:
-        """Folder in which metrics keep what they computed; it may be removed at any time."""
-        return self.root / ".joint-positions"
+    joint_positions = _Inside(".joint-positions")
+    """Folder in which metrics keep what they computed; it may be removed at any time."""
 
-    @property
-    def evaluators(self) -> Path:
-        """Folder of feature networks with which metrics measure, ``*.safetensors``."""
-        return self.root / "evaluators"
+    evaluators = _Inside("evaluators")
+    """Folder of feature networks with which metrics measure, ``*.safetensors``."""
 
-    @property
-    def metrics(self) -> Path:
-        """Automatic metrics, by condition and by clip."""
-        return self.root / "metrics.parquet"
+    metrics = _Inside("metrics.parquet")
+    """Automatic metrics, by condition and by clip."""
 
     def clip(self, condition: str, segment: str) -> Path:
         """Return the motion clip of `condition` for `segment`."""

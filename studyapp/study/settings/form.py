@@ -136,12 +136,8 @@ class Form(Section):
 
     def asked(self, stage: Stage) -> tuple[FormQuestion, ...]:
         """Return the questions of one stage."""
-        return {
-            "eligibility": self.eligibility,
-            "consent": self.consent,
-            "demographics": self.demographics,
-            "closing": self.closing,
-        }[stage]
+        asked: tuple[FormQuestion, ...] = getattr(self, stage)
+        return asked
 
     def stages(self) -> Iterator[Stage]:
         """Yield the stages at which something is asked."""

@@ -167,33 +167,20 @@ class Recruitment(Section):
         """
         short = minutes is not None and minutes < LONG_STUDY_MINUTES
         paid = self.prolific
-        return [
-            *(
-                [
-                    "recruitment.unpaid_failed_checks: one failed check is no ground for refusing "
-                    "pay, unless page.minutes says that the study takes less than "
-                    f"{LONG_STUDY_MINUTES}; use {FEWEST_FAILED_CHECKS} or more, or 0"
-                ]
-                if self.unpaid_failed_checks == 1 and not short
-                else []
-            ),
-            *self.guessable_codes(),
-            *self.codes_alike(),
-            *self.pay.problems(),
-            *(
-                [
-                    "recruitment.prolific: screened_out_reward and screened_out_places need each "
-                    "other"
-                ]
-                if bool(paid.screened_out_reward) != bool(paid.screened_out_places)
-                else []
-            ),
-            *(
-                ["recruitment.prolific: screened_out_reward must be less than reward"]
-                if paid.screened_out_reward and paid.screened_out_reward >= paid.reward
-                else []
-            ),
-        ]
+        problems = [*self.guessable_codes(), *self.codes_alike(), *self.pay.problems()]
+        if self.unpaid_failed_checks == 1 and not short:
+            problems.append(
+                "recruitment.unpaid_failed_checks: one failed check is no ground for refusing pay, "
+                "unless page.minutes says that the study takes less than "
+                f"{LONG_STUDY_MINUTES}; use {FEWEST_FAILED_CHECKS} or more, or 0"
+            )
+        if bool(paid.screened_out_reward) != bool(paid.screened_out_places):
+            problems.append(
+                "recruitment.prolific: screened_out_reward and screened_out_places need each other"
+            )
+        if paid.screened_out_reward and paid.screened_out_reward >= paid.reward:
+            problems.append("recruitment.prolific: screened_out_reward must be less than reward")
+        return problems
 
     def guessable_codes(self) -> list[str]:
         """Return which of the study's codes could be guessed, and why."""
