@@ -163,8 +163,9 @@ def is_made_from(inputs: str, path: Path, *, otherwise: InputError) -> bool:
 
 
 def _excerpt(speech: Path, segment: Segment) -> Audio:
+    recording = read_audio(speech)
     try:
-        return read_audio(speech).cut(segment.start, segment.end)
+        return recording.cut(segment.start, segment.end)
     except InputError as error:
         where = f"{speech}, segment {segment.name}"
         raise InputError(error.what, where=where, remedy=error.remedy) from error
