@@ -110,7 +110,7 @@ def generate(
     for name, condition in conditions.items():
         settings = settings_of(folder, name, condition)
         generator = load_generator(str(condition.generator), settings, device)
-        source = (condition.source and ConditionClips(folder, condition.source, segments)) or None
+        source = ConditionClips(folder, condition.source, segments) if condition.source else None
         shared = digest(
             generator.name,
             generator.version,
