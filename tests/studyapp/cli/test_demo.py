@@ -14,36 +14,37 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def test_the_demo_speaks_one_sentence_of_four_seconds_or_more_per_emotion(tmp_path: Path) -> None:
-    folder = StudyFolder(tmp_path / "demo-study")
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    folder = StudyFolder(tmp_path_factory.mktemp("demo") / "demo-study")
     assert prepare_demo(folder)
-    segments = folder.segments()
+    return folder
+
+
+def test_the_demo_speaks_one_sentence_of_four_seconds_or_more_per_emotion(
+    demo: StudyFolder,
+) -> None:
+    segments = demo.segments()
     assert sorted(segment.emotion for segment in segments) == sorted(EMOTIONS)
-    assert all(segment.duration >= 4 for segment in segments)
-    assert all(segment.transcript for segment in segments)
+    assert all(segment.duration >= 4 and segment.transcript for segment in segments)
 
 
-def test_the_demo_compares_three_conditions_without_a_recording(tmp_path: Path) -> None:
-    folder = StudyFolder(tmp_path / "demo-study")
-    prepare_demo(folder)
-    study = folder.study()
+def test_the_demo_compares_three_conditions_without_a_recording(demo: StudyFolder) -> None:
+    study = demo.study()
     assert list(study.conditions) == ["rule_based", "mismatched", "static"]
     assert not study.has_recording
     assert (study.catch_against, study.catch.condition) == ("rule_based", "broken")
-    assert study.participants_per_comparison == 25
+    assert study.arms[0].places == 25
 
 
-def test_a_demo_that_is_there_is_kept(tmp_path: Path) -> None:
-    folder = StudyFolder(tmp_path / "demo-study")
-    prepare_demo(folder)
+def test_a_demo_that_is_there_is_kept_and_an_interrupted_one_goes_on(
+    demo: StudyFolder, tmp_path: Path
+) -> None:
+    folder = StudyFolder(Path(shutil.copytree(demo.root, tmp_path / "demo-study")))
     before = {path: path.stat().st_mtime_ns for path in folder.root.rglob("*")}
     assert not prepare_demo(folder)
     assert {path: path.stat().st_mtime_ns for path in folder.root.rglob("*")} == before
 
-
-def test_a_demo_interrupted_before_its_speech_was_whole_goes_on(tmp_path: Path) -> None:
-    folder = StudyFolder(tmp_path / "demo-study")
-    prepare_demo(folder)
     (folder.speech / "segments.csv").unlink()
     assert prepare_demo(folder)
     assert len(folder.segments()) == 8

@@ -25,6 +25,7 @@ from studyapp.study.folder import StudyFolder
 pytestmark = pytest.mark.slow
 
 SEGMENT = "take_01"
+BROKEN = ("still", "--segment", SEGMENT, "--condition", "broken")
 
 
 @pytest.fixture
@@ -148,26 +149,13 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
     [
         (["still", "--segment", "no", "--condition", "static", "--at", "0"], "take_01, take_02"),
         (["still", "--segment", SEGMENT, "--condition", "no", "--at", "0"], "ground_truth, "),
-        (["still", "--segment", SEGMENT, "--condition", "broken", "--at", "1.5"], "0 to 1.00 s"),
+        ([*BROKEN, "--at", "1.5"], "0 to 1.00 s"),
         (["strip", "--segment", SEGMENT, "--at", "x=1.5"], "0 to 1.00 s"),
         (["strip", "--segment", SEGMENT, *["--at", "0.1"] * 17], "1 to 16"),
         (["still", "--segment", SEGMENT, "--condition", "broken=x", "--at", "0"], "ground_truth, "),
         (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is no moment"),
         (["strip", "--segment", SEGMENT, "--output", "strip.svg"], ".pdf or .png"),
-        (
-            [
-                "still",
-                "--segment",
-                SEGMENT,
-                "--condition",
-                "broken",
-                "--at",
-                "1",
-                "--output",
-                "a.jpg",
-            ],
-            "as PNG",
-        ),
+        ([*BROKEN, "--at", "1", "--output", "a.jpg"], "as PNG"),
         (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),
     ],
 )

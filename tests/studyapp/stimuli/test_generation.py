@@ -38,7 +38,9 @@ def set_seed(folder: StudyFolder, seed: int) -> None:
     folder.definition.write_text(tomlkit.dumps(document))
 
 
-def test_every_generated_condition_gets_a_clip_of_its_speech(study: StudyFolder) -> None:
+def test_every_generated_condition_gets_a_placed_clip_of_its_speech_once(
+    study: StudyFolder,
+) -> None:
     reported: list[tuple[int, int]] = []
     count = generate(study, on_clip=lambda done, total: reported.append((done, total)))
     assert (count.made, count.kept) == (9, 0)
@@ -47,31 +49,14 @@ def test_every_generated_condition_gets_a_clip_of_its_speech(study: StudyFolder)
         clip = read_clip(path)
         assert clip.duration == pytest.approx(2.0)
         assert clip.provenance["generator"] == path.parent.name
-
-
-def test_mismatched_motion_belongs_to_another_segment(study: StudyFolder) -> None:
-    generate(study)
+        placed, _ = place(clip)
+        np.testing.assert_allclose(clip.poses, placed.poses, atol=1e-5)
+        np.testing.assert_allclose(clip.trans, placed.trans, atol=1e-5)
     for segment in study.segments():
         own = read_clip(study.clip("rule_based", segment.name))
         other = read_clip(study.clip("mismatched", segment.name))
         assert (own.poses != other.poses).any()
-
-
-def test_generated_motion_is_placed_like_imported_motion(study: StudyFolder) -> None:
-    generate(study)
-    for path in generated_files(study):
-        clip = read_clip(path)
-        placed, _ = place(clip)
-        np.testing.assert_allclose(clip.poses, placed.poses, atol=1e-5)
-        np.testing.assert_allclose(clip.trans, placed.trans, atol=1e-5)
-
-
-def test_catch_motion_starts_from_the_ground_truth(study: StudyFolder) -> None:
     assert study.study().generated()["broken"].source == "ground_truth"
-
-
-def test_a_second_run_makes_nothing(study: StudyFolder) -> None:
-    generate(study)
     before = generated_files(study)
     assert generate(study).made == 0
     assert generated_files(study) == before

@@ -122,12 +122,3 @@ def test_sampling_is_chosen_by_name_and_number_and_another_makes_the_clip_anew(
     by_number = ("--sampling", "fast", "--jump-count", 5, "--overlap", 6, "--blend-below", 0.1)
     again = run(*options, *out, *by_number)
     assert "kept 1" in again.stdout
-
-
-def test_sampling_that_is_not_possible_is_refused(
-    speech: Path, checkpoint: Path, tmp_path: Path
-) -> None:
-    options = ("--generator", "diffsheg", "--checkpoint", checkpoint, "--speech", speech)
-    said = run(*options, "--out", tmp_path / "out", "--steps", 30)
-    assert said.exit_code == 1
-    assert "30 steps do not divide" in said.stderr

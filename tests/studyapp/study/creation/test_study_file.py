@@ -29,8 +29,9 @@ def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
 
 
 def test_a_reference_that_no_generator_makes_is_expected_as_files(tmp_path: Path) -> None:
-    study = new_study(tmp_path / "study.toml", name="s", reference="ground_truth")
-    assert study.conditions["ground_truth"].generator is None
+    for name in ("ground_truth", "diffsheg"):
+        study = new_study(tmp_path / f"{name}.toml", name="s", reference=name)
+        assert study.conditions[name].generator is None
 
 
 def test_few_trials_leave_room_for_more_than_practice(tmp_path: Path) -> None:
