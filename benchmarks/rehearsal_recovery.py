@@ -35,7 +35,7 @@ from studyapp.rehearsal.simulation.population import Population, default_populat
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
-from studyapp.study.creation.template_language import templates
+from studyapp.study.creation.template_language import template_text
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
 
@@ -98,7 +98,7 @@ class Tally:
 
 def template_study() -> tuple[PairwiseStudy, tuple[Segment, ...]]:
     """Return the pairwise template, with as many segments as its published design has."""
-    text = templates().joinpath("pairwise.toml").read_text("utf-8")
+    text = template_text("pairwise.toml")
     study = parse_text(text, where="pairwise.toml")
     if not isinstance(study, PairwiseStudy):
         raise TypeError("the template is of another protocol")

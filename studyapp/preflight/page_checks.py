@@ -8,7 +8,7 @@ from typing import get_args
 
 from motion.listing import listed
 from studyapp.preflight.finding import Finding, finding
-from studyapp.study.creation.template_language import TEMPLATES_IN, still_english, templates
+from studyapp.study.creation.template_language import still_english, template_text
 from studyapp.study.settings.page import Language, reaches_somebody
 from studyapp.study.settings.study import Study
 
@@ -61,8 +61,7 @@ def _template_texts(study: Study) -> tuple[set[str], set[str]]:
     file = f"{study.protocol}.toml"
     consents, titles = set(), set()
     for language in get_args(Language):
-        place = (file,) if language == TEMPLATES_IN else (language, file)
-        source = tomllib.loads(templates().joinpath(*place).read_text("utf-8"))
+        source = tomllib.loads(template_text(file, language))
         consents.add(_squeezed(source["page"]["consent"]))
         titles.add(_squeezed(source["title"]))
     return consents, titles

@@ -22,7 +22,7 @@ from studyapp.study.creation.placed_conditions import (
     keys_for,
     put_conditions_into,
 )
-from studyapp.study.creation.template_language import put_into_language, templates
+from studyapp.study.creation.template_language import put_into_language, template_text
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.pay import Pay, money
@@ -63,7 +63,7 @@ def new_study(path: Path, **wanted: Any) -> Study:
 
 def template_participants(template: str) -> int:
     """Return how many participants a template has; of pairwise studies, for each comparison."""
-    said = tomllib.loads(templates().joinpath(_file_of(template)).read_text("utf-8"))
+    said = tomllib.loads(template_text(_file_of(template)))
     return int(said[_participants(said)])
 
 
@@ -107,7 +107,7 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
     file = _file_of(template)
-    text = _with_recruiting(templates().joinpath(file).read_text("utf-8"), wanted)
+    text = _with_recruiting(template_text(file), wanted)
     protocol = str(tomllib.loads(text)["protocol"])
     if wanted.conditions:
         keys = keys_for(

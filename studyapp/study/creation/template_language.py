@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from importlib import resources
-from importlib.resources.abc import Traversable
 from typing import Any, Final
 
 import tomlkit
+from jinja2 import Environment, PackageLoader
 
 from studyapp.study.settings.study import Study
 
@@ -16,9 +15,18 @@ TEMPLATES_IN: Final = "en"
 """The language of the templates themselves."""
 
 
-def templates() -> Traversable:
-    """Return the folder of the templates; those of other languages hold their texts alone."""
-    return resources.files("studyapp.study").joinpath("templates")
+_TEMPLATES: Final = Environment(
+    loader=PackageLoader("studyapp.study"),
+    trim_blocks=True,
+    keep_trailing_newline=True,
+    autoescape=False,  # noqa: S701  (study files are TOML, not HTML)
+)
+
+
+def template_text(file: str, language: str = TEMPLATES_IN) -> str:
+    """Return a template, or the texts that it has in another language."""
+    name = file if language == TEMPLATES_IN else f"{language}/{file}"
+    return _TEMPLATES.get_template(name).render()
 
 
 def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) -> None:
@@ -34,7 +42,7 @@ def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) 
     document["page"]["language"] = language
     if language == TEMPLATES_IN:
         return
-    texts = tomllib.loads(templates().joinpath(language, file).read_text("utf-8"))
+    texts = tomllib.loads(template_text(file, language))
     document["title"] = texts["title"]
     document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
     _say(document["questions"], texts["questions"])
@@ -72,9 +80,9 @@ def still_english(study: Study) -> tuple[str, ...]:
     if study.page.language == TEMPLATES_IN:
         return ()
     sources = [
-        tomllib.loads(file.read_text("utf-8"))
-        for file in templates().iterdir()
-        if file.name.endswith(".toml")
+        tomllib.loads(template_text(name))
+        for name in _TEMPLATES.list_templates()
+        if "/" not in name
     ]
     asked = {question["text"] for source in sources for question in source["questions"]}
     same = {

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from studyapp.study.creation.study_file import new_study
-from studyapp.study.creation.template_language import still_english, templates
+from studyapp.study.creation.template_language import still_english, template_text
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 
@@ -63,8 +63,7 @@ def test_texts_of_a_language_name_the_questions_of_the_template(
     template: str, language: str
 ) -> None:
     source, texts = (
-        tomllib.loads(templates().joinpath(*parts).read_text("utf-8"))
-        for parts in ((f"{template}.toml",), (language, f"{template}.toml"))
+        tomllib.loads(template_text(f"{template}.toml", of)) for of in ("en", language)
     )
 
     names = [[question["name"] for question in each["questions"]] for each in (source, texts)]

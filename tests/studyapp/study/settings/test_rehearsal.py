@@ -1,10 +1,9 @@
 from __future__ import annotations
 
-from importlib import resources
-
 import pytest
 
 from motion.errors import InputError
+from studyapp.study.creation.template_language import template_text
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
 from studyapp.study.settings.rehearsal import Rehearsal, stated_for
 from studyapp.study.settings.study import Study
@@ -13,8 +12,7 @@ from tests.studyapp.made_study import make_segments, make_study
 
 
 def template(protocol: str) -> str:
-    folder = resources.files("studyapp.study").joinpath("templates")
-    return folder.joinpath(f"{protocol}.toml").read_text("utf-8")
+    return template_text(f"{protocol}.toml")
 
 
 def read(keys: str) -> Study:
