@@ -11,13 +11,11 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from motion.segment import Segment
 from studyapp.study.creation.study_file import TEMPLATES, new_study
 from studyapp.study.creation.written_exclusion import read_exclusion
 from studyapp.study.settings.exclusions import SECTIONS
 from studyapp.study.settings.reading import parse_study, read_study
 from studyapp.study.settings.study import Study
-from studyapp.study.versioning import design_digest, operation_changes, operation_part
 
 Read = Callable[..., Study]
 
@@ -152,21 +150,6 @@ def test_blanks_and_hyphens_do_not_matter(text: str, meant: str) -> None:
 def test_a_word_that_is_no_rule_is_refused_with_the_right_one(text: str, said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         read_exclusion(text, where="--exclude")
-
-
-def test_rules_are_no_part_of_the_design_and_their_changes_are_noted(read: Read) -> None:
-    segments = (Segment(name="a", wav="a.wav", start=0, end=5, speaker="a", emotion="happiness"),)
-    plain, stricter = read(), read([{"rule": "catch", "more_than": 0}])
-    assert design_digest(plain, segments, {}) == design_digest(stricter, segments, {})
-    assert operation_changes(operation_part(plain), operation_part(stricter)) == (
-        "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']",
-    )
-
-
-def test_a_key_that_only_one_release_knows_is_no_change(read: Read) -> None:
-    present = operation_part(read())
-    earlier = {key: value for key, value in present.items() if key != "exclusions"}
-    assert operation_changes(earlier, present) == ()
 
 
 @pytest.mark.parametrize("template", TEMPLATES)

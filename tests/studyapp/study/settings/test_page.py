@@ -6,8 +6,6 @@ import pytest
 from pydantic import ValidationError
 
 from studyapp.study.settings.page import Page
-from studyapp.study.versioning import operation_part
-from tests.studyapp.made_study import make_study
 
 
 def page(**keys: Any) -> Page:
@@ -43,10 +41,3 @@ def test_breaks_come_after_so_many_trials_but_not_shortly_before_the_end(
 def test_a_page_key_that_means_nothing_is_refused(keys: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
         page(**keys)
-
-
-def test_who_is_let_in_may_change_while_the_study_runs_but_not_what_was_promised() -> None:
-    study = make_study(page={"consent": "You agree.", "phones": "usable", "withdrawn": "kept"})
-
-    assert operation_part(study)["page"]["phones"] == "usable"
-    assert "withdrawn" not in operation_part(study)["page"]

@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from studyapp.study.versioning import design_digest, operation_part
-from tests.studyapp.made_study import make_segments, make_study
+from tests.studyapp.made_study import make_study
 
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 
@@ -50,13 +49,3 @@ def test_a_study_may_wait_for_its_codes() -> None:
     study = make_study(recruitment={"channel": "prolific", "prolific": {"completed": "KX7QM2PWTR"}})
 
     assert study.recruitment.missing_codes == ["screened_out", "failed_attention"]
-
-
-def test_recruiting_otherwise_is_no_other_study_and_codes_are_noted_nowhere() -> None:
-    plain, segments = make_study(), make_segments(["happiness"] * 4)
-    recruited = make_study(recruitment={"channel": "prolific", "prolific": CODES})
-
-    assert design_digest(plain, segments, {}) == design_digest(recruited, segments, {})
-    noted = str(operation_part(recruited))
-    assert "prolific" in noted
-    assert not any(code in noted for code in CODES.values())

@@ -7,8 +7,6 @@ from studyapp.study.creation.template_language import template_text
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
 from studyapp.study.settings.rehearsal import Rehearsal, stated_for
 from studyapp.study.settings.study import Study
-from studyapp.study.versioning import design_digest, operation_part
-from tests.studyapp.made_study import make_segments, make_study
 
 
 def template(protocol: str) -> str:
@@ -64,10 +62,3 @@ def test_a_number_alone_is_that_of_every_question_that_is_not_named() -> None:
 def test_what_cannot_be_simulated_is_named(keys: str, named: str) -> None:
     with pytest.raises(InputError, match=named):
         read(keys)
-
-
-def test_whom_a_rehearsal_simulates_is_no_part_of_the_design_and_may_change_any_time() -> None:
-    segments = make_segments(["anger", "fear"])
-    other = make_study(rehearsal={"careless": 0.5, "strength": {"static": 3}})
-    assert design_digest(other, segments, {}) == design_digest(make_study(), segments, {})
-    assert operation_part(other) == operation_part(make_study())

@@ -1,0 +1,62 @@
+"""What may change while a study runs, and which of it is noted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from studyapp.study.versioning import design_digest, operation_changes, operation_part
+from tests.studyapp.made_study import make_segments, make_study
+
+SEGMENTS = make_segments(["happiness", "anger"])
+CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
+NETWORK = {"preset": "emage", "file": "AESKConv_240_100.bin"}
+STATIC = {"rule_based": {}, "mismatched": {}, "static": {"generative": False}}
+
+
+@pytest.mark.parametrize(
+    ("changes", "noted"),
+    [
+        ({"participants_per_comparison": 30}, ["participants_per_comparison: 25 -> 30"]),
+        (
+            {"page": {"consent": "You agree.", "phones": "usable"}},
+            ["page.phones: 'refused' -> 'usable'"],
+        ),
+        (
+            {"recruitment": {"channel": "prolific", "prolific": CODES}},
+            ["recruitment.channel: 'link' -> 'prolific'"],
+        ),
+        (
+            {"exclusions": [{"rule": "catch", "more_than": 0}]},
+            ["exclusions: ['incomplete', 'catch>1'] -> ['catch>0']"],
+        ),
+        ({"conditions": STATIC}, []),
+        ({"evaluator": NETWORK}, []),
+        ({"margin": 0.1}, []),
+        ({"family": "by question"}, []),
+        ({"rehearsal": {"careless": 0.5, "strength": {"static": 3}}}, []),
+        ({"alarms": {"stalled_hours": 3}}, []),
+    ],
+)
+def test_what_decides_nothing_that_participants_see_may_change_and_how_it_runs_is_noted(
+    changes: dict[str, Any], noted: list[str]
+) -> None:
+    before, after = make_study(), make_study(**changes)
+
+    assert after != before
+    assert design_digest(after, SEGMENTS, {}) == design_digest(before, SEGMENTS, {})
+    assert list(operation_changes(operation_part(before), operation_part(after))) == noted
+
+
+def test_what_was_promised_may_not_change() -> None:
+    kept = make_study(page={"consent": "You agree.", "withdrawn": "kept"})
+
+    assert design_digest(kept, SEGMENTS, {}) != design_digest(make_study(), SEGMENTS, {})
+
+
+def test_a_key_that_only_one_release_knows_is_no_change() -> None:
+    present = operation_part(make_study())
+    earlier = {key: value for key, value in present.items() if key != "exclusions"}
+
+    assert operation_changes(earlier, present) == ()
