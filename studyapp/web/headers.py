@@ -47,6 +47,7 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
         response.headers.update(framed if request.blueprint in PARTICIPANTS else alone)
         if request.endpoint not in ("static", "media.video"):
             response.headers["Cache-Control"] = "no-store"
+            response.headers.pop("Expires", None)
         return response
 
 
