@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar
 
 from torch import nn
 
@@ -40,6 +40,23 @@ def prepared_takes(
         frame_rate=frame_rate,
         show=request.show_preparing,
     )
+
+
+class Cut(TypedDict):
+    """The windows of a `training.window_task.WindowTask`."""
+
+    training: Windows
+    held_out: Windows
+
+
+def cut_windows(
+    prepared: PreparedTakes, frames: int, stride: int, *, held_out: int | None = None
+) -> Cut:
+    """Return windows to learn from, and held-out ones, side by side or so many frames apart."""
+    return {
+        "training": Windows(prepared, split="train", frames=frames, stride=stride),
+        "held_out": Windows(prepared, split="validation", frames=frames, stride=held_out or frames),
+    }
 
 
 def learned_from(windows: Windows, speakers: Speakers) -> str:

@@ -16,6 +16,7 @@ from torch import Tensor, nn
 
 from motion.errors import InputError
 from motion.files import replacing
+from training.run.launching import is_leader
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -84,7 +85,12 @@ class NetworkKind:
         tensors: Mapping[str, Tensor] = MappingProxyType({}),
         **facts: Any,
     ) -> None:
-        """Write networks by name with their sizes, further tensors and further facts."""
+        """Write networks by name with their sizes, further tensors and further facts.
+
+        Of processes that learned together only the leading one does.
+        """
+        if not is_leader():
+            return
         weights = {
             f"{part}.{name}": tensor
             for part, network in networks.items()

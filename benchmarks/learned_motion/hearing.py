@@ -9,8 +9,8 @@ import numpy as np
 import torch
 
 from generators.amuse.config import SPEECH_PRESETS
+from generators.amuse.losses import SpeechLosses
 from generators.amuse.network_file import load_speech_network
-from generators.amuse.speech_losses import SpeechLosses
 from generators.amuse.train_speech import SpeechTask
 from training.data.feature_cache import prepare
 from training.data.take import TakeFolder

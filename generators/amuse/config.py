@@ -205,7 +205,6 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
                 batch_size=64,
                 learning_rate=1e-4,
                 validate_every=500,
-                checkpoint_every=500,
             ),
             epochs=5_000,
         ),
@@ -274,13 +273,19 @@ SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
                 betas=(0.95, 0.999),
                 weight_decay=5e-7,
                 validate_every=500,
-                checkpoint_every=500,
             ),
             epochs=25,
         ),
     }
 )
 """By config: four seconds and small encoders; the released size, trained as the release was."""
+
+_CONFIGS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
+        "full": "the released size",
+    }
+)
 
 TRAINABLE_SPEECH: Final = Trainable(
     summary="Train AMUSE's speech model on recordings of speech alone or with motion.",
@@ -289,10 +294,7 @@ TRAINABLE_SPEECH: Final = Trainable(
     speakers, all in one emotion. Texts and emotions are told by BEAT's names of recordings. A
     synthetic corpus needs --shared-passages.
     """,
-    configs={
-        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
-        "full": "the released size",
-    },
+    configs=_CONFIGS,
     home="generators.amuse.train_speech:train_amuse_speech",
     choices=(
         TrainingChoice(
@@ -317,10 +319,7 @@ TRAINABLE: Final = Trainable(
     split. Any recordings of a whole body will do: BVH of BEAT, or SMPL-X. What is said, with which
     emotion and by whom is heard by a speech model, which stays as it is.
     """,
-    configs={
-        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
-        "full": "the released size",
-    },
+    configs=_CONFIGS,
     home="generators.amuse.train:train_amuse",
     choices=(
         TrainingChoice(

@@ -40,24 +40,27 @@ class HeardSpeech(NamedTuple):
     style_logits: Tensor
 
 
+def ast_config(config: SpeechConfig) -> ASTConfig:
+    """Return the sizes of an encoder's transformer."""
+    return ASTConfig(
+        hidden_size=config.width,
+        num_hidden_layers=config.layers,
+        num_attention_heads=config.heads,
+        intermediate_size=config.feed_forward,
+        max_length=config.frames,
+        num_mel_bins=config.bands,
+        time_stride=config.patch_stride,
+        frequency_stride=config.patch_stride,
+        layer_norm_eps=1e-6,
+    )
+
+
 class SpeechEncoder(nn.Module):
     """One of the three encoders: E_c, E_e or E_s; with a head where it tells classes apart."""
 
     def __init__(self, config: SpeechConfig, classes: int | None = None) -> None:
         super().__init__()
-        self.transformer = ASTModel(
-            ASTConfig(
-                hidden_size=config.width,
-                num_hidden_layers=config.layers,
-                num_attention_heads=config.heads,
-                intermediate_size=config.feed_forward,
-                max_length=config.frames,
-                num_mel_bins=config.bands,
-                time_stride=config.patch_stride,
-                frequency_stride=config.patch_stride,
-                layer_norm_eps=1e-6,
-            )
-        )
+        self.transformer = ASTModel(ast_config(config))
         self.feature_head = nn.Sequential(
             nn.LayerNorm(config.width), nn.Linear(config.width, config.latent)
         )

@@ -29,7 +29,7 @@ from generators.amuse.network_file import (
     write_motion_networks,
 )
 from generators.settings import content
-from generators.teaching import best_step_said, learn, prepared_takes
+from generators.teaching import best_step_said, cut_windows, learn, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
@@ -40,7 +40,6 @@ from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
 from training.joined_windows import WindowPlan
 from training.run.batch_order import evenly
-from training.run.launching import is_leader
 from training.run.passes import Pass
 from training.window_task import WindowTask
 
@@ -198,8 +197,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         align_steps=preset.align_steps,
         named=preset.named,
         means=speech.latents,
-        training=Windows(prepared, split="train", frames=config.frames, stride=preset.stride),
-        held_out=Windows(prepared, split="validation", frames=config.frames, stride=preset.stride),
+        **cut_windows(prepared, config.frames, preset.stride, held_out=preset.stride),
         further={
             "speech model": identity,
             "stride": preset.stride,
@@ -214,9 +212,8 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         training = replace(training, passes=passes)
     trained, facts = learn(request, task, training, ("transformers",))
     facts |= {"speech_model": identity}
-    if is_leader():
-        networks = MotionNetworks(model=trained.network.cpu(), training=facts)
-        write_motion_networks(request.out, networks)
+    networks = MotionNetworks(model=trained.network.cpu(), training=facts)
+    write_motion_networks(request.out, networks)
     found = trained.best.measured
     return TrainedGenerator(
         sentences=(

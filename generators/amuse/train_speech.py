@@ -15,24 +15,24 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
-from generators.amuse.encoder_weights import read_encoder_weights
 from generators.amuse.initialisation import listen
+from generators.amuse.losses import (
+    SpeechLosses,
+    augmented,
+    reconstruction_errors,
+    speech_losses,
+)
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.speech import (
     AnySpeechModel,
     HeardSpeech,
     SpeechAutoencoder,
     SpeechModel,
+    ast_config,
     speech_model_of,
 )
-from generators.amuse.speech_losses import (
-    SpeechLosses,
-    augmented,
-    reconstruction_errors,
-    speech_losses,
-)
 from generators.settings import content
-from generators.teaching import best_step_said, learn, prepared_takes
+from generators.teaching import best_step_said, cut_windows, learn, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from motion.listing import listed
@@ -41,10 +41,10 @@ from training.data.quadruples import quadruples
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.features import speech_filterbank
+from training.hearing.ast_weights import read_ast_weights
 from training.hearing.spectra import ROWS_PER_SECOND
 from training.pretrained import WEIGHTS
 from training.run.batch_order import evenly
-from training.run.launching import is_leader
 from training.window_task import WindowTask
 
 MOST: Final = 20_000
@@ -229,7 +229,8 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     features = (speech_filterbank(preset.network.bands),)
     prepared = prepared_takes(request, features, ROWS_PER_SECOND)
     frames, stride = (ROWS_PER_SECOND * seconds for seconds in (preset.seconds, preset.stride))
-    training = Windows(prepared, split="train", frames=frames, stride=stride)
+    cut = cut_windows(prepared, frames, stride)
+    training = cut["training"]
     fours = quadruples(training, most=MOST, seed=preset.training.seed)
     if not len(fours):
         raise InputError(
@@ -247,8 +248,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
             mfcc=MFCC if ablation == "mfcc" else 0,
         ),
         weights=SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only"),
-        training=training,
-        held_out=Windows(prepared, split="validation", frames=frames, stride=frames),
+        **cut,
         fours=fours,
         emotions=emotions,
         speakers=speakers,
@@ -263,13 +263,12 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
         )
     config = preset.trained_on(task.examples, request.changes)
     trained, facts = learn(request, task, config, ("transformers",))
-    if is_leader():
-        network = SpeechNetwork(
-            model=trained.network,
-            latents=task.mean_latents(trained.network),
-            training={**facts, **origin},
-        )
-        write_speech_network(request.out, network)
+    network = SpeechNetwork(
+        model=trained.network,
+        latents=task.mean_latents(trained.network),
+        training={**facts, **origin},
+    )
+    write_speech_network(request.out, network)
     return TrainedGenerator(
         sentences=(
             f"Learned from {len(fours)} fours of {len(training)} windows, by {len(speakers)} "
@@ -294,7 +293,7 @@ def _encoder_weights(
             where=folder,
             remedy="Leave out --encoder-weights, or --ablation mfcc",
         )
-    weights = read_encoder_weights(folder, config)
+    weights = read_ast_weights(folder, ast_config(config))
     return weights, {"encoder_weights": f"{folder.name} (sha256 {content(folder / WEIGHTS)})"}
 
 

@@ -18,7 +18,7 @@ from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, Traini
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.teaching import learn, learned_from, prepared_takes
+from generators.teaching import cut_windows, learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.data.feature import Feature
@@ -37,7 +37,6 @@ from training.features import (
 )
 from training.hearing.hubert import Hubert, load_hubert, stand_in
 from training.run.batch_order import evenly
-from training.run.launching import is_leader
 from training.run.loop import Trained
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
@@ -246,8 +245,7 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
         hubert=hubert.identity,
         training=facts,
     )
-    if is_leader():
-        write_network(request.out, network)
+    write_network(request.out, network)
     return _said(task, prepared, trained, untrained, hubert)
 
 
@@ -276,17 +274,13 @@ def _preset_of(request: TrainingRequest, dataset: str) -> TrainingPreset:
 def _task(
     request: TrainingRequest, preset: TrainingPreset, prepared: PreparedTakes, hubert: Hubert
 ) -> DiffShegTask:
-    frames = preset.network.frames
-    training = Windows(prepared, split="train", frames=frames, stride=STRIDE)
-    held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
     names = prepared.taught(request.takes.speakers)
     network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
     weights = LOSSES[preset.losses]
     return DiffShegTask(
         config=network,
         weights=weights,
-        training=training,
-        held_out=held_out,
+        **cut_windows(prepared, preset.network.frames, STRIDE),
         normalisation=normalisation_of(prepared),
         speakers=Speakers(names, network.speakers),
         further={

@@ -16,7 +16,7 @@ from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfi
 from generators.s2ue.losses import diversity_loss, phoneme_loss, reconstruction_losses
 from generators.s2ue.model import Latents, Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
-from generators.teaching import best_step_said, learn, learned_from, prepared_takes
+from generators.teaching import best_step_said, cut_windows, learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
@@ -25,7 +25,6 @@ from training.layers.adversarial import discriminator_loss, generator_loss
 from training.layers.speaker_latent import latent_loss
 from training.point_features import features_of
 from training.run.batch_order import evenly
-from training.run.launching import is_leader
 from training.run.loop import Trained
 from training.spaces.bone_tensors import split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
@@ -179,8 +178,7 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
         config=replace(config, speakers=len(names)),
         weights=weights,
         face=face,
-        training=Windows(prepared, split="train", frames=config.frames, stride=STRIDE),
-        held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
+        **cut_windows(prepared, config.frames, STRIDE),
         speakers=Speakers(names, len(names)),
         further={"speakers": list(names), "vectors": vectors.description},
         device=request.device,
@@ -189,14 +187,13 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
     passes = tuple(one for one in training.passes if used[one.name])
     trained, facts = learn(request, task, replace(training, passes=passes))
-    if is_leader():
-        network = S2ueNetwork(
-            network=trained.network.cpu(),
-            speakers=task.speakers,
-            vectors=vectors.description,
-            training={**facts, "losses": asdict(weights)},
-        )
-        write_network(request.out, network)
+    network = S2ueNetwork(
+        network=trained.network.cpu(),
+        speakers=task.speakers,
+        vectors=vectors.description,
+        training={**facts, "losses": asdict(weights)},
+    )
+    write_network(request.out, network)
     return _said(task, vectors, trained)
 
 

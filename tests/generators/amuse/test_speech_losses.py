@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from generators.amuse.speech import SpeechModel
-from generators.amuse.speech_losses import (
+from generators.amuse.losses import (
     MASKED_BANDS,
     MASKED_ROWS,
     OTHER_CONTENT,
@@ -15,6 +14,7 @@ from generators.amuse.speech_losses import (
     augmented,
     speech_losses,
 )
+from generators.amuse.speech import SpeechModel
 from tests.generators.amuse.test_speech import SMALL
 
 

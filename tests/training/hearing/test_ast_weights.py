@@ -1,4 +1,4 @@
-"""The encoders of AMUSE's speech model can set out from another network's weights."""
+"""An audio spectrogram transformer can set out from another network's weights."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import pytest
 import torch
 from transformers import ASTConfig, ASTForAudioClassification, ASTModel, DeiTConfig, DeiTModel
 
-from generators.amuse.encoder_weights import read_encoder_weights
-from generators.amuse.speech import SpeechEncoder
+from generators.amuse.speech import SpeechEncoder, ast_config
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
+from training.hearing.ast_weights import read_ast_weights
+
+CONFIG = ast_config(SMALL)
 
 
 def _saved(folder: Path) -> ASTModel:
@@ -39,16 +41,16 @@ def _image_model(**changes: int) -> DeiTModel:
 def test_an_encoder_with_the_weights_of_an_ast_hears_what_it_hears(tmp_path: Path) -> None:
     model = _saved(tmp_path).eval()
     encoder = SpeechEncoder(SMALL).eval()
-    encoder.transformer.load_state_dict(read_encoder_weights(tmp_path, SMALL))
+    encoder.transformer.load_state_dict(read_ast_weights(tmp_path, CONFIG))
     sound = torch.randn(2, SMALL.frames, SMALL.bands)
     with torch.inference_mode():
         torch.testing.assert_close(encoder.transformer(sound)[0], model(sound)[0])
 
 
 def test_a_classifiers_transformer_is_taken_without_its_classes(tmp_path: Path) -> None:
-    classifier = ASTForAudioClassification(SpeechEncoder(SMALL).transformer.config)
+    classifier = ASTForAudioClassification(CONFIG)
     classifier.save_pretrained(tmp_path)
-    weights = read_encoder_weights(tmp_path, SMALL)
+    weights = read_ast_weights(tmp_path, CONFIG)
     expected = classifier.audio_spectrogram_transformer.state_dict()
     assert weights.keys() == expected.keys()
     assert all(torch.equal(weights[name], expected[name]) for name in expected)
@@ -57,7 +59,7 @@ def test_a_classifiers_transformer_is_taken_without_its_classes(tmp_path: Path) 
 def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
     model = _image_model(image_size=48)
     model.save_pretrained(tmp_path)
-    weights = read_encoder_weights(tmp_path, SMALL)
+    weights = read_ast_weights(tmp_path, CONFIG)
     SpeechEncoder(SMALL).transformer.load_state_dict(weights)
     colours = model.embeddings.patch_embeddings.projection.weight
     torch.testing.assert_close(
@@ -76,11 +78,11 @@ def test_an_encoder_of_another_size_is_refused_by_what_differs(tmp_path: Path) -
         tmp_path
     )
     with pytest.raises(InputError, match=r"another size.*hidden_size 8 in place of 24"):
-        read_encoder_weights(tmp_path, SMALL)
+        read_ast_weights(tmp_path, CONFIG)
 
 
 def test_another_architecture_is_refused_by_its_name(tmp_path: Path) -> None:
     _saved(tmp_path)
     (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
     with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
-        read_encoder_weights(tmp_path, SMALL)
+        read_ast_weights(tmp_path, CONFIG)

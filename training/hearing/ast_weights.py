@@ -1,4 +1,4 @@
-"""Weights that AMUSE's three encoders set out from: of an AST, or of a DeiT for images.
+"""Weights that an audio spectrogram transformer sets out from: of an AST, or of a DeiT for images.
 
 A DeiT becomes an AST as Gong et al. 2021 (section 2.2) make one.
 """
@@ -11,9 +11,8 @@ from typing import Final
 import torch
 from torch import Tensor
 from torch.nn import functional
+from transformers import ASTConfig
 
-from generators.amuse.config import SpeechConfig
-from generators.amuse.speech import SpeechEncoder
 from motion.listing import listed
 from training.pretrained import CONFIG, SavedNetworks
 
@@ -38,16 +37,16 @@ _TOKENS: Final = 2
 """For the class and for distillation, before the patches."""
 
 
-def read_encoder_weights(folder: Path, config: SpeechConfig) -> dict[str, Tensor]:
-    """Return the weights of one encoder's transformer by name.
+def read_ast_weights(folder: Path, wanted: ASTConfig) -> dict[str, Tensor]:
+    """Return the weights of such a transformer by name.
 
     Parameters
     ----------
     folder : Path
         What ``save_pretrained`` wrote of an AST or of a DeiT. Nothing but safetensors is read, and
         nothing is fetched.
-    config : SpeechConfig
-        Sizes of the encoder.
+    wanted : ASTConfig
+        Its sizes.
 
     Raises
     ------
@@ -55,8 +54,6 @@ def read_encoder_weights(folder: Path, config: SpeechConfig) -> dict[str, Tensor
         If the folder holds no such network, one of another size, or one that lacks weights.
     """
     network = _SAVED.load(folder)
-    with torch.device("meta"):
-        wanted = SpeechEncoder(config).transformer.config
     of_sound = network.config.model_type == _AST
     other = [
         f"{name} {getattr(network.config, name)} in place of {getattr(wanted, name)}"
@@ -72,10 +69,10 @@ def read_encoder_weights(folder: Path, config: SpeechConfig) -> dict[str, Tensor
         for name, tensor in network.state_dict().items()
         if not name.startswith("pooler.")
     }
-    return weights if of_sound else _of_sound(weights, config)
+    return weights if of_sound else _of_sound(weights, wanted)
 
 
-def _of_sound(weights: dict[str, Tensor], config: SpeechConfig) -> dict[str, Tensor]:
+def _of_sound(weights: dict[str, Tensor], wanted: ASTConfig) -> dict[str, Tensor]:
     """Return a DeiT's weights for filterbanks: colours summed, places of patches fitted.
 
     Of the grid of places the middle is taken, and stretched where it is too small.
@@ -85,7 +82,11 @@ def _of_sound(weights: dict[str, Tensor], config: SpeechConfig) -> dict[str, Ten
     tokens, grid = weights[places][:, :_TOKENS], weights[places][:, _TOKENS:]
     side, patch = round(grid.shape[1] ** 0.5), weights[patches].shape[2]
     rows, columns = (
-        (length - patch) // config.patch_stride + 1 for length in (config.bands, config.frames)
+        (length - patch) // stride + 1
+        for length, stride in (
+            (wanted.num_mel_bins, wanted.frequency_stride),
+            (wanted.max_length, wanted.time_stride),
+        )
     )
     top, left = (max(0, (side - needs) // 2) for needs in (rows, columns))
     middle = grid.transpose(1, 2).reshape(1, -1, side, side)[
