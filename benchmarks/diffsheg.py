@@ -30,7 +30,7 @@ from generators.diffsheg.sampling import (
     sample_windows,
     stream,
 )
-from generators.diffsheg.walk import Sampling, evaluations
+from generators.diffsheg.settings import Sampling, evaluations
 from training.hearing.speech_frames import SpeechFrames
 from training.threads import torch_threads
 

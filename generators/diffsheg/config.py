@@ -5,21 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
+from motion.listing import listed
 from training.config import Preset, TrainingConfig
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """What is told to what: see `DenoiserConfig.flow`."""
 
-FLOWS: Final[tuple[Flow, ...]] = ("expression_to_gesture", "gesture_to_expression", "none", "joint")
+FLOWS: Final[tuple[Flow, ...]] = get_args(Flow)
 
 Loudness = Literal["power", "logarithm"]
 """How mel bands are read: see `DenoiserConfig.loudness`."""
-
-LOUDNESSES: Final[tuple[Loudness, ...]] = ("power", "logarithm")
 
 JOINT_WIDENING: Final = 1.41
 """How much wider the one branch of 'joint' is, so that it costs as much as two (section 4.5)."""
@@ -91,37 +90,26 @@ class DenoiserConfig:
     skip: bool = False
 
     def __post_init__(self) -> None:
-        sizes = {
-            name: getattr(self, name)
-            for name in (
-                *("gesture_width", "expression_width", "speakers", "frames", "width", "heads"),
-                *("feed_forward", "layers", "audio_width", "speech_width", "speech_features"),
-            )
-        }
-        for name, size in sizes.items():
-            if size < 1:
-                raise _unusable(f"{name} is {size}", "Give at least 1")
-        if self.width % (2 * self.heads) or self.audio_width % self.heads:
-            raise _unusable(
-                f"{self.heads} heads do not divide a width of {self.width} and {self.audio_width}",
-                "Let the heads divide both widths, and the first be even",
-            )
-        if self.frames > self.longest:
-            raise _unusable(
-                f"windows of {self.frames} frames are longer than the {self.longest} positions",
-                "Give more positions or shorter windows",
-            )
-        if not 0 <= self.dropout < 1:
-            raise _unusable(f"dropout is {self.dropout}", "Give a share below 1")
-        if not self.frame_rate > 0:
-            raise _unusable(f"the frame rate is {self.frame_rate}", "Give a rate above 0")
-        if self.flow not in FLOWS:
-            raise _unusable(f"there is no flow {self.flow!r}", f"Use one of {', '.join(FLOWS)}")
-
-        if self.loudness not in LOUDNESSES:
-            raise _unusable(
-                f"there is no loudness {self.loudness!r}", f"Use one of {', '.join(LOUDNESSES)}"
-            )
+        for name in (
+            *("gesture_width", "expression_width", "speakers", "frames", "width", "heads"),
+            *("feed_forward", "layers", "audio_width", "speech_width", "speech_features"),
+        ):
+            _check(getattr(self, name) >= 1, f"{name} is {getattr(self, name)}", "Give at least 1")
+        _check(
+            self.width % (2 * self.heads) == self.audio_width % self.heads == 0,
+            f"{self.heads} heads do not divide a width of {self.width} and {self.audio_width}",
+            "Let the heads divide both widths, and the first be even",
+        )
+        _check(
+            self.frames <= self.longest,
+            f"windows of {self.frames} frames are longer than the {self.longest} positions",
+            "Give more positions or shorter windows",
+        )
+        _check(0 <= self.dropout < 1, f"dropout is {self.dropout}", "Give a share below 1")
+        _check(self.frame_rate > 0, f"the frame rate is {self.frame_rate}", "Give a rate above 0")
+        for name, known in (("flow", FLOWS), ("loudness", get_args(Loudness))):
+            given = getattr(self, name)
+            _check(given in known, f"there is no {name} {given!r}", f"Use one of {listed(known)}")
 
     @property
     def motion_width(self) -> int:
@@ -140,8 +128,9 @@ class DenoiserConfig:
         return step * round(self.width * JOINT_WIDENING / step)
 
 
-def _unusable(what: str, remedy: str) -> InputError:
-    return InputError(f"this is no DiffSHEG network: {what}", remedy=remedy)
+def _check(fits: bool, what: str, remedy: str) -> None:
+    if not fits:
+        raise InputError(f"this is no DiffSHEG network: {what}", remedy=remedy)
 
 
 BEAT: Final = DenoiserConfig(
@@ -224,7 +213,6 @@ def _full(batch_size: int) -> TrainingConfig:
         optimizer="adam",
         gradient_clip=0.5,
         validate_every=500,
-        checkpoint_every=500,
     )
 
 
@@ -307,7 +295,7 @@ TRAINABLE: Final = Trainable(
         TrainingChoice(
             name="ablation",
             help="Train a variant of the paper's Table 1 in place of DiffSHEG itself.",
-            values=("naive_concat", "without_detach", "without_x0", "reverse"),
+            values=tuple(ABLATIONS),
         ),
         TrainingChoice(
             name="hubert",

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
-from generators.diffsheg.settings import DiffShegSettings
-from generators.diffsheg.walk import Sampling
+from generators.diffsheg.settings import DiffShegSettings, Sampling
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
 from motion.body.forearm_twist import ForearmTwists

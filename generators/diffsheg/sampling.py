@@ -20,7 +20,7 @@ from torch import Tensor, nn
 
 from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
-from generators.diffsheg.walk import CLEAN, Sampling
+from generators.diffsheg.settings import CLEAN, Sampling
 from generators.interface import seeded_stream
 from motion.errors import InputError
 from training.diffusion import LINEAR
@@ -56,8 +56,8 @@ def stream(
     ----------
     speech : iterable of SpeechFrames
         Pieces of any length, in order.
-    mover : Mover
-        The network; see `generators.diffsheg.sampling`.
+    sampler : Sampler
+        The network.
     frames : int
         Frames of a window.
     width : int

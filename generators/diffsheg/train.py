@@ -94,7 +94,7 @@ class DiffShegTask(WindowTask):
         """Return `motion_losses` of a batch at steps and with noise that chance draws."""
         batch = self._batch(self.training, rows)
         steps = torch.randint(0, LINEAR.steps, (len(rows),)).to(self.device)
-        noise = torch.randn(batch.motion.shape).to(self.device)
+        noise = torch.randn(batch["motion"].shape).to(self.device)
         return self._losses(network, batch, steps, noise)
 
     def validation(self, network: Denoiser) -> Mapping[str, float]:
@@ -111,7 +111,7 @@ class DiffShegTask(WindowTask):
         with _unguided(network):
             for first in range(0, len(rows), _AT_ONCE):
                 batch = self._batch(self.held_out, rows[first : first + _AT_ONCE])
-                noise = chance.standard_normal(tuple(batch.motion.shape), dtype=np.float32)
+                noise = chance.standard_normal(tuple(batch["motion"].shape), dtype=np.float32)
                 losses = self._losses(
                     network,
                     batch,
@@ -119,7 +119,7 @@ class DiffShegTask(WindowTask):
                     torch.from_numpy(noise).to(self.device),
                 )
                 for name, value in losses.items():
-                    sums[name] = sums.get(name, 0.0) + float(value) * len(batch.motion)
+                    sums[name] = sums.get(name, 0.0) + float(value) * len(batch["motion"])
         means = {name: total / len(rows) for name, total in sums.items()}
         return {CHOSEN_BY: means["loss"] - self.weights.velocity * means["velocity"], **means}
 
@@ -127,42 +127,26 @@ class DiffShegTask(WindowTask):
     def _seen(self) -> NDArray[np.float32]:
         """Normalised windows, evenly among those to learn from."""
         rows = evenly(len(self.training), _SEEN)
-        values = self.training.batch(rows)
-        motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
-        return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
+        return self._motion(dict(self.training.batch(rows)))
 
     def _losses(
-        self, network: Denoiser, batch: _Batch, steps: Tensor, noise: Tensor
+        self, network: Denoiser, batch: Mapping[str, Tensor], steps: Tensor, noise: Tensor
     ) -> dict[str, Tensor]:
-        noisy = LINEAR.x_t(batch.motion, noise, steps)
-        found: Tensor = network(noisy, steps, batch.mel, batch.hubert, batch.person)
-        return motion_losses(noise, found, steps, self.weights, batch.semantic)
+        noisy = LINEAR.x_t(batch["motion"], noise, steps)
+        found: Tensor = network(noisy, steps, *(batch[one] for one in ("mel", "hubert", "person")))
+        return motion_losses(noise, found, steps, self.weights, batch.get("semantic"))
 
-    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
-        """Return windows as the network is given them."""
-        values = windows.batch(rows)
-        motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
-        normalised = self.normalisation.normalised(motion.astype(np.float64))
-        people = self.speakers.one_hot(windows.speakers(rows))
-        semantic = values.get("semantic") if self.weights.semantic else None
-        return _Batch(
-            motion=torch.from_numpy(normalised.astype(np.float32)).to(self.device),
-            mel=torch.from_numpy(values["mel"]).to(self.device),
-            hubert=torch.from_numpy(values["hubert"]).to(self.device),
-            person=torch.from_numpy(people).to(self.device),
-            semantic=None if semantic is None else torch.from_numpy(semantic).to(self.device),
-        )
+    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return windows by feature, with normalised ``motion`` and one-hot each ``person``."""
+        values = dict(windows.batch(rows))
+        values["motion"] = self._motion(values)
+        values["person"] = self.speakers.one_hot(windows.speakers(rows))
+        return {name: torch.from_numpy(one).to(self.device) for name, one in values.items()}
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Batch:
-    """Windows: normalised motion, mel bands, speech features, one-hot speakers, scores."""
-
-    motion: Tensor
-    mel: Tensor
-    hubert: Tensor
-    person: Tensor
-    semantic: Tensor | None
+    def _motion(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        """Return normalised motion in place of its two features."""
+        motion = np.concatenate([values.pop(one) for one in ("gesture", "expression")], axis=-1)
+        return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from generators.diffsheg.sampling import (
     sample_window,
     stream,
 )
-from generators.diffsheg.walk import Sampling
+from generators.diffsheg.settings import Sampling
 from motion.errors import InputError
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames

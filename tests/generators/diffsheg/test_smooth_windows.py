@@ -16,8 +16,7 @@ from torch import Tensor
 
 from benchmarks.seams import Windows, seam_acceleration
 from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
-from generators.diffsheg.settings import SamplingSettings
-from generators.diffsheg.walk import Sampling
+from generators.diffsheg.settings import Sampling, SamplingSettings
 from training.hearing.speech_frames import SpeechFrames
 from training.noise_schedule import LINEAR_NOISE
 

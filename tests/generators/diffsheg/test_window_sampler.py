@@ -19,7 +19,7 @@ from generators.diffsheg.sampling import (
     sample_windows,
     stream,
 )
-from generators.diffsheg.walk import Sampling
+from generators.diffsheg.settings import Sampling
 from training.hearing.speech_frames import SpeechFrames
 from training.threads import torch_threads
 
