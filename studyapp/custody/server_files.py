@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
@@ -37,35 +37,24 @@ def in_sql(text: str) -> str:
     return text.replace('"', '""').replace("'", "''")
 
 
-def as_it_is(text: str) -> str:
-    """Return `text`; such a file holds nothing but values of a known alphabet."""
-    return text
-
-
 def _behind_backslashes(text: str) -> str:
     return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
-Escape = Callable[[str], str]
-
-ESCAPES: Final[Mapping[str, Escape]] = MappingProxyType(
+ESCAPES: Final[Mapping[str, Callable[[str], str]]] = MappingProxyType(
     {
-        ".service": in_unit,
-        ".timer": in_unit,
-        ".caddy": in_proxy,
-        ".nginx": in_proxy,
+        **dict.fromkeys((".service", ".timer"), in_unit),
+        **dict.fromkeys((".caddy", ".nginx"), in_proxy),
         ".sh": in_script,
         ".sql": in_sql,
-        ".env": as_it_is,
-        ".conf": as_it_is,
-        ".container": as_it_is,
+        # These hold nothing but values of a known alphabet.
+        **dict.fromkeys((".env", ".conf", ".container"), str),
     }
 )
 """How a value is written so that it stays one value, by the ending of a template.
 
 Templates put a value that could hold anything within double quotes (in scripts, single ones).
 """
-
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
 
@@ -94,11 +83,14 @@ class DeployedFile:
     keeps: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Kind:
+    """A kind of file: its place on the server may name attributes of the deployment."""
+
     name: str
-    template: str
-    place: Callable[[Deployment], str] | None
+    place: str = ""
+    _: KW_ONLY
+    template: str = ""
     needs: tuple[str, str] | None = None
     mode: int = 0o644
     keeps: bool = False
@@ -107,72 +99,28 @@ class _Kind:
         return self.needs is None or getattr(deployment, self.needs[0]) == self.needs[1]
 
 
+_CADDY: Final = ("proxy", "caddy")
+_NGINX: Final = ("proxy", "nginx")
 KINDS: Final = (
+    _Kind("serve.service", "/etc/systemd/system/{d.unit}.service"),
     _Kind(
-        name="serve.service",
-        template="serve.service",
-        place=lambda d: f"/etc/systemd/system/{d.unit}.service",
-    ),
-    _Kind(
-        name="environment",
+        "environment",
+        "/etc/motionjury/{d.name}.env",
         template="environment.env",
-        place=lambda d: f"/etc/motionjury/{d.name}.env",
         mode=0o600,
         keeps=True,
     ),
-    _Kind(
-        name="backup.service",
-        template="backup.service",
-        place=lambda d: f"/etc/systemd/system/{d.unit}-backup.service",
-    ),
-    _Kind(
-        name="backup.timer",
-        template="backup.timer",
-        place=lambda d: f"/etc/systemd/system/{d.unit}-backup.timer",
-    ),
-    _Kind(
-        name="journald.conf",
-        template="journald.conf",
-        place=lambda _d: "/etc/systemd/journald.conf.d/motionjury.conf",
-    ),
-    _Kind(
-        name="command",
-        template="command.sh",
-        place=lambda d: f"/usr/local/sbin/{d.unit}",
-        mode=0o755,
-    ),
-    _Kind(
-        name="Caddyfile",
-        template="host.caddy",
-        place=lambda _d: "/etc/caddy/Caddyfile",
-        needs=("proxy", "caddy"),
-    ),
-    _Kind(
-        name="study.caddy",
-        template="study.caddy",
-        place=lambda d: f"/etc/caddy/motionjury/{d.name}.caddy",
-        needs=("proxy", "caddy"),
-    ),
-    _Kind(
-        name="host.nginx",
-        template="host.nginx",
-        place=lambda d: f"/etc/nginx/conf.d/{d.host}.conf",
-        needs=("proxy", "nginx"),
-    ),
-    _Kind(
-        name="study.nginx",
-        template="study.nginx",
-        place=lambda d: f"/etc/nginx/motionjury/{d.host}/{d.name}.conf",
-        needs=("proxy", "nginx"),
-    ),
-    _Kind(
-        name="database.sql",
-        template="database.sql",
-        place=None,
-        needs=("database", "postgresql"),
-    ),
-    _Kind(name="Containerfile", template="image.container", place=None),
-    _Kind(name="install", template="install.sh", place=None, mode=0o755),
+    _Kind("backup.service", "/etc/systemd/system/{d.unit}-backup.service"),
+    _Kind("backup.timer", "/etc/systemd/system/{d.unit}-backup.timer"),
+    _Kind("journald.conf", "/etc/systemd/journald.conf.d/motionjury.conf"),
+    _Kind("command", "/usr/local/sbin/{d.unit}", template="command.sh", mode=0o755),
+    _Kind("Caddyfile", "/etc/caddy/Caddyfile", template="host.caddy", needs=_CADDY),
+    _Kind("study.caddy", "/etc/caddy/motionjury/{d.name}.caddy", needs=_CADDY),
+    _Kind("host.nginx", "/etc/nginx/conf.d/{d.host}.conf", needs=_NGINX),
+    _Kind("study.nginx", "/etc/nginx/motionjury/{d.host}/{d.name}.conf", needs=_NGINX),
+    _Kind("database.sql", needs=("database", "postgresql")),
+    _Kind("Containerfile", template="image.container"),
+    _Kind("install", template="install.sh", mode=0o755),
 )
 
 NAMES: Final = tuple(kind.name for kind in KINDS)
@@ -180,12 +128,8 @@ NAMES: Final = tuple(kind.name for kind in KINDS)
 
 def deployed_files(deployment: Deployment) -> tuple[DeployedFile, ...]:
     """Return all files of `deployment`."""
-    installed = tuple(
-        _made(kind, deployment)
-        for kind in KINDS
-        if kind.belongs_to(deployment) and kind.name != "install"
-    )
-    install = next(kind for kind in KINDS if kind.name == "install")
+    *kinds, install = (kind for kind in KINDS if kind.belongs_to(deployment))
+    installed = tuple(_made(kind, deployment) for kind in kinds)
     return (*installed, _made(install, deployment, files=installed))
 
 
@@ -216,10 +160,15 @@ def deployed_file(deployment: Deployment, name: str) -> DeployedFile:
 def _made(
     kind: _Kind, deployment: Deployment, *, files: tuple[DeployedFile, ...] = ()
 ) -> DeployedFile:
-    ending = Path(kind.template).suffix
-    text = _environment(ending).get_template(kind.template).render(study=deployment, files=files)
-    place = None if kind.place is None else PurePosixPath(kind.place(deployment))
-    return DeployedFile(name=kind.name, text=text, place=place, mode=kind.mode, keeps=kind.keeps)
+    template = kind.template or kind.name
+    text = _environment(Path(template).suffix).get_template(template)
+    return DeployedFile(
+        name=kind.name,
+        text=text.render(study=deployment, files=files),
+        place=PurePosixPath(kind.place.format(d=deployment)) if kind.place else None,
+        mode=kind.mode,
+        keeps=kind.keeps,
+    )
 
 
 @cache
