@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from motion.files import write_text
-from studyapp.preflight.finding import catalogue
-from studyapp.preflight.report import CheckRecord
+from studyapp.preflight.finding import CheckRecord, catalogue
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
 BEGIN, END = "<!-- findings: begin -->", "<!-- findings: end -->"

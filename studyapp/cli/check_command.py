@@ -9,7 +9,7 @@ import click
 from motion.errors import InputError
 from studyapp.cli.arguments import study_folder
 from studyapp.preflight.check import check, finished_videos
-from studyapp.preflight.report import record, summed_up, told
+from studyapp.preflight.finding import record, summed_up, told
 from studyapp.study.folder import StudyFolder
 
 

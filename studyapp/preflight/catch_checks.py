@@ -167,7 +167,6 @@ def catch_motion_findings(
         "catch-difference",
         f"in catch trials the joints lie {_centimetres(median(d.metres for d in caught.values()))} "
         f"apart{beside} (means over joints and time, of the middle segment)",
-        where="catch",
     )
     least = max(LEAST_METRES, LEAST_SHARE * between)
     hardly = {
@@ -182,7 +181,6 @@ def catch_motion_findings(
             f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in {len(hardly)} "
             f"of {len(caught)} segments: in {worst} the joints lie "
             f"{_centimetres(hardly[worst].metres)} apart{beside}",
-            where="catch",
         )
 
 
@@ -217,7 +215,6 @@ def catch_picture_findings(material: Material) -> Iterator[Finding]:
         "catch-difference",
         f"in catch trials the pictures differ by {median(caught.values()):.1f} of 255 levels of "
         f"grey{beside} (of the middle segment)",
-        where="catch",
     )
     hardly = {name: found for name, found in caught.items() if found < LEAST_SHARE * between}
     hardly |= {name: found for name, found in caught.items() if found == 0}

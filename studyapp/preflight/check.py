@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.preflight.address_checks import address_findings
 from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.design_checks import design_findings
@@ -21,15 +20,14 @@ from studyapp.preflight.finished_video_checks import (
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.preflight.page_checks import page_findings
-from studyapp.preflight.page_weight import weight_findings
-from studyapp.preflight.pay_checks import pay_findings
 from studyapp.preflight.recruiting_checks import (
     code_findings,
     made_findings,
+    pay_findings,
     recruiting_findings,
 )
-from studyapp.preflight.serving_checks import probe_findings, serving_findings
-from studyapp.preflight.shown_video_checks import shown_video_findings
+from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
+from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.time_checks import (
     Pace,

@@ -31,27 +31,23 @@ def design_findings(material: Material) -> Iterator[Finding]:
     """Say what a participant sees, and what the design cannot tell."""
     study, segments = material.study, material.segments
     if not study.open:
-        yield finding("closed", where="open")
+        yield finding("closed")
     plan = next(material.plans, ())
     counts = Counter(trial.kind for trial in plan)
     said = ", ".join(
         f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items() if counts[kind]
     )
     if not (counts["main"] or counts["practice"]):
-        yield finding(
-            "no-trials",
-            f"these {len(segments)} segments allow no trial at all",
-            where="speech/segments.csv",
-        )
+        yield finding("no-trials", segments=len(segments))
         return
-    yield finding("trials", f"a participant sees {len(plan)} trials: {said}")
+    yield finding("trials", count=len(plan), kinds=said)
     yield from _extra_findings(plan)
     for sentence in (*study.notes(segments), *study_notes(study)):
         yield finding("design", sentence.rstrip("."))
     emotions = {segment.emotion for segment in segments}
     silent = [emotion for emotion in EMOTIONS if emotion not in emotions]
     if silent and any("{emotion}" in question.text for question in study.questions):
-        yield finding("emotions-missing", f"the results will say nothing about {listed(silent)}")
+        yield finding("emotions-missing", emotions=listed(silent))
     yield from _check_findings(study)
     yield from _exclusion_findings(study)
 
@@ -59,20 +55,15 @@ def design_findings(material: Material) -> Iterator[Finding]:
 def _check_findings(study: Study) -> Iterator[Finding]:
     """Say whether inattentive participants can be told apart."""
     if not study.catch.trials and not study.attention.trials:
-        yield finding("no-checks", where="catch")
+        yield finding("no-checks")
     elif not study.catch.trials:
-        yield finding("no-catch-trials", where="catch")
+        yield finding("no-catch-trials")
     for key, checks, words in (
         ("catch", study.catch, "catch trials"),
         ("attention", study.attention, "attention checks"),
     ):
         if 0 < checks.trials <= checks.max_failed and study.exclusions is None:
-            yield finding(
-                "checks-few",
-                f"{checks.max_failed} of {checks.trials} {words} may be failed, so that nobody is "
-                "left out by them",
-                where=f"{key}.max_failed",
-            )
+            yield finding("checks-few", where=f"{key}.max_failed", checks=checks, words=words)
 
 
 def _exclusion_findings(study: Study) -> Iterator[Finding]:
@@ -82,18 +73,13 @@ def _exclusion_findings(study: Study) -> Iterator[Finding]:
         f"{place}. who {rule.made().description} ({rule.written()})"
         for place, rule in enumerate(rules, start=1)
     )
-    yield finding(
-        "exclusions",
-        f"left out of the analysis, in this order: {said or 'nobody'}",
-        where="exclusions",
-    )
+    yield finding("exclusions", rules=said or "nobody")
     for rule in rules:
         if isinstance(rule, Coverage) and rule.below <= study.watching.coverage:
             yield finding(
                 "exclusion-without-effect",
-                f"the exclusion {rule.written()} can leave nobody out, as questions can only be "
-                f"answered once {study.watching.coverage:g} of each video was watched",
-                where="exclusions",
+                rule=rule.written(),
+                coverage=study.watching.coverage,
             )
 
 
@@ -103,8 +89,4 @@ def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
     times = Counter(trial.segment for trial in plan)
     again = sum(times[segment] > 1 for segment in extra)
     if again:
-        yield finding(
-            "speech-repeated",
-            f"{again} of {len(extra)} catch trials and attention checks have speech that comes in "
-            "another trial too, which sets them apart",
-        )
+        yield finding("speech-repeated", again=again, extra=len(extra))

@@ -166,14 +166,6 @@ def _look_findings(material: Material) -> Iterator[Finding]:
         slowest = min(found.frame_rate for found in known.values())
         where = material.name_of(small)
     if smallest < SMALLEST:
-        yield finding(
-            "picture-small",
-            f"pictures are {smallest:g} pixels wide or high, too few to judge hands and faces by",
-            where=where,
-        )
+        yield finding("picture-small", where=where, pixels=smallest)
     if slowest < SLOWEST:
-        yield finding(
-            "frame-rate-low",
-            f"videos have {slowest:g} frames per second, so that all motion looks jerky",
-            where=where,
-        )
+        yield finding("frame-rate-low", where=where, rate=slowest)

@@ -35,11 +35,7 @@ def motion_findings(material: Material) -> Iterator[Finding]:
 def _freeze_findings(study: Study) -> Iterator[Finding]:
     finished = [name for name in study.conditions if study.is_finished(name)]
     if study.freeze and finished:
-        yield finding(
-            "freeze-without-effect",
-            f"freeze holds nothing still in the finished videos of {listed(finished)}",
-            where="freeze",
-        )
+        yield finding("freeze-without-effect", conditions=listed(finished))
 
 
 def _read_motion(
@@ -90,7 +86,7 @@ def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) ->
         return
     shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
     for sentence in left_out(shown, body):
-        yield finding("motion-not-shown", sentence.rstrip("."), where="video")
+        yield finding("motion-not-shown", sentence.rstrip("."))
 
 
 def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
@@ -100,10 +96,10 @@ def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Itera
         if slowest < study.video.frame_rate:
             yield finding(
                 "motion-interpolated",
-                f"the motion of {condition!r} has {slowest:g} frames per second and is shown at "
-                f"{study.video.frame_rate}: what lies between is interpolated, so its fast "
-                "movements look smoother than they were",
                 where=f"motion/{condition}",
+                condition=condition,
+                rate=slowest,
+                shown=study.video.frame_rate,
             )
     moving = {
         condition: frozenset().union(*(moving_channels(clip) for clip in made))
@@ -115,8 +111,7 @@ def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Itera
         if channel not in study.freeze and 0 < len(still) < len(moving):
             yield finding(
                 "channel-tells-apart",
-                f"{channel} never moves in {listed(still)} but does in the other conditions, "
-                "which tells them apart",
-                where="freeze",
+                channel=channel,
+                conditions=listed(still),
                 remedy=f'Add "{channel}" to freeze in study.toml and render again',
             )

@@ -16,44 +16,31 @@ from studyapp.study.settings.study import Study
 def page_findings(study: Study) -> Iterator[Finding]:
     """Say what participants are not told, and what still says what a template says."""
     page = study.page
-    for given, name, key in (
-        (page.organisation, "organisation-missing", "page.organisation"),
-        (page.contact, "contact-missing", "page.contact"),
-        (page.payment, "payment-missing", "page.payment"),
-        (page.minutes, "minutes-missing", "page.minutes"),
-        (page.ethics, "ethics-missing", "page.ethics"),
+    for given, name in (
+        (page.organisation, "organisation-missing"),
+        (page.contact, "contact-missing"),
+        (page.payment, "payment-missing"),
+        (page.minutes, "minutes-missing"),
+        (page.ethics, "ethics-missing"),
     ):
         if not given or not str(given).strip():
-            yield finding(name, where=key)
+            yield finding(name)
     if page.contact.strip() and not reaches_somebody(page.contact):
-        yield finding(
-            "contact-unreachable",
-            f"{page.contact!r} does not say how to reach anybody",
-            where="page.contact",
-        )
+        yield finding("contact-unreachable", contact=page.contact)
     yield from _text_findings(study)
 
 
 def _text_findings(study: Study) -> Iterator[Finding]:
     consents, titles = _template_texts(study)
     if not study.page.consent.strip():
-        yield finding("consent-blank", where="page.consent")
+        yield finding("consent-blank")
     elif _squeezed(study.page.consent) in consents:
-        yield finding("consent-from-template", where="page.consent")
+        yield finding("consent-from-template")
     if _squeezed(study.title) in titles:
-        yield finding(
-            "title-from-template",
-            f"the study has the template's title, {study.title!r}",
-            where="title",
-        )
+        yield finding("title-from-template", title=study.title)
     english = still_english(study)
     if english:
-        yield finding(
-            "texts-untranslated",
-            f"the pages are in the language {study.page.language!r}, but {listed(english)} still "
-            "say what the English template says",
-            where="study.toml",
-        )
+        yield finding("texts-untranslated", language=study.page.language, texts=listed(english))
 
 
 def _template_texts(study: Study) -> tuple[set[str], set[str]]:

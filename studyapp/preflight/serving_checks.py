@@ -1,4 +1,4 @@
-"""Whether the study can be served from here: its database, its disk, its videos piece by piece."""
+"""Whether the study can be served: its database, disk and videos here, and its address."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
+from urllib.parse import urlsplit
 
 import httpx
 from flask import Flask
@@ -35,6 +36,13 @@ from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
 from studyapp.web.app import create_app
 from studyapp.web.running import running
+
+SECONDS: Final = 15.0
+HEALTH: Final = "healthz"
+SCRIPT: Final = "static/players.js"
+"""A file that is sent in pieces as videos are; a video has no address before somebody begins."""
+
+_LOCAL: Final = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
 def for_probing(served: ServedStudy) -> ServedStudy:
@@ -69,7 +77,6 @@ SPARE: Final = 10**9
 
 _PIECE: Final = 100
 _RANGE: Final = f"bytes=0-{_PIECE - 1}"
-_SECONDS: Final = 15.0
 
 
 def serving_findings(material: Material) -> Iterator[Finding]:
@@ -103,15 +110,15 @@ def _database_findings(material: Material) -> Iterator[Finding]:
     try:
         count = arrivals(current)
         if count:
-            yield finding("answers-there", f"{count} participants have come already")
+            yield finding("answers-there", count=count)
         with current.reading() as session:
             state = present_intake(session).state
         if state != "open":
-            yield finding("intake-closed", f"the study is {state} on the researchers' pages")
+            yield finding("intake-closed", state=state)
         design = design_digest(material.study, material.segments, material.shown)
         # A study that lacks videos is told so elsewhere; its design is not known yet.
         if set(material.contents) <= material.shown.keys() and must_be_new_version(current, design):
-            yield finding("design-changed", where="study.toml")
+            yield finding("design-changed")
     finally:
         current.close()
 
@@ -121,20 +128,17 @@ def _room_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     if database_url_of(folder.root) != sqlite_url(folder.responses):
         return
     if not os.access(folder.root, os.W_OK):
-        yield finding(
-            "folder-unwritable", f"{folder.root} may not be written", where=str(folder.root)
-        )
+        yield finding("folder-unwritable", where=str(folder.root))
         return
     needed = places_of(study) * BYTES_PER_PARTICIPANT
     free = shutil.disk_usage(folder.root).free
-    said = (
-        f"{as_text(free)} are free on this disk, and {places_of(study)} participants' answers may "
-        f"need {as_text(needed)}"
-    )
-    if free < needed:
-        yield finding("disk-full", said, where="responses.db")
-    elif free < needed + SPARE:
-        yield finding("disk-short", said, where="responses.db")
+    if free < needed + SPARE:
+        yield finding(
+            "disk-full" if free < needed else "disk-short",
+            free=as_text(free),
+            participants=places_of(study),
+            needed=as_text(needed),
+        )
 
 
 def probe_findings(material: Material) -> Iterator[Finding]:
@@ -187,7 +191,46 @@ def _range_findings(app: Flask, served: ServedStudy) -> Iterator[Finding]:
 
 def _from_store(address: str) -> tuple[int, int]:
     """Ask a store of videos for a piece; return its status, and how many bytes came."""
-    with httpx.stream("GET", address, headers={"Range": _RANGE}, timeout=_SECONDS) as answer:
+    with httpx.stream("GET", address, headers={"Range": _RANGE}, timeout=SECONDS) as answer:
         # A store that knows no ranges would send all of it.
         got = sum(len(piece) for piece, _ in zip(answer.iter_bytes(_PIECE), range(2), strict=False))
         return answer.status_code, got
+
+
+def address_findings(
+    address: str, *, transport: httpx.BaseTransport | None = None
+) -> Iterator[Finding]:
+    """Ask for the study at `address`.
+
+    Parameters
+    ----------
+    address : str
+        Where participants will come to, such as ``https://study.example.org/``.
+    transport : httpx.BaseTransport, optional
+        How requests travel, if not over the network.
+    """
+    base = address if address.endswith("/") else f"{address}/"
+    parts = urlsplit(base)
+    if parts.scheme != "https" and parts.hostname not in _LOCAL:
+        yield finding("address-insecure", where=base)
+    try:
+        with httpx.Client(
+            base_url=base, timeout=SECONDS, follow_redirects=True, transport=transport
+        ) as client:
+            health = client.get(HEALTH)
+            if health.status_code != 200 or health.text.strip() != "ok":
+                yield finding("address-other", where=base, page=HEALTH, status=health.status_code)
+                return
+            piece = client.get(
+                SCRIPT, headers={"Range": "bytes=0-9", "Accept-Encoding": "identity"}
+            )
+            if piece.status_code != 206 or len(piece.content) != 10:
+                yield finding(
+                    "ranges-lost",
+                    where=base,
+                    file=SCRIPT,
+                    status=piece.status_code,
+                    got=len(piece.content),
+                )
+    except (httpx.HTTPError, httpx.InvalidURL) as lost:
+        yield finding("address-unreachable", where=base, why=str(lost) or type(lost).__name__)

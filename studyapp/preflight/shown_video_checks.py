@@ -1,10 +1,11 @@
-"""What can be wrong with the files that participants get, or what those tell too much."""
+"""What can be wrong with the files that participants get, what those tell, and their weight."""
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -26,6 +27,7 @@ from studyapp.stimuli.media_probe import (
     written_in,
 )
 from studyapp.stimuli.video_copies import out_of_date
+from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content
 from studyapp.study.finished_videos import finished_video, seconds_of, shows_copy
 from studyapp.study.media import VideoFile
@@ -39,20 +41,21 @@ LENGTH_TOLERANCE: Final = 0.05
 """Seconds by which the files of one speech may differ: less than two frames."""
 
 
+MEGABYTE: Final = 10**6
+
+PLACES: Final = 24
+"""Places of each arm whose trials are planned to find the heaviest page."""
+
+
 def shown_video_findings(material: Material) -> Iterator[Finding]:
     """Yield what is missing or broken of what participants get, and what it gives away."""
     if material.media is None:
-        yield finding("nothing-rendered", where="stimuli.json")
+        yield finding("nothing-rendered")
         return
     for content in material.contents:
         yield from _shown_findings(material, content)
     for copy in out_of_date(material.folder):
-        yield finding(
-            "copy-out-of-date",
-            f"the video of {copy.condition!r} for segment {copy.segment} has changed since it was "
-            "copied for the participants",
-            where=copy.file,
-        )
+        yield finding("copy-out-of-date", where=copy.file, copy=copy)
     beside = _beside_each_other(material)
     yield from _size_findings(beside)
     yield from _written_findings(material, beside)
@@ -91,14 +94,9 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
         yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
         return
     if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
-        yield finding("sound-unwanted", f"{name} has sound, and is to be shown without", where=name)
+        yield finding("sound-unwanted", where=name)
     if plays_at_once(found.file) is False:
-        yield finding(
-            "loads-before-playing",
-            f"{name} has its index behind its pictures, so that it plays only once all of it has "
-            "come",
-            where=name,
-        )
+        yield finding("loads-before-playing", where=name)
 
 
 def _beside_each_other(material: Material) -> Mapping[str, Mapping[str, VideoFile]]:
@@ -114,18 +112,15 @@ def _size_findings(beside: Mapping[str, Mapping[str, VideoFile]]) -> Iterator[Fi
     for segment, files in beside.items():
         sizes = {video.file.stat().st_size for video in files.values()}
         if len(sizes) > 1:
-            yield finding(
-                "sizes-differ",
-                f"the videos of segment {segment} differ in file size, which tells them apart",
-                where=next(iter(files)),
-            )
+            yield finding("sizes-differ", where=next(iter(files)), segment=segment)
         lengths = [lasts for video in files.values() if (lasts := _seconds_of(video.file))]
         if lengths and max(lengths) - min(lengths) > LENGTH_TOLERANCE:
             yield finding(
                 "lengths-differ",
-                f"the videos of segment {segment} last from {min(lengths):.2f} to "
-                f"{max(lengths):.2f} s, which tells them apart",
                 where=next(iter(files)),
+                segment=segment,
+                shortest=min(lengths),
+                longest=max(lengths),
             )
 
 
@@ -191,8 +186,52 @@ def _structure_findings(material: Material) -> Iterator[Finding]:
     if example is not None:
         yield finding(
             "structure-tells",
-            "files tell conditions apart to those who take them to pieces, by "
-            f"{listed(list(telling))}",
+            differences=listed(list(telling)),
             where=material.name_of(next(iter(telling.values()))),
             remedy=encode_like(example),
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weight:
+    """What is loaded in one study session, in bytes.
+
+    Attributes
+    ----------
+    heaviest : int
+        For the page that loads most: its own videos, and those fetched ahead for the next one.
+    total : int
+        For all pages together; what was fetched ahead is loaded once.
+    """
+
+    heaviest: int
+    total: int
+
+
+def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Weight:
+    """Return what the trials of a study session load.
+
+    Parameters
+    ----------
+    plan : sequence of PlannedTrial
+        The trials in their order.
+    sizes : mapping of Content to int
+        Bytes of each video; those that are not there count nothing.
+    """
+    pages = [sum(sizes.get(content, 0) for content in trial.shown) for trial in plan]
+    with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
+    return Weight(heaviest=max(with_next, default=0), total=sum(pages))
+
+
+def weight_findings(material: Material) -> Iterator[Finding]:
+    """Say how much participants load, and whether a page loads more than the study allows."""
+    sizes = {content: video.file.stat().st_size for content, video in material.shown.items()}
+    if not sizes:
+        return
+    weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
+    heaviest = max(weight.heaviest for weight in weights)
+    total = max(weight.total for weight in weights)
+    yield finding("page-weight", page=heaviest / MEGABYTE, total=total / MEGABYTE)
+    allowed = material.study.watching.megabytes_per_page
+    if heaviest > allowed * MEGABYTE:
+        yield finding("page-heavy", page=heaviest / MEGABYTE, allowed=allowed)

@@ -53,7 +53,7 @@ def sound_findings(material: Material) -> Iterator[Finding]:
             heard[name] = _Heard(name=name, segment=stimulus.segment, loudness=loudness)
             yield from _pause_findings(audio, name)
         elif audio.duration >= SHORTEST:
-            yield finding("sound-silent", f"{name} is silent from beginning to end", where=name)
+            yield finding("sound-silent", where=name)
     yield from _loudness_findings(heard)
 
 
@@ -74,7 +74,7 @@ def _sounding(material: Material) -> Mapping[str, tuple[Stimulus, Path]]:
 def _pause_findings(audio: Audio, name: str) -> Iterator[Finding]:
     silent = silent_share(audio)
     if silent > MOST_SILENCE:
-        yield finding("sound-mostly-silent", f"{silent:.0%} of {name} is silent", where=name)
+        yield finding("sound-mostly-silent", where=name, share=silent)
 
 
 def silent_share(audio: Audio) -> float:
@@ -99,7 +99,7 @@ def _loudness_findings(heard: Mapping[str, _Heard]) -> Iterator[Finding]:
             yield finding("loudness-differs-beside", said, where=of_segment[0].name)
     said = _apart(list(heard.values()))
     if said and not differs:
-        yield finding("loudness-differs", said, where="videos")
+        yield finding("loudness-differs", said)
 
 
 def _apart(heard: list[_Heard]) -> str:

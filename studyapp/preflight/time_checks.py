@@ -135,29 +135,20 @@ def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> It
     )
     yield finding(
         "expected-duration",
-        f"a participant needs about {needed} minutes: {expected.videos / 60:.1f} of videos watched "
-        f"once, {expected.around / 60:.1f} of reading and answering{seen}",
-        where="page.minutes",
+        needed=needed,
+        videos=expected.videos / 60,
+        around=expected.around / 60,
+        seen=seen,
     )
     told = study.page.minutes
     if told is not None and abs(told - needed) > max(MINUTES_OFF, SHARE_OFF * needed):
         yield finding(
             "duration-misstated",
-            f"page.minutes says {told}, and participants need about {needed}",
-            where="page.minutes",
+            told=told,
+            needed=needed,
             remedy=f"Set minutes = {needed} under [page] in study.toml, and see what it pays then",
         )
     if needed > LONG_MINUTES:
-        yield finding(
-            "duration-long",
-            f"about {needed} minutes is longer than the {LONG_MINUTES} after which people tire and "
-            "leave",
-            where="study.toml",
-        )
+        yield finding("duration-long", needed=needed, most=LONG_MINUTES)
     if study.lease_minutes * 60 < SLOW * expected.longest_page:
-        yield finding(
-            "lease-short",
-            f"the longest page takes about {expected.longest_page / 60:.0f} minutes, and after "
-            f"{study.lease_minutes} minutes of silence the place is given to somebody else",
-            where="lease_minutes",
-        )
+        yield finding("lease-short", page=expected.longest_page / 60, lease=study.lease_minutes)

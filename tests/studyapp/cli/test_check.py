@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.cli.main import group
-from studyapp.preflight.report import CheckRecord
+from studyapp.preflight.finding import CheckRecord
 
 
 def run(folder: Path, *arguments: str) -> Result:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from studyapp.preflight.address_checks import address_findings
+from studyapp.preflight.serving_checks import address_findings
 
 HTTPS = "https://study.example.org/mine"
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from studyapp.preflight.balance import (
+from studyapp.preflight.balance_checks import (
     Plans,
+    balance_findings,
     counts_of_pairs,
     counts_of_segments,
     orders_of_pairs,
     places_of_conditions,
 )
-from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.material import Material
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Stimulus

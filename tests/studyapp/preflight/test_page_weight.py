@@ -6,7 +6,7 @@ import pytest
 
 from motion.segment import Segment
 from studyapp.preflight.material import Material
-from studyapp.preflight.page_weight import Weight, weight_findings, weight_of
+from studyapp.preflight.shown_video_checks import Weight, weight_findings, weight_of
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.folder import StudyFolder

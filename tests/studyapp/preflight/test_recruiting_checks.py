@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from studyapp.preflight.pay_checks import pay_findings
-from studyapp.preflight.recruiting_checks import code_findings, recruiting_findings
+from studyapp.preflight.recruiting_checks import code_findings, pay_findings, recruiting_findings
 from studyapp.study.settings.recruitment import Recruitment
 from tests.studyapp.made_study import make_study
 

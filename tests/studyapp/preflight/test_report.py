@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-from studyapp.preflight.finding import Finding
-from studyapp.preflight.report import record, summed_up, told
+from studyapp.preflight.finding import Finding, record, summed_up, told
 
 
 def gone(what: str, *, where: str = "", remedy: str = "Bring it") -> Finding:

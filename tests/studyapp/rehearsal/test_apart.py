@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 import tarfile
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
+from threading import Event
 
 import boto3
 import pandas as pd
@@ -24,9 +28,11 @@ from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
 from studyapp.recruitment.payment import arrived
 from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import MadeThere, write_made_there
+from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.results.answers import answers_to_report, read_answers
 from studyapp.results.export.writing import export
 from studyapp.session.served_study import ServedStudy
@@ -35,32 +41,64 @@ from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
-from tests.studyapp.rehearsal.steps import browser
+from tests.studyapp.rehearsal.steps import SPEED, browser
 
 REAL = 2
 TRIALS = 6
 QUESTIONS = 2
 
 
-@pytest.fixture
-def rehearsed(
-    folder: StudyFolder, app: Flask, participant: Participant, monkeypatch: pytest.MonkeyPatch
-) -> StudyFolder:
-    """A study that two real people have taken part in, rehearsed by one while it is served."""
+PERSON = "p1"
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DATABASE_URL", raising=False)
+
+
+@pytest.fixture(scope="module")
+def rehearsed_once(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A study that two real people have taken part in, rehearsed by one while it is served."""
+    folder = StudyFolder(shutil.copytree(rendered, tmp_path_factory.mktemp("apart") / "study"))
     answer_study(folder.root, people=REAL)
-    truth = Truth(seed=1, study="", population=participant.population, expected=())
-    write_truth(folder.rehearsal_truth, truth)
+    population = replace(default_population(folder.study()), kinds={})
+    write_truth(folder.rehearsal_truth, Truth(seed=1, study="", population=population, expected=()))
     before = rows(folder.responses)
-    served = create_app(folder.root)
-    with closing(served.extensions[EXTENSION].database), browser(served) as person:
+    with (
+        application(folder, None) as real,
+        application(folder, SPEED) as app,
+        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
+        browser(real) as person,
+        browser(app) as client,
+    ):
         assert person.get("/").status_code == 200
-        with browser(app) as client:
-            assert participant.take_part(client)
+        simulated = Participant(
+            name=PERSON,
+            study=folder.study(),
+            population=population,
+            seed=1,
+            eyes=Eyes(database),
+            speed=SPEED,
+            stop=Event(),
+        )
+        assert simulated.take_part(client)
         assert person.get("/").status_code == 200
     assert rows(folder.responses) == before == (REAL, REAL * TRIALS * QUESTIONS)
     assert rows(folder.rehearsal) == (1, TRIALS * QUESTIONS)
-    return folder
+    return folder.root
+
+
+@contextmanager
+def application(folder: StudyFolder, speed: float | None) -> Iterator[Flask]:
+    made = create_app(folder.root, rehearsal_speed=speed)
+    with closing(made.extensions[EXTENSION].database):
+        yield made
+
+
+@pytest.fixture
+def rehearsed(rehearsed_once: Path, tmp_path: Path) -> StudyFolder:
+    """A copy of it of one's own."""
+    return StudyFolder(shutil.copytree(rehearsed_once, tmp_path / "study"))
 
 
 def rows(path: Path) -> tuple[int, int]:
@@ -124,14 +162,14 @@ def known_to_recruiters(database: Path) -> list[str]:
 
 
 def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
-    rehearsed: StudyFolder, participant: Participant, monkeypatch: pytest.MonkeyPatch
+    rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert known_to_recruiters(rehearsed.rehearsal) == ["completed"]
     write_made_there(rehearsed.root, MadeThere(prolific_study="s1"))
     study = {"id": "s1", "status": "ACTIVE"}
     with served(StandIn(studies={"s1": study})) as site:
         monkeypatch.setattr("studyapp.recruitment.prolific_client.API", site.address)
-        site.add_submission(participant.name, "AWAITING REVIEW", "KX7QM2PWTR")
+        site.add_submission(PERSON, "AWAITING REVIEW", "KX7QM2PWTR")
         site.add_submission("timed-out", "TIMED-OUT", None)
         with ProlificClient(TOKEN) as client:
             found = prolific.status(rehearsed, client)
@@ -145,12 +183,12 @@ def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
 
 
 def test_nobody_is_paid_at_mechanical_turk_for_what_was_rehearsed(
-    rehearsed: StudyFolder, participant: Participant
+    rehearsed: StudyFolder,
 ) -> None:
     write_made_there(rehearsed.root, MadeThere(sandbox_hits=("h1",)))
     handed_in = {
         "AssignmentId": "a1",
-        "WorkerId": participant.name,
+        "WorkerId": PERSON,
         "AssignmentStatus": "Submitted",
         "Answer": "",
     }
@@ -174,14 +212,14 @@ def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder)
 
 
 def test_nobody_simulated_is_known_to_the_study_itself(
-    rehearsed: StudyFolder, participant: Participant
+    rehearsed: StudyFolder,
 ) -> None:
     with (
         closing(Database.open(sqlite_url(rehearsed.rehearsal))) as database,
         database.reading() as session,
     ):
         token = session.scalars(select(StudySession.token)).one()
-    served = create_app(rehearsed.root)
-    with closing(served.extensions[EXTENSION].database), browser(served) as person:
-        assert "completion-code" not in person.get(participant.entrance).text
+    entrance = f"/?PROLIFIC_PID={PERSON}&STUDY_ID=rehearsal&SESSION_ID={PERSON}"
+    with application(rehearsed, None) as real, browser(real) as person:
+        assert "completion-code" not in person.get(entrance).text
         assert person.get(f"/take/{token}").status_code == 404

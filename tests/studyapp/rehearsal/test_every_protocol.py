@@ -116,17 +116,6 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", ["rankings with ties"], indirect=True)
-def test_a_rehearsal_stores_what_its_raters_say(
-    folder: StudyFolder, participant: Participant
-) -> None:
-    result = rehearse(folder, participants=2, seed=1, workers=2, population=participant.population)
-    assert (result.completed, result.kept) == (2, 0)
-    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
-        require_stored_as_said(database, participant)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
 def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
     folder: StudyFolder,

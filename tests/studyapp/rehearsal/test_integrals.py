@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 
 from analysis.results.headline import Measure
 from analysis.results.known_values import KnownValue
-from studyapp.rehearsal.simulation.integrals import averaged, mean_rank, mean_rating
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
-from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.rehearsal.simulation.truth import averaged, expectations, mean_rank, mean_rating
 from studyapp.study.design.asking import Ask
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.protocols.mismatch import MismatchStudy

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-from dataclasses import replace
-
 import httpx
 import pytest
 from flask import Flask
@@ -16,40 +13,13 @@ from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
-from studyapp.study.folder import StudyFolder
-from studyapp.web.app import create_app
-from studyapp.web.running import EXTENSION
-from tests.studyapp.rehearsal.steps import SPEED, answering, browser
-from tests.studyapp.session.test_form_answers import FORM
-
-
-def test_the_link_opened_again_shows_the_same_completion_code(
-    app: Flask, participant: Participant
-) -> None:
-    with browser(app) as client:
-        code = participant.take_part(client)
-    with browser(app) as client:
-        assert participant.take_part(client) == code
-
-
-def test_questions_about_the_participant_are_answered_wherever_they_come(
-    folder: StudyFolder, participant: Participant
-) -> None:
-    definition = folder.definition
-    definition.write_text(definition.read_text("utf-8") + FORM, "utf-8")
-    made = create_app(folder.root, rehearsal_speed=SPEED)
-    with closing(made.extensions[EXTENSION].database), browser(made) as client:
-        assert replace(participant, study=folder.study()).take_part(client)
+from tests.studyapp.rehearsal.steps import answering, browser
 
 
 @pytest.mark.parametrize(
     ("lost", "named"),
     [
-        ('id="answers"', "no form with the id 'answers'"),
         ('name="emotion"', "does not ask the question 'emotion'"),
-        ("<video", "has no video"),
-        ("data-watched-url", "without data-watched-url"),
-        ('name="trial"', "hidden field 'trial'"),
         ('method="post"', "no form that leads on"),
         ('type="submit" class="primary" id="next"', "no button"),
     ],

@@ -74,12 +74,6 @@ def test_answers_that_nobody_can_explain_are_removed(begun: StudyFolder) -> None
     assert not begun.rehearsal.exists()
 
 
-def test_real_answers_are_never_touched(begun: StudyFolder) -> None:
-    begun.responses.write_bytes(b"real answers")
-    prepare(begun, seed=2)
-    assert begun.responses.read_bytes() == b"real answers"
-
-
 def store(database: Database, *sittings: tuple[str, bool, int | None]) -> None:
     """Store study sessions: who they are of, whether they are finished, and their place."""
     now = datetime.now(UTC)

@@ -10,11 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.results.known_values import KnownValue
-from studyapp.rehearsal.simulation.integrals import win_share
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
-from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.rehearsal.simulation.truth import expectations, win_share
 from studyapp.study.design.asking import Ask
 from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.design.stimulus import Stimulus

@@ -1,29 +1,19 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.results.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
-from tests.studyapp.answered_study import answer_study
+from tests.finished_study import PROTOCOLS
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 
-
-@pytest.fixture(scope="module")
-def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, StudyFolder]:
-    """Return a study of each protocol that two participants answered."""
-    video = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(video)
-    found = {}
-    for protocol in PROTOCOLS:
-        folder = tmp_path_factory.mktemp(protocol)
-        write_finished_study(folder, protocol, video)
-        answer_study(folder, people=2)
-        found[protocol] = StudyFolder(folder)
-    return found
+Once = Callable[..., Path]
 
 
 def read(folder: StudyFolder) -> tuple[StoredAnswers, StudyAnswers]:
@@ -36,9 +26,9 @@ def read(folder: StudyFolder) -> tuple[StoredAnswers, StudyAnswers]:
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_same_answers_stand_in_the_table_and_in_the_export(
-    folders: dict[str, StudyFolder], protocol: str
+    answered_once: Once, protocol: str
 ) -> None:
-    folder = folders[protocol]
+    folder = StudyFolder(answered_once(protocol))
     _, given = read(folder)
     database = Database.open_for_reading(sqlite_url(folder.responses))
     assert database is not None
@@ -59,8 +49,10 @@ def test_the_same_answers_stand_in_the_table_and_in_the_export(
         assert table["watched"].astype(float).tolist() == part["watched"].tolist()
 
 
-def test_sides_and_right_answers_of_pairs_are_those_shown(folders: dict[str, StudyFolder]) -> None:
-    _, given = read(folders["pairwise"])
+def test_sides_and_right_answers_of_pairs_are_those_shown(
+    answered_once: Once,
+) -> None:
+    _, given = read(StudyFolder(answered_once("pairwise")))
     table = given.tables["pairwise"]
 
     catch = table[table["kind"] == "catch"]
@@ -73,9 +65,9 @@ def test_sides_and_right_answers_of_pairs_are_those_shown(folders: dict[str, Stu
 
 
 def test_a_mismatch_table_says_which_side_had_its_own_speech(
-    folders: dict[str, StudyFolder],
+    answered_once: Once,
 ) -> None:
-    _, given = read(folders["mismatch"])
+    _, given = read(StudyFolder(answered_once("mismatch")))
 
     table = given.tables["mismatch"]
     assert {
@@ -84,8 +76,8 @@ def test_a_mismatch_table_says_which_side_had_its_own_speech(
     assert set(given.tables) == {"mismatch", "pairwise"}
 
 
-def test_failures_are_those_that_the_protocol_finds(folders: dict[str, StudyFolder]) -> None:
-    stored, given = read(folders["pairwise"])
+def test_failures_are_those_that_the_protocol_finds(answered_once: Once) -> None:
+    stored, given = read(StudyFolder(answered_once("pairwise")))
     table = given.tables["pairwise"]
 
     for session, known in given.known.items():
@@ -102,10 +94,10 @@ def test_failures_are_those_that_the_protocol_finds(folders: dict[str, StudyFold
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_before_anybody_comes_there_are_the_same_tables_without_rows(
-    folders: dict[str, StudyFolder], protocol: str
+    answered_once: Once, protocol: str
 ) -> None:
-    study = folders[protocol].study()
-    _, given = read(folders[protocol])
+    study = StudyFolder(answered_once(protocol)).study()
+    _, given = read(StudyFolder(answered_once(protocol)))
 
     empty = empty_answers(study)
 

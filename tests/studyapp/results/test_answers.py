@@ -21,8 +21,7 @@ from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
 @pytest.fixture
-def folder(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
+def folder(tiny_study: Path) -> StudyFolder:
     return StudyFolder(tiny_study)
 
 
@@ -39,39 +38,31 @@ def names(folder: StudyFolder) -> set[str]:
     return {path.name for path in folder.root.iterdir()}
 
 
-def test_looking_for_answers_makes_no_database(folder: StudyFolder) -> None:
-    before = names(folder)
-
-    assert answers_to_report(folder).origin == "none"
-    assert names(folder) == before
-
-
-def test_looking_for_answers_makes_no_database_elsewhere(
+def test_looking_for_answers_makes_no_database(
     folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    elsewhere = tmp_path / "elsewhere.db"
+    before, elsewhere = names(folder), tmp_path / "elsewhere.db"
+    assert answers_to_report(folder).origin == "none"
     monkeypatch.setenv("DATABASE_URL", sqlite_url(elsewhere))
 
     assert read_answers(folder, "participants").origin == "none"
-    assert not elsewhere.exists()
+    assert names(folder) == before and not elsewhere.exists()
 
 
-def test_the_rehearsal_is_reported_on_request_beside_real_answers(folder: StudyFolder) -> None:
+def test_real_answers_come_before_those_of_a_rehearsal_which_are_reported_on_request(
+    folder: StudyFolder,
+) -> None:
     with pytest.raises(InputError, match="nothing has been rehearsed"):
         read_rehearsal(folder)
-    answer_once(folder, folder.rehearsal)
-    answer_once(folder, folder.responses)
-
-    assert read_rehearsal(folder).origin == "rehearsal"
-    assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
-
-
-def test_real_answers_come_before_those_of_a_rehearsal(folder: StudyFolder) -> None:
     answer_once(folder, folder.rehearsal)
     assert answers_to_report(folder).origin == "rehearsal"
 
     answer_once(folder, folder.responses)
-    assert answers_to_report(folder).origin == "participants"
+    real = answers_to_report(folder)
+    assert real.origin == "participants" and real.stored is not None
+    assert real.stored.study_sessions["completed"].tolist() == [False]
+    assert read_rehearsal(folder).origin == "rehearsal"
+    assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
 
 
 def test_export_writes_either_the_real_answers_or_the_rehearsals(
@@ -95,17 +86,6 @@ def test_a_table_that_became_empty_is_not_left_as_it_was(
     export(folder, tmp_path / "real.csv", rehearsal=False)
 
     assert pd.read_csv(earlier).empty
-
-
-def test_an_unfinished_study_session_does_not_count_as_completed(folder: StudyFolder) -> None:
-    answer_once(folder, folder.responses)
-
-    answers = answers_to_report(folder)
-
-    assert answers.stored is not None
-    assert answers.stored.study_sessions["completed"].tolist() == [False]
-    assert answers.stored.study_sessions["arm"].tolist() == ["rule_based-mismatched"]
-    assert answers.stored.study_sessions["settled"].tolist() == [1]
 
 
 def test_what_was_kept_of_who_withdrew_is_exported_apart(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,7 +10,6 @@ from pathlib import Path
 import pytest
 from sqlalchemy import update
 
-from analysis.report.figures import ink
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.stats.peeking import equally_spaced, false_positive_rate
 from studyapp.database.engine import Database, sqlite_url
@@ -23,31 +21,14 @@ from studyapp.results.export.writing import export
 from studyapp.results.logged_looks import earlier_looks, note_way_out
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.answered_study import answer_study
+from tests.studyapp.results.conftest import Answered
 
 NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
 
 
-@pytest.fixture(autouse=True)
-def quick_fonts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Spare the parts of fonts that only those need who print figures."""
-    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-
-
-@pytest.fixture(scope="module")
-def answered_once(
-    finished_study: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
-    root = tmp_path_factory.mktemp("looked-at") / "rating"
-    shutil.copytree(finished_study("rating"), root)
-    answer_study(root, people=3, stop_after=1)
-    return root
-
-
 @pytest.fixture
-def folder(answered_once: Path, tmp_path: Path) -> StudyFolder:
-    return StudyFolder(shutil.copytree(answered_once, tmp_path / "study"))
+def folder(answered: Answered) -> StudyFolder:
+    return answered("rating", people=3, stop_after=1)
 
 
 def stored_looks(folder: StudyFolder) -> list[tuple[str, str, str, int]]:
@@ -97,11 +78,10 @@ def test_reports_say_which_looks_there_were_before_and_another_lab_repeats_them(
     said: list[str] = []
 
     page = report(folder, reason="a video broke", warn=said.append)
-    repeated = report(there, warn=said.append)
 
-    results = page.with_name("results.json").read_bytes()
-    assert repeated.with_name("results.json").read_bytes() == results
-    found = json.loads(results)["looks"]
+    assert before(there) == before(folder)
+    assert noted(there) == ""
+    found = json.loads(page.with_name("results.json").read_bytes())["looks"]
     assert (found["count"], found["finished"]) == (4, [0, 1])
     assert found["false_positive_rate"] == pytest.approx(equally_spaced(2))
     assert [(one["day"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
@@ -175,8 +155,7 @@ def test_an_export_is_a_look_that_later_reports_tell_of(
     passed_on = "sourcedata/study/shared_answers/looks.csv"
     assert (tmp_path / "second" / passed_on).read_text("utf-8").count("\n") == 1
     complete(folder)
-    found = json.loads(report(folder).with_name("results.json").read_bytes())["looks"]
-    assert [(one["way"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
+    assert [(one.way, one.by, one.reason, one.times) for one in before(folder).looks] == [
         ("export", "command line", "for the talk", 1),
         ("export", "command line", "", 2),
     ]

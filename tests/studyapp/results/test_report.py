@@ -7,41 +7,10 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.report.figures import ink
 from motion.errors import InputError
 from studyapp.results.report import report, report_table
-from studyapp.study.folder import StudyFolder
-from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
-from tests.studyapp.answered_study import answer_study
-
-
-@pytest.fixture(autouse=True)
-def quick_fonts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Spare the parts of fonts that only those need who print figures."""
-    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
-
-
-@pytest.fixture(scope="module")
-def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(path)
-    return path
-
-
-@pytest.fixture
-def make(tmp_path: Path, video: Path, monkeypatch: pytest.MonkeyPatch):
-    """Return a maker of studies of a protocol, some of them answered."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-
-    def write(protocol: str, *, people: int = 0, stop_after: int | None = None) -> StudyFolder:
-        folder = tmp_path / protocol
-        folder.mkdir()
-        write_finished_study(folder, protocol, video)
-        if people:
-            answer_study(folder, people=people, stop_after=stop_after)
-        return StudyFolder(folder)
-
-    return write
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.results.conftest import Answered
 
 
 def shares(results: dict[str, Any]) -> dict[tuple[str, ...], float]:
@@ -78,9 +47,9 @@ RESULTS = {
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
-    make, protocol: str, tmp_path: Path
+    answered: Answered, protocol: str, tmp_path: Path
 ) -> None:
-    page = report(make(protocol, people=3, stop_after=1))
+    page = report(answered(protocol, people=3, stop_after=1))
     table = page.parent / "tables" / "answers.csv"
     of_study = results_of(page)
     rows = pd.read_csv(table)
@@ -113,8 +82,10 @@ def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
         assert (table.parent / "realism_answers.csv").exists()
 
 
-def test_a_study_that_nobody_has_answered_is_reported_as_such(make) -> None:
-    page = report(make("mismatch"))
+def test_a_study_that_nobody_has_answered_is_reported_as_such(
+    answered: Answered,
+) -> None:
+    page = report(answered("mismatch", people=0))
 
     assert "No participant has answered yet" in page.read_text("utf-8")
     found = results_of(page)
@@ -123,17 +94,10 @@ def test_a_study_that_nobody_has_answered_is_reported_as_such(make) -> None:
     assert found["participants"] == {"recruited": 0, "attentive": 0}
 
 
-def test_a_margin_that_the_study_file_did_not_state_is_called_exploratory(make) -> None:
-    folder = make("pairwise", people=2)
-
-    page = report(folder, margin=0.1)
-
-    assert len(results_of(page)["equivalence"]) == len(results_of(page)["comparisons"])
-    assert "given with the report, not in the study file" in page.read_text("utf-8")
-
-
-def test_a_margin_against_that_of_the_study_file_is_refused(make) -> None:
-    folder = make("pairwise")
+def test_a_margin_against_that_of_the_study_file_is_refused(
+    answered: Answered,
+) -> None:
+    folder = answered("pairwise", people=0)
     text = folder.definition.read_text("utf-8")
     folder.definition.write_text(f"margin = 0.05\n{text}", "utf-8")
 
@@ -141,8 +105,10 @@ def test_a_margin_against_that_of_the_study_file_is_refused(make) -> None:
         report(folder, margin=0.1)
 
 
-def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(make) -> None:
-    folder = make("ranking", people=2)
+def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(
+    answered: Answered,
+) -> None:
+    folder = answered("ranking")
     stale = folder.report / "tables" / "earlier.csv"
     stale.parent.mkdir(parents=True)
     stale.write_text("x\n", "utf-8")
@@ -156,10 +122,15 @@ def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(make)
     assert str(stale) not in runs[0]
 
 
-def test_who_did_not_finish_is_counted_in_the_flow_and_left_out(make) -> None:
-    page = report(make("pairwise", people=3, stop_after=2))
+def test_who_did_not_finish_is_left_out_and_a_margin_of_the_command_line_is_exploratory(
+    answered: Answered,
+) -> None:
+    page = report(answered("pairwise", people=3, stop_after=2), margin=0.1)
 
-    [flow] = results_of(page)["flow"]
+    found, text = results_of(page), page.read_text("utf-8")
+    [flow] = found["flow"]
     assert (flow["places"], flow["opened"], flow["completed"], flow["answered"]) == (3, 3, 2, 3)
-    assert "2 of 6 trials" in results_of(page)["exclusions"]["3"]
-    assert "The study is not finished: 2 of 3 places are filled." in page.read_text("utf-8")
+    assert "2 of 6 trials" in found["exclusions"]["3"]
+    assert "The study is not finished: 2 of 3 places are filled." in text
+    assert len(found["equivalence"]) == len(found["comparisons"])
+    assert "given with the report, not in the study file" in text

@@ -55,18 +55,6 @@ def test_who_withdrew_is_counted_but_not_exported(participant: Participant) -> N
     assert read_once(participant.database, study_sessions_table)["state"].tolist() == ["withdrawn"]
 
 
-def test_no_token_code_or_recruiters_name_is_exported(participant: Participant) -> None:
-    code = participant.take_all()
-
-    for table in (
-        read_once(participant.database, responses_table),
-        read_once(participant.database, study_sessions_table),
-    ):
-        text = table.to_csv()
-        assert participant.token not in text
-        assert code not in text
-
-
 def test_the_participant_flow_counts_every_study_session(participant: Participant) -> None:
     participant.take_trial()
     participant.leave_out()

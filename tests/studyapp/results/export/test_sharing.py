@@ -31,12 +31,12 @@ Answered = Callable[[str], StudyFolder]
 
 @pytest.fixture(scope="module")
 def passed_on(
-    answered_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
+    recruited_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[StudyFolder, Path]:
     """Return a study, and a folder for another lab that nobody changes."""
     root = tmp_path_factory.mktemp("passed-on")
     folder = StudyFolder(root / "study")
-    shutil.copytree(answered_once("pairwise"), folder.root)
+    shutil.copytree(recruited_once("pairwise"), folder.root)
     share(folder, root / "out")
     return folder, root / "out"
 

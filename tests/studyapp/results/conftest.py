@@ -1,0 +1,56 @@
+"""Studies that people have answered, each made once."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from analysis.report.figures import ink
+from studyapp.study.folder import StudyFolder
+from tests.studyapp.answered_study import answer_study
+
+Answered = Callable[..., StudyFolder]
+
+
+@pytest.fixture(autouse=True)
+def at_home(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep to the database beside the study, and spare parts of fonts that nobody prints."""
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
+
+
+@pytest.fixture(scope="session")
+def answered_once(
+    finished_study: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., Path]:
+    """Return a function that gives a study of a protocol, answered by some; tests take copies."""
+
+    @cache
+    def make(
+        protocol: str, *, people: int = 2, stop_after: int | None = None, more: str = ""
+    ) -> Path:
+        root = tmp_path_factory.mktemp("answered") / protocol
+        shutil.copytree(finished_study(protocol), root)
+        definition = root / "study.toml"
+        definition.write_text(definition.read_text("utf-8") + more, "utf-8")
+        if people:
+            answer_study(root, people=people, stop_after=stop_after)
+        return root
+
+    return make
+
+
+@pytest.fixture
+def answered(answered_once: Callable[..., Path], tmp_path: Path) -> Answered:
+    """Return a function that copies such a study for one test."""
+
+    def copy(protocol: str, **answers: int) -> StudyFolder:
+        return StudyFolder(
+            shutil.copytree(answered_once(protocol, **answers), tmp_path / "study" / protocol)
+        )
+
+    return copy
