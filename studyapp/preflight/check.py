@@ -134,13 +134,11 @@ def _own_pace(material: Material) -> Pace | None:
 
 def _file_findings(text: str, wrong: InputError) -> Iterator[Finding]:
     """Say what is wrong with a study file that cannot be used, its codes by their own names."""
-    codes: list[Finding] = []
     try:
         recruitment = Recruitment.model_validate(tomllib.loads(text).get("recruitment", {}))
     except (tomllib.TOMLDecodeError, ValidationError):
         recruitment = Recruitment()
-    codes += code_findings(recruitment)
-    yield from codes
+    yield from code_findings(recruitment)
     said = {*recruitment.guessable_codes(), *recruitment.codes_alike()}
     rest = wrong.what
     for problem in said:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 
 import pandas as pd
@@ -15,56 +13,21 @@ from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.left_out import LeftOut
-from analysis.results.looks import LooksBefore
-from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
+from analysis.results.report import Settings, TableReport, analyse_table
 from motion.files import replacing
 from motion.segment import Segment
 from motion.spreadsheet import harmless_frame
-from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import ANSWERS, analysed_tasks, rules_of
 from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.logged_looks import earlier_looks, note_way_out
-from studyapp.results.report_arms import arm_of_each, arm_states, of_present_design
+from studyapp.results.report_arms import of_present_design
 from studyapp.results.report_subject import study_subject
-from studyapp.results.stated_beforehand import StudyExclusions, agreed_on
-from studyapp.results.stored_answers import Answers, StoredAnswers
+from studyapp.results.stated_beforehand import agreed_on
+from studyapp.results.stored_answers import Answers
+from studyapp.results.task_report import task_report
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.study import Study
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyOfReport:
-    """What `results.json` says of the study that was reported.
-
-    Attributes
-    ----------
-    name, title, protocol : str
-        As in the study file.
-    sha256 : str
-        Of the study file.
-    seed : int
-        Of its draws.
-    origin : {'participants', 'rehearsal', 'none'}
-        Who answered.
-    versions : tuple of int
-        Versions of the study whose participants are reported.
-    """
-
-    name: str
-    title: str
-    protocol: str
-    sha256: str
-    seed: int
-    origin: str
-    versions: tuple[int, ...]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Task:
-    """One task of a study, analysed."""
-
-    report: TableReport
-    written: bytes
 
 
 def report(
@@ -122,22 +85,39 @@ def report(
         origin=answers.origin,
         notes=(*rules.notes, *agreed.notes, *tested.notes),
     )
-    tasks = _tasks(study, answers, rules, agreed.value, tested.value or "all", subject)
-    main = tasks[0]
+    looks = earlier_looks(study, answers)
+    tables: list[bytes] = []
+    reports: list[TableReport] = []
+    for task in analysed_tasks(study, answers, rules):
+        tables.append(_with_exclusions(task.rows, task.left_out))
+        reports.append(
+            task_report(
+                study,
+                task,
+                answers,
+                sha256=hashlib.sha256(tables[-1]).hexdigest(),
+                settings=Settings(
+                    max_catch_failures=None, margin=agreed.value, family=tested.value or "all"
+                ),
+                metrics=subject.metrics,
+                recorded=subject.recorded,
+                looks=looks,
+            )
+        )
     remark = note_way_out(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
     page = write_report(
-        main.report,
+        reports[0],
         subject,
         folder.report,
         beside={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
-        more=tuple(task.report for task in tasks[1:]),
+        more=tuple(reports[1:]),
     )
-    for task in tasks:
-        own = "" if task is main else f"{TASKS[task.report.protocol]}_"
+    for number, (each, table) in enumerate(zip(reports, tables, strict=True)):
+        own = f"{TASKS[each.protocol]}_" if number else ""
         with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
-            draft.write_bytes(task.written)
+            draft.write_bytes(table)
     return page
 
 
@@ -191,52 +171,6 @@ def report_table(
     return write_report(found, subject, out)
 
 
-def _tasks(
-    study: Study,
-    answers: Answers,
-    rules: StudyExclusions,
-    margin: float | None,
-    family: str,
-    subject: Subject,
-) -> list[_Task]:
-    """Analyse what was answered, task by task; the one that the study is named after first."""
-    looks = earlier_looks(study, answers)
-    return [
-        _analysed(study, task, margin, family, answers.stored, subject, looks)
-        for task in analysed_tasks(study, answers, rules)
-    ]
-
-
-def _analysed(
-    study: Study,
-    task: AnalysedTask,
-    margin: float | None,
-    family: str,
-    stored: StoredAnswers | None,
-    subject: Subject,
-    looks: LooksBefore,
-) -> _Task:
-    written = _with_exclusions(task.rows, task.left_out)
-    return _Task(
-        report=analyse_answers(
-            task.table,
-            task.left_out,
-            source=Source(
-                file=ANSWERS,
-                sha256=hashlib.sha256(written).hexdigest(),
-                motionjury=metadata.version("motionjury"),
-            ),
-            settings=Settings(max_catch_failures=None, margin=margin, family=family),
-            arms=() if stored is None else arm_states(study, stored),
-            arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
-            metrics=subject.metrics,
-            recorded=subject.recorded,
-            looks=looks,
-        ),
-        written=written,
-    )
-
-
 def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
     """Return a table as a CSV file that says who is left out and why."""
     excluded = [left_out.exclusions.get(who, "") for who in rows["participant"].tolist()]
@@ -244,18 +178,19 @@ def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
     return table.to_csv(index=False, lineterminator="\n").encode()
 
 
-def _of_study(study: Study, subject: Subject, answers: Answers) -> StudyOfReport:
+def _of_study(study: Study, subject: Subject, answers: Answers) -> dict[str, object]:
+    """Return what `results.json` says of the study, and which versions of it are reported."""
     versions: list[int] = []
     if answers.stored is not None:
         sessions = answers.stored.study_sessions
         present = sessions[of_present_design(sessions)]
         versions = sorted({int(version) for version in present["version"]})
-    return StudyOfReport(
-        name=study.name,
-        title=study.title,
-        protocol=study.protocol,
-        sha256=subject.study_sha256,
-        seed=study.seed,
-        origin=subject.origin,
-        versions=tuple(versions),
-    )
+    return {
+        "name": study.name,
+        "title": study.title,
+        "protocol": study.protocol,
+        "sha256": subject.study_sha256,
+        "seed": study.seed,
+        "origin": subject.origin,
+        "versions": versions,
+    }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import metadata
 
 from analysis.results.known_values import (
     KnownDifference,
@@ -12,7 +11,7 @@ from analysis.results.known_values import (
     found_differences,
     found_values,
 )
-from analysis.results.report import Settings, Source, TableReport, analyse_answers
+from analysis.results.report import Settings
 from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
@@ -22,13 +21,11 @@ from studyapp.rehearsal.people import people
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.recovery.bookkeeping import Check, checks
 from studyapp.rehearsal.recovery.kinds import KindRecovered, kinds_recovered
-from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import answers_in, snapshot
-from studyapp.results.report_arms import arm_of_each, arm_states
-from studyapp.results.stored_answers import Answers
+from studyapp.results.task_report import task_report
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +95,9 @@ def recover(folder: StudyFolder) -> Recovery:
             )
         answers = answers_in(session, "rehearsal")
         tasks = analysed_tasks(study, answers, rules_of(study, answers))
-        reports = [analysed(study, task, answers) for task in tasks]
+        # Without margins of equivalence or metrics.
+        settings = Settings(max_catch_failures=None, margin=None)
+        reports = [task_report(study, task, answers, settings=settings) for task in tasks]
         everybody = people(session, truth)
         counted = tuple(
             checks(
@@ -117,19 +116,6 @@ def recover(folder: StudyFolder) -> Recovery:
         kinds=kinds_recovered(everybody, _analysed(tasks), _removed_by(tasks)),
         checks=counted,
         rules=tuple(rule.description for rule in tasks[0].left_out.rules),
-    )
-
-
-def analysed(study: Study, task: AnalysedTask, answers: Answers) -> TableReport:
-    """Return the results of one task, without margins of equivalence or metrics."""
-    stored = answers.stored
-    return analyse_answers(
-        task.table,
-        task.left_out,
-        source=Source(file=ANSWERS, sha256="", motionjury=metadata.version("motionjury")),
-        settings=Settings(max_catch_failures=None, margin=None),
-        arms=() if stored is None else arm_states(study, stored),
-        arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
     )
 
 

@@ -79,11 +79,7 @@ def answer_labels(study: Study, question: Question) -> Labels:
     if isinstance(study, MismatchStudy):
         levels = next(asked.levels for asked in study.questions if asked.name == question.name)
     words = _PREFERENCE if levels == 5 else _SIDE
-    return {str(value): words[str(value)] for value in _values(levels)}
-
-
-def _values(levels: int) -> list[int]:
-    return next(list(values) for count, values in PREFERENCES.items() if count == levels)
+    return {str(value): words[str(value)] for value in PREFERENCES[levels]}
 
 
 def form_labels(question: FormQuestion) -> Labels:
