@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from threading import Event, Semaphore
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.pages import Page
@@ -18,6 +17,7 @@ from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import Visit, study_client
 from studyapp.study.folder import StudyFolder
+from tests.support.stored import opened
 
 AS_REAL = 1.0
 """How fast the clock runs of a study that is not rehearsed."""
@@ -98,7 +98,7 @@ def arriving_crowd(
     """Give a crowd for the study at the address `server`; whoever is left is sent away."""
     folder, stop = StudyFolder(study), Event()
     with (
-        closing(Database.open(sqlite_url(folder.responses))) as database,
+        opened(folder.responses) as database,
         ThreadPoolExecutor(at_once, thread_name_prefix="participant") as pool,
     ):
         crowd = ArrivingCrowd(

@@ -10,7 +10,6 @@ from threading import Event
 import pytest
 from sqlalchemy import select
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Trial
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.simulation.population import default_population
@@ -20,6 +19,7 @@ from tests.finished_study import write_short_video
 from tests.functional.improper_submissions import Attacker
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import SPEED, browser
+from tests.support.stored import opened
 
 TRIALS = {
     "the same answers twice": 200,
@@ -71,7 +71,7 @@ def test_improper_submissions_are_refused_on_every_kind_of_page_and_change_nothi
     app = create_app(folder.root, rehearsal_speed=SPEED)
     with (
         closing(app.extensions[EXTENSION].database),
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
+        opened(folder.rehearsal) as database,
     ):
         first = Attacker(
             name="first",

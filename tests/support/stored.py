@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
 from typing import Final
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
-from studyapp.database.engine import Database
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, RefusalLine
 
 UNTOLD: Final = frozenset({"last_active_at", "sound_tries"})
@@ -29,3 +33,24 @@ def everything_stored(database: Database) -> dict[str, str]:
             rows = sorted(map(repr, session.execute(select(*columns))))
             digests[table.name] = hashlib.sha256("\n".join(rows).encode()).hexdigest()
     return digests
+
+
+@contextmanager
+def opened(file: Path) -> Iterator[Database]:
+    """Open the SQLite database in a file."""
+    with closing(Database.open(sqlite_url(file))) as database:
+        yield database
+
+
+@contextmanager
+def reading(file: Path) -> Iterator[Session]:
+    """Read one state of the SQLite database in a file."""
+    with opened(file) as database, database.reading() as session:
+        yield session
+
+
+@contextmanager
+def writing(file: Path) -> Iterator[Session]:
+    """Write into the SQLite database in a file."""
+    with opened(file) as database, database.writing() as session:
+        yield session

@@ -28,6 +28,7 @@ from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.stored import reading
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 PEOPLE = ("visit-of-one", "visit-of-two")
@@ -276,13 +277,11 @@ def test_who_was_forgotten_since_comes_back_only_where_nobody_says_so(
 
 def people(folder: StudyFolder) -> dict[str | None, int]:
     """Return how many trials each participant has answered."""
-    database = Database.open(sqlite_url(folder.responses))
-    with database.reading() as session:
+    with reading(folder.responses) as session:
         found = {
             known.visit: sum(trial.answered_at is not None for trial in known.trials)
             for known in session.scalars(select(StudySession))
         }
-    database.close()
     return found
 
 

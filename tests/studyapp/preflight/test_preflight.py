@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,12 +13,14 @@ from motion.audio import Audio
 from motion.formats import read_clip, write_clip
 from renderer.video.encoder import SOUND_RATE, VideoWriter
 from studyapp.preflight.check import check
-from studyapp.preflight.finding import SEVERITIES, Severity
+from studyapp.preflight.finding import SEVERITIES, Finding, Severity
 from studyapp.results.study_notes import study_notes
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
 from studyapp.study.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from tests.studyapp.takes import write_motion, write_speech
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:
@@ -43,21 +45,51 @@ def pretend_rendered(folder: StudyFolder, video: Path) -> None:
     write_stimuli(folder.stimuli, Stimuli(pairs=pairs))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def video(tiny_study_template: Path) -> Path:
     """Return a video of two seconds, as long as the segments here."""
     return next((tiny_study_template / "videos").rglob("*.mp4"))
 
 
-@pytest.fixture
-def ready(folder: StudyFolder, take: Callable[..., Take], video: Path) -> StudyFolder:
-    import_take(folder, take())
+@pytest.fixture(scope="module")
+def ready_once(video: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """Return a study with a recording, whose videos are there; tests take copies."""
+    root = tmp_path_factory.mktemp("ready")
+    folder = StudyFolder(root / "study")
+    new_study(folder.definition, name="study", trials=2)
+    import_take(
+        folder,
+        Take(
+            motion=write_motion(root / "motion.npz", 6.0),
+            speech=write_speech(root / "take.wav", 6.0),
+            frame_rate=None,
+            segment_seconds=2.0,
+            condition="ground_truth",
+            speaker="scott",
+            emotion="neutral",
+        ),
+    )
     pretend_rendered(folder, video)
     return folder
 
 
+@pytest.fixture(scope="module")
+def untouched(ready_once: StudyFolder) -> list[Finding]:
+    """Return what is found of the study as it is."""
+    return check(ready_once)
+
+
+@pytest.fixture
+def ready(ready_once: StudyFolder, tmp_path: Path) -> StudyFolder:
+    return StudyFolder(shutil.copytree(ready_once.root, tmp_path / "ready"))
+
+
+def told(found: Iterable[Finding], severity: Severity) -> list[str]:
+    return [finding.what for finding in found if finding.severity is severity]
+
+
 def findings_of(folder: StudyFolder, severity: Severity) -> list[str]:
-    return [finding.what for finding in check(folder) if finding.severity is severity]
+    return told(check(folder), severity)
 
 
 def change(folder: StudyFolder, *keys: str, value: object) -> None:
@@ -69,33 +101,34 @@ def change(folder: StudyFolder, *keys: str, value: object) -> None:
     folder.definition.write_text(tomlkit.dumps(document))
 
 
-def test_a_rendered_study_has_no_errors(ready: StudyFolder) -> None:
-    assert findings_of(ready, "error") == []
+def test_a_rendered_study_has_no_errors(untouched: list[Finding]) -> None:
+    assert told(untouched, "error") == []
 
 
-def test_errors_come_first(ready: StudyFolder) -> None:
-    (ready.root / read_stimuli(ready.stimuli).pairs[0].file).unlink()
-    severities = [finding.severity for finding in check(ready)]
-    assert severities == sorted(severities, key=SEVERITIES.index)
-    assert severities[0] == "error"
-
-
-def test_each_missing_video_is_named_with_its_conditions(ready: StudyFolder) -> None:
+def test_each_missing_video_is_named_with_its_conditions_and_errors_come_first(
+    ready: StudyFolder,
+) -> None:
     pair = read_stimuli(ready.stimuli).pairs[3]
     (ready.root / pair.file).unlink()
-    (error,) = findings_of(ready, "error")
+
+    found = check(ready)
+
+    severities = [finding.severity for finding in found]
+    assert severities == sorted(severities, key=SEVERITIES.index)
+    (error,) = told(found, "error")
     assert repr(pair.left) in error
     assert repr(pair.right) in error
     assert pair.segment in error
 
 
-def test_before_rendering_the_design_is_told_all_the_same(
-    folder: StudyFolder, take: Callable[..., Take]
-) -> None:
-    import_take(folder, take())
+def test_before_rendering_the_design_is_told_all_the_same(ready: StudyFolder) -> None:
+    shutil.rmtree(ready.videos)
+    ready.stimuli.unlink()
 
-    assert findings_of(folder, "error") == ["the study has no videos yet"]
-    assert any("pairs per participant" in note for note in findings_of(folder, "note"))
+    found = check(ready)
+
+    assert told(found, "error") == ["the study has no videos yet"]
+    assert any("pairs per participant" in note for note in told(found, "note"))
 
 
 def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
@@ -159,28 +192,71 @@ def test_a_video_of_another_length_than_its_speech_is_an_error(ready: StudyFolde
     assert "lasts 9 s" in error
 
 
-def test_what_the_segments_allow_is_said_beside_the_published_design(ready: StudyFolder) -> None:
-    change(ready, "trials", value=24)
-    notes = " ".join(findings_of(ready, "note"))
-    assert "3 segments of neutral allow 3 pairs" in notes
-    assert "published design has 24" in notes
-    assert "3 pairs instead of 24" in notes
-    assert "say nothing about happiness" in notes
+EXCLUDED = "left out of the analysis, in this order: "
+COVERAGE = {"catch.trials": 0, "exclusions": [{"rule": "coverage", "below": 0.9}]}
+ENGLISH = (
+    "the pages are in the language 'ja', but title, page.consent, the question 'synchronisation' "
+    "and the question 'emotion' still say what the English template says"
+)
+REPEATED = " of 3 catch trials and attention checks have speech that comes in another trial too"
 
 
-def test_extra_trials_whose_speech_comes_elsewhere_are_counted(ready: StudyFolder) -> None:
-    said = " of 3 catch trials and attention checks have speech that comes in another trial too"
+@pytest.mark.parametrize(
+    ("severity", "said", "keys"),
+    [
+        ("note", "3 segments of neutral allow 3 pairs", {"trials": 24}),
+        ("note", "3 pairs instead of 24", {"trials": 24}),
+        ("warning", "'ground_truth' has 30 frames per second", {"video.frame_rate": 60}),
+        ("warning", ENGLISH, {"page.language": "ja"}),
+        ("warning", "neither catch trials", {"catch.trials": 0}),
+        ("warning", "can leave nobody out", COVERAGE),
+        ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
+        (
+            "note",
+            f"{EXCLUDED}1. who gave at least 50 % of the answers in less than 8 s "
+            "(time<8,share=0.5); 2. who did not finish (incomplete)",
+            {
+                "catch.trials": 0,
+                "exclusions": [{"rule": "time", "below": 8}, {"rule": "incomplete"}],
+            },
+        ),
+    ],
+)
+def test_what_the_study_file_says_is_held_against_what_there_is(
+    ready: StudyFolder,
+    untouched: list[Finding],
+    severity: Severity,
+    said: str,
+    keys: dict[str, object],
+) -> None:
+    assert not any(said in what for what in told(untouched, severity))
+    for key, value in keys.items():
+        change(ready, *key.split("."), value=value)
+    assert any(said in what for what in findings_of(ready, severity))
 
+
+def test_what_is_told_of_the_study_as_it_is_goes_once_the_study_file_says_otherwise(
+    ready: StudyFolder, untouched: list[Finding]
+) -> None:
+    before, nobody = told(untouched, "warning"), "participants have nobody to ask"
+    assert nobody in before
     # Two of three segments are heard in pairs, so that one is left for a catch trial.
-    assert any(note.startswith(f"2{said}") for note in findings_of(ready, "note"))
+    assert any(note.startswith(f"2{REPEATED}") for note in told(untouched, "note"))
+    for said in ("published design has 24", "say nothing about happiness"):
+        assert any(said in note for note in told(untouched, "note"))
+    assert (
+        f"{EXCLUDED}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
+        "(catch>1)" in told(untouched, "note")
+    )
+    change(ready, "page", "contact", value="lab@example.org")
     change(ready, "catch", "trials", value=1)
-    assert not any("in another trial too" in note for note in findings_of(ready, "note"))
+    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.99}])
 
+    found = check(ready)
 
-def test_motion_with_fewer_frames_than_the_videos_is_warned_of(ready: StudyFolder) -> None:
-    change(ready, "video", "frame_rate", value=60)
-    warnings = " ".join(findings_of(ready, "warning"))
-    assert "'ground_truth' has 30 frames per second" in warnings
+    assert nobody not in told(found, "warning")
+    assert not any("in another trial too" in note for note in told(found, "note"))
+    assert not any("leave nobody" in warning for warning in told(found, "warning"))
 
 
 def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_frozen(
@@ -192,27 +268,6 @@ def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_froze
     assert any(said in warning for warning in findings_of(ready, "warning"))
     change(ready, "freeze", value=["face", "hands", "root", "lower_body"])
     assert not any("never moves" in w for w in findings_of(ready, "warning"))
-
-
-def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder) -> None:
-    assert "participants have nobody to ask" in findings_of(ready, "warning")
-    change(ready, "page", "contact", value="lab@example.org")
-    assert "participants have nobody to ask" not in findings_of(ready, "warning")
-
-
-def test_texts_left_in_english_are_warned_of_once_the_pages_are_not(ready: StudyFolder) -> None:
-    said = (
-        "the pages are in the language 'ja', but title, page.consent, the question "
-        "'synchronisation' and the question 'emotion' still say what the English template says"
-    )
-    assert said not in findings_of(ready, "warning")
-    change(ready, "page", "language", value="ja")
-    assert said in findings_of(ready, "warning")
-
-
-def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
-    change(ready, "catch", "trials", value=0)
-    assert any("neither catch trials" in warning for warning in findings_of(ready, "warning"))
 
 
 def test_a_study_without_a_recording_says_what_its_catch_trials_show(
@@ -247,20 +302,21 @@ def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> 
     assert not any(said in what for what in findings_of(ready, "warning"))
 
 
-def test_every_broken_clip_is_an_error_beside_all_other_findings(ready: StudyFolder) -> None:
-    before = findings_of(ready, "warning")
+def test_every_broken_clip_is_an_error_beside_all_other_findings(
+    ready: StudyFolder, untouched: list[Finding]
+) -> None:
     segments = [segment.name for segment in ready.segments()][:2]
     for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
         path = ready.clip(condition, segment)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("torn")
-    errors = findings_of(ready, "error")
-    assert [found.where for found in check(ready) if found.name == "motion-unreadable"] == [
+    found = check(ready)
+    assert [each.where for each in found if each.name == "motion-unreadable"] == [
         f"motion/ground_truth/{segments[0]}.npz",
         f"motion/broken/{segments[1]}.npz",
     ]
-    assert len(errors) == 2
-    assert findings_of(ready, "warning") == before
+    assert len(told(found, "error")) == 2
+    assert told(found, "warning") == told(untouched, "warning")
 
 
 def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
@@ -269,30 +325,3 @@ def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
     (found,) = [each for each in check(ready) if each.severity == "error"]
     assert found.name == "body-unusable"
     assert "face.npy" in found.where
-
-
-def test_the_exclusion_rules_are_told_in_their_order(ready: StudyFolder) -> None:
-    told = "left out of the analysis, in this order: "
-    assert (
-        f"{told}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
-        "(catch>1)" in findings_of(ready, "note")
-    )
-
-    change(ready, "catch", "trials", value=0)
-    change(ready, "exclusions", value=[{"rule": "time", "below": 8}, {"rule": "incomplete"}])
-    assert (
-        f"{told}1. who gave at least 50 % of the answers in less than 8 s (time<8,share=0.5); "
-        "2. who did not finish (incomplete)"
-    ) in findings_of(ready, "note")
-
-    change(ready, "exclusions", value=[])
-    assert f"{told}nobody" in findings_of(ready, "note")
-
-
-def test_a_rule_that_can_leave_nobody_out_is_warned_of(ready: StudyFolder) -> None:
-    change(ready, "catch", "trials", value=0)
-    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.9}])
-    assert any("can leave nobody out" in warning for warning in findings_of(ready, "warning"))
-
-    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.99}])
-    assert not any("leave nobody" in warning for warning in findings_of(ready, "warning"))

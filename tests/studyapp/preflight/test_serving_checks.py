@@ -11,7 +11,6 @@ from types import SimpleNamespace
 import pytest
 from flask import Response
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import IntakeChange
 from studyapp.preflight import serving_checks
 from studyapp.preflight.material import Material
@@ -19,6 +18,7 @@ from studyapp.preflight.serving_checks import probe_findings, serving_findings
 from studyapp.study.folder import StudyFolder
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
+from tests.support.stored import writing
 
 
 def material(root: Path) -> Material:
@@ -86,8 +86,7 @@ def test_answers_are_counted_and_a_changed_design_is_told(tiny_study: Path) -> N
 def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
     answer_study(tiny_study, people=1)
     assert "intake-closed" not in names(tiny_study)
-    database = Database.open(sqlite_url(tiny_study / "responses.db"))
-    with database.writing() as session:
+    with writing(tiny_study / "responses.db") as session:
         session.add(
             IntakeChange(
                 at=datetime(2026, 5, 4, tzinfo=UTC),
@@ -97,7 +96,6 @@ def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
                 reason="",
             )
         )
-    database.close()
 
     assert names(tiny_study)["intake-closed"] == "the study is paused on the researchers' pages"
 

@@ -12,7 +12,6 @@ from threading import Event
 import pytest
 from flask import Flask
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import Population, default_population
@@ -23,6 +22,7 @@ from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.made_study import make_study
 from tests.studyapp.rehearsal.steps import SPEED
+from tests.support.stored import opened
 
 
 @pytest.fixture(scope="session")
@@ -86,7 +86,7 @@ def app(folder: StudyFolder) -> Iterator[Flask]:
 
 @pytest.fixture
 def eyes(folder: StudyFolder, app: Flask) -> Iterator[Eyes]:
-    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
+    with opened(folder.rehearsal) as database:
         yield Eyes(database)
 
 

@@ -20,7 +20,7 @@ from sqlalchemy import func, select
 
 from studyapp.cli.backup_command import command as backup_command
 from studyapp.clock import Clock
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
 from studyapp.monitoring.study_sessions import sittings
 from studyapp.recruitment import mturk, prolific
@@ -42,6 +42,7 @@ from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.rehearsal.steps import SPEED, browser
+from tests.support.stored import opened, reading
 
 REAL = 2
 TRIALS = 6
@@ -67,7 +68,7 @@ def rehearsed_once(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> 
     with (
         application(folder, None) as real,
         application(folder, SPEED) as app,
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
+        opened(folder.rehearsal) as database,
         browser(real) as person,
         browser(app) as client,
     ):
@@ -103,7 +104,7 @@ def rehearsed(rehearsed_once: Path, tmp_path: Path) -> StudyFolder:
 
 def rows(path: Path) -> tuple[int, int]:
     """Return how many study sessions and answers a database holds."""
-    with closing(Database.open(sqlite_url(path))) as database, database.reading() as session:
+    with reading(path) as session:
         people = session.scalar(select(func.count()).select_from(StudySession))
         answers = session.scalar(select(func.count()).select_from(Response))
         return people or 0, answers or 0
@@ -111,10 +112,7 @@ def rows(path: Path) -> tuple[int, int]:
 
 def counted_live(folder: StudyFolder) -> int:
     served = ServedStudy.read(folder.root)
-    with (
-        closing(Database.open(sqlite_url(folder.responses))) as database,
-        database.reading() as session,
-    ):
+    with reading(folder.responses) as session:
         return len(sittings(session, served, Clock().now()))
 
 
@@ -157,8 +155,8 @@ def test_only_real_people_are_counted(rehearsed: StudyFolder) -> None:
 
 def known_to_recruiters(database: Path) -> list[str]:
     """Return as whom payment would know each participant of a database."""
-    with closing(Database.open(sqlite_url(database))) as opened:
-        return [each.ours for each in arrived(opened)]
+    with opened(database) as there:
+        return [each.ours for each in arrived(there)]
 
 
 def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
@@ -214,10 +212,7 @@ def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder)
 def test_nobody_simulated_is_known_to_the_study_itself(
     rehearsed: StudyFolder,
 ) -> None:
-    with (
-        closing(Database.open(sqlite_url(rehearsed.rehearsal))) as database,
-        database.reading() as session,
-    ):
+    with reading(rehearsed.rehearsal) as session:
         token = session.scalars(select(StudySession.token)).one()
     entrance = f"/?PROLIFIC_PID={PERSON}&STUDY_ID=rehearsal&SESSION_ID={PERSON}"
     with application(rehearsed, None) as real, browser(real) as person:

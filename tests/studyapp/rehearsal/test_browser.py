@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal import browser as browser_room
 from studyapp.rehearsal.browser import require_browser
@@ -22,6 +20,7 @@ from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.functional.browsing import IN_A_BROWSER
 from tests.studyapp.rehearsal.protocol_studies import write_study
+from tests.support.stored import reading
 
 SEED = 3
 
@@ -34,10 +33,7 @@ def in_a_browser(folder: StudyFolder) -> None:
     assert (result.completed, result.kept) == (arms, 0)
     told = Ledger(folder.acknowledged).read()
     assert len(told.codes) == arms
-    with (
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
-        database.reading() as session,
-    ):
+    with reading(folder.rehearsal) as session:
         answers = 0
         for sitting in session.scalars(select(StudySession)):
             stored = {

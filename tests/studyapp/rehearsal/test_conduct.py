@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from flask import Flask
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, Response, StudySession
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.ledger import Ledger
@@ -23,6 +21,7 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
+from tests.support.stored import opened
 
 
 def conduct(kind: Kind, name: str = "a", trials: int = 10, coverage: float = 0.95) -> Conduct:
@@ -64,7 +63,7 @@ def test_who_drops_out_leaves_what_was_answered_and_opens_the_place_for_another(
 ) -> None:
     person = being(participant, "dropping_out", ledger)
     truth = Truth(seed=participant.seed, study="", population=person.population, expected=())
-    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
+    with opened(folder.rehearsal) as database:
         with browser(app) as client, pytest.raises(Departure) as departure:
             replace(person, name="rehearsal-00000", eyes=Eyes(database)).take_part(client)
         assert not departure.value.returns

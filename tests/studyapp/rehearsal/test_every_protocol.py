@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.pages import BrokenPageError, Page
@@ -27,6 +26,7 @@ from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import answering, browser
+from tests.support.stored import reading
 
 Written = Callable[[str], StudyFolder]
 
@@ -128,10 +128,7 @@ def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
     folder.definition.write_text(strict, "utf-8")
     people = replace(default_population(folder.study()), kinds={"careless": 0.5}, overlooked=0.0)
     result = rehearse(folder, seed=2, population=people)
-    with (
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
-        database.reading() as session,
-    ):
+    with reading(folder.rehearsal) as session:
         sittings = session.scalars(select(StudySession)).all()
         excluded = sum(is_excluded(folder.study(), sitting) for sitting in sittings)
         assert excluded > 0

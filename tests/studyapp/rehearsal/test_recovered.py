@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import replace
 
 import pytest
@@ -10,7 +9,6 @@ from flask import Flask
 from sqlalchemy import delete, select, update
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Response, StudySession
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.ledger import Ledger
@@ -24,6 +22,7 @@ from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
+from tests.support.stored import writing
 
 
 def rehearsed(
@@ -74,10 +73,7 @@ def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
         *(".csv", ".html", ".jsonl")
     }
 
-    with (
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
-        database.writing() as session,
-    ):
+    with writing(folder.rehearsal) as session:
         first, second = session.scalars(select(Response.id).order_by(Response.id)).all()[:2]
         session.execute(update(Response).where(Response.id == first).values(value=-2))
         session.execute(delete(Response).where(Response.id == second))

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -13,6 +12,7 @@ from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
+from tests.support.stored import opened
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 
@@ -27,8 +27,8 @@ def begun(folder: StudyFolder) -> StudyFolder:
 
 @pytest.fixture
 def database(begun: StudyFolder) -> Iterator[Database]:
-    with closing(Database.open(sqlite_url(begun.rehearsal))) as opened:
-        yield opened
+    with opened(begun.rehearsal) as there:
+        yield there
 
 
 def test_the_truth_is_on_disk_before_anybody_comes(folder: StudyFolder) -> None:

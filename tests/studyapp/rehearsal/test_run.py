@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from itertools import chain, count, product
@@ -19,7 +18,7 @@ import pytest
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import read_truth
@@ -34,13 +33,14 @@ from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from tests.studyapp.exported import responses_table
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
+from tests.support.stored import opened, reading
 
 ANSWER = ["rater", "position", "question", "left_condition", "right_condition", "value"]
 
 
 def answers(folder: StudyFolder) -> pd.DataFrame:
     """Every stored answer, and which rater gave it."""
-    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
+    with opened(folder.rehearsal) as database:
         table = read_once(database, responses_table)
         with database.reading() as session:
             raters = {
@@ -62,10 +62,7 @@ def stored(folder: StudyFolder) -> int:
 
 def completed(folder: StudyFolder) -> int:
     """How many participants have their completion code."""
-    with (
-        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
-        database.reading() as session,
-    ):
+    with reading(folder.rehearsal) as session:
         moments = session.scalars(select(StudySession.completed_at)).all()
     return sum(moment is not None for moment in moments)
 

@@ -10,8 +10,12 @@ from pathlib import Path
 import pytest
 
 from analysis.report.figures import ink
+from studyapp.database.tables import StudySession
+from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.taking_part_steps import SetClock
+from tests.support.stored import opened
 
 Answered = Callable[..., StudyFolder]
 
@@ -54,3 +58,12 @@ def answered(answered_once: Callable[..., Path], tmp_path: Path) -> Answered:
         )
 
     return copy
+
+
+def leave(folder: StudyFolder, study_session: int) -> None:
+    """Let a participant withdraw."""
+    with opened(folder.responses) as database:
+        with database.reading() as session:
+            found = session.get_one(StudySession, study_session)
+            token = found.token
+        withdraw(database, token, SetClock())

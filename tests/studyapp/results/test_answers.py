@@ -5,19 +5,18 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from click.testing import CliRunner
-from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.cli.main import group
-from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import StudySession
+from studyapp.database.engine import sqlite_url
 from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
+from tests.studyapp.results.conftest import leave
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.stored import opened
 
 
 @pytest.fixture
@@ -27,11 +26,10 @@ def folder(tiny_study: Path) -> StudyFolder:
 
 def answer_once(folder: StudyFolder, database_file: Path) -> None:
     """Let somebody answer the first trial and stop."""
-    database = Database.open(sqlite_url(database_file))
-    participant = Participant(database, ServedStudy.read(folder.root), SetClock())
-    open_study(database, participant.served, participant.clock)
-    participant.enrol().begin().take_trial()
-    database.close()
+    with opened(database_file) as database:
+        participant = Participant(database, ServedStudy.read(folder.root), SetClock())
+        open_study(database, participant.served, participant.clock)
+        participant.enrol().begin().take_trial()
 
 
 def names(folder: StudyFolder) -> set[str]:
@@ -95,11 +93,7 @@ def test_what_was_kept_of_who_withdrew_is_exported_apart(
     text = definition.read_text("utf-8").replace("[page]\n", '[page]\nwithdrawn = "kept"\n')
     definition.write_text(text, "utf-8")
     answer_once(folder, folder.responses)
-    database = Database.open(sqlite_url(folder.responses))
-    with database.reading() as session:
-        token = session.scalars(select(StudySession.token)).one()
-    withdraw(database, token, SetClock())
-    database.close()
+    leave(folder, 1)
 
     assert export(folder, tmp_path / "responses.csv").answers == 0
     assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True).answers == 2

@@ -12,7 +12,6 @@ from sqlalchemy import update
 
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.stats.peeking import equally_spaced, false_positive_rate
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.researchers.looks import StudyState, looks, note_look
 from studyapp.results.answers import read_answers
@@ -22,6 +21,7 @@ from studyapp.results.logged_looks import earlier_looks, note_way_out
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import Answered
+from tests.support.stored import opened, writing
 
 NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
 
@@ -32,30 +32,23 @@ def folder(answered: Answered) -> StudyFolder:
 
 
 def stored_looks(folder: StudyFolder) -> list[tuple[str, str, str, int]]:
-    database = Database.open(sqlite_url(folder.responses))
-    try:
+    with opened(folder.responses) as database:
         return [(one.way, one.researcher, one.reason, one.finished) for one in looks(database)]
-    finally:
-        database.close()
 
 
 def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: int = 1) -> None:
     """Log earlier looks on a page."""
-    database = Database.open(sqlite_url(folder.responses))
-    with database.writing() as session:
+    with writing(folder.responses) as session:
         for _ in range(times):
             state = StudyState(finished=finished, planned=25, answers=10 * finished)
             note_look(session, NOON, state, way="page", by=by, reason=reason)
-    database.close()
 
 
 def complete(folder: StudyFolder) -> None:
     """Let everybody have finished."""
-    database = Database.open(sqlite_url(folder.responses))
-    with database.writing() as session:
+    with writing(folder.responses) as session:
         last = update(StudySession).where(StudySession.completed_at.is_(None))
         session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
-    database.close()
 
 
 def noted(folder: StudyFolder, reason: str = "") -> str:

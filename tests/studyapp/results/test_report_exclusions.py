@@ -8,12 +8,12 @@ from studyapp.results.report import report
 from studyapp.study.settings.exclusions import FailedCatch, StraightLining
 from tests.studyapp.results.conftest import Answered
 
-STRICTER = """
+CHANGED = """
 [[exclusions]]
 rule = "incomplete"
 [[exclusions]]
 rule = "attention"
-more_than = 0
+more_than = 2
 """
 
 
@@ -22,7 +22,7 @@ def test_rules_that_the_study_file_did_not_state_beforehand_are_exploratory(
 ) -> None:
     folder = answered("rating", people=3, stop_after=2)
     with folder.definition.open("a", encoding="utf-8") as file:
-        file.write(STRICTER)
+        file.write(CHANGED)
 
     page = report(
         folder, exclude=[StraightLining(at_least=1, trials=500), FailedCatch(more_than=0)]
@@ -41,5 +41,5 @@ def test_rules_that_the_study_file_did_not_state_beforehand_are_exploratory(
         "cannot be applied: there are no catch trials with a side known to be right",
     ]
     text = page.read_text("utf-8")
-    assert "Exclusion by attention&gt;0 was not in the study file when the first" in text
+    assert "Exclusion by attention&gt;2 was not in the study file when the first" in text
     assert "Exclusion by attention&gt;1 was in the study file when the first" in text

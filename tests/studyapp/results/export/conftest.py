@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.export.people import FORM, SAID
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.stored import opened
 
 
 @pytest.fixture(scope="session")
@@ -42,11 +42,9 @@ def answered(recruited_once: Callable[[str], Path], tmp_path: Path) -> Callable[
 
 def _recruit(root: Path) -> None:
     """Let somebody come by a recruiter's link, say something, and look at the first trial."""
-    database = Database.open(sqlite_url(root / "responses.db"))
-    served = ServedStudy.read(root)
-    clock = SetClock()
-    open_study(database, served, clock)
-    participant = Participant(database, served, clock)
-    participant.token = enrol(database, served, Arrival(**SAID), clock)
-    participant.begin().look()
-    database.close()
+    served, clock = ServedStudy.read(root), SetClock()
+    with opened(root / "responses.db") as database:
+        open_study(database, served, clock)
+        participant = Participant(database, served, clock)
+        participant.token = enrol(database, served, Arrival(**SAID), clock)
+        participant.begin().look()

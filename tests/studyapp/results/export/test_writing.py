@@ -10,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import log_change
 from studyapp.results.export.columns import (
@@ -28,6 +27,7 @@ from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 from tests.studyapp.taking_part_steps import SetClock
+from tests.support.stored import writing
 
 Answered = Callable[[str], StudyFolder]
 
@@ -215,10 +215,8 @@ def test_each_answer_says_how_its_videos_were_watched(answered: Answered, tmp_pa
 
 def test_what_a_spreadsheet_would_run_is_text(answered: Answered, tmp_path: Path) -> None:
     folder = answered("pairwise")
-    database = Database.open(sqlite_url(folder.responses))
-    with database.writing() as session:
+    with writing(folder.responses) as session:
         log_change(session, SetClock().now(), Event.EXCLUDED, by="@ada", reason="+1")
-    database.close()
 
     export(folder, tmp_path / "answers.csv", formats=("csv", "parquet"))
 
