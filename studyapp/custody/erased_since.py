@@ -39,33 +39,6 @@ class ErasedAgain:
     screened_out: int = 0
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Later:
-    """What the later state says of those who came.
-
-    Attributes
-    ----------
-    tokens : mapping of int to str
-        By the number of the study session; forgetting draws another one.
-    withdrawn : mapping of int to datetime
-    forgotten : frozenset of int
-        Numbers of study sessions, from the log.
-    screened_out : frozenset of int
-        Ids of the rows there are.
-    versions : frozenset of datetime
-        When each version of the study was opened; no two studies agree in that.
-    log : frozenset of (int, datetime, str)
-        Number, moment and event of each line; lines are only ever added.
-    """
-
-    tokens: dict[int, str]
-    withdrawn: dict[int, datetime]
-    forgotten: frozenset[int]
-    screened_out: frozenset[int]
-    versions: frozenset[datetime]
-    log: frozenset[tuple[int, datetime, str]]
-
-
 def erase_again(
     restored: Database, later: Database, key: PseudonymKey | None, clock: Clock
 ) -> ErasedAgain:
@@ -85,26 +58,29 @@ def erase_again(
     InputError
         If `later` is of another study.
     """
-    known = _read(later)
-    with restored.writing() as session:
+    with later.reading() as known, restored.writing() as session:
         _require_same_study(session, known)
+        there = {each.id: each for each in known.scalars(select(StudySession))}
+        forgotten = set(
+            known.scalars(select(AuditLine.study_session).where(AuditLine.event == Event.FORGOTTEN))
+        )
         now = clock.now()
-        forgotten = withdrawn = 0
+        again = withdrawn = 0
         for study_session in list(session.scalars(select(StudySession).order_by(StudySession.id))):
-            number = study_session.id
-            is_same = known.tokens.get(number) == study_session.token
+            same = there.get(study_session.id)
             # Forgetting draws another token; who was forgotten before has that one here too.
-            if number in known.forgotten and not is_same:
+            if same is not None and same.token != study_session.token:
+                same = None
+            if study_session.id in forgotten and same is None:
                 erase(session, study_session, key, now)
-                forgotten += 1
-            elif is_same and number in known.withdrawn and study_session.withdrawn_at is None:
-                take_back(session, study_session, known.withdrawn[number])
+                again += 1
+            elif same is not None and same.withdrawn_at and study_session.withdrawn_at is None:
+                take_back(session, study_session, same.withdrawn_at)
                 withdrawn += 1
-        gone = [
-            each for each in session.scalars(select(ScreenOut.id)) if each not in known.screened_out
-        ]
+        kept = set(known.scalars(select(ScreenOut.id)))
+        gone = [each for each in session.scalars(select(ScreenOut.id)) if each not in kept]
         session.execute(delete(ScreenOut).where(ScreenOut.id.in_(gone)))
-        return ErasedAgain(forgotten=forgotten, withdrawn=withdrawn, screened_out=len(gone))
+        return ErasedAgain(forgotten=again, withdrawn=withdrawn, screened_out=len(gone))
 
 
 def note_restored(database: Database, detail: str, clock: Clock) -> None:
@@ -113,32 +89,13 @@ def note_restored(database: Database, detail: str, clock: Clock) -> None:
         log_change(session, clock.now(), Event.RESTORED, by="", detail=detail)
 
 
-def _read(later: Database) -> _Later:
-    with later.reading() as session:
-        sittings = session.execute(
-            select(StudySession.id, StudySession.token, StudySession.withdrawn_at)
-        ).all()
-        forgotten = session.scalars(
-            select(AuditLine.study_session).where(AuditLine.event == Event.FORGOTTEN)
-        )
-        return _Later(
-            tokens={each.id: each.token for each in sittings},
-            withdrawn={
-                each.id: each.withdrawn_at for each in sittings if each.withdrawn_at is not None
-            },
-            forgotten=frozenset(number for number in forgotten if number is not None),
-            screened_out=frozenset(session.scalars(select(ScreenOut.id))),
-            versions=frozenset(session.scalars(select(StudyVersion.opened_at))),
-            log=_log(session),
-        )
-
-
-def _log(session: Session) -> frozenset[tuple[int, datetime, str]]:
+def _log(session: Session) -> set[tuple[int, datetime, str]]:
+    """Return number, moment and event of each line of the log; lines are only ever added."""
     lines = session.execute(select(AuditLine.id, AuditLine.at, AuditLine.event))
-    return frozenset((line.id, line.at, line.event) for line in lines)
+    return {(line.id, line.at, line.event) for line in lines}
 
 
-def _require_same_study(session: Session, known: _Later) -> None:
+def _require_same_study(session: Session, known: Session) -> None:
     """Raise `InputError` unless the later state has all that this one's study went through.
 
     Numbers of study sessions mean the same people only as long as one state follows from the other.
@@ -147,7 +104,9 @@ def _require_same_study(session: Session, known: _Later) -> None:
     seen = select(StudyVersion.opened_at).where(
         StudyVersion.id.in_(select(StudySession.version_id))
     )
-    if not (set(session.scalars(seen)) <= known.versions and _log(session) <= known.log):
+    # When each version was opened: no two studies agree in that.
+    opened = set(known.scalars(select(StudyVersion.opened_at)))
+    if not (set(session.scalars(seen)) <= opened and _log(session) <= _log(known)):
         raise InputError(
             "that is not a later state of the study in this backup",
             where="--forgotten-in",

@@ -5,20 +5,17 @@ from __future__ import annotations
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from threading import Event
 
 import pytest
 from sqlalchemy import select
 
 from studyapp.database.tables import Trial
-from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.simulation.population import default_population
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.finished_study import write_short_video
 from tests.functional.improper_submissions import Attacker
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
-from tests.studyapp.rehearsal.steps import SPEED, browser
+from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
 from tests.support.stored import opened
 
 TRIALS = {
@@ -67,21 +64,12 @@ def test_improper_submissions_are_refused_on_every_kind_of_page_and_change_nothi
 ) -> None:
     write_short_video(tmp_path / "short.mp4", seconds=1.0)
     folder = write_study(tmp_path / "study", name, tmp_path / "short.mp4")
-    study = folder.study()
     app = create_app(folder.root, rehearsal_speed=SPEED)
     with (
         closing(app.extensions[EXTENSION].database),
         opened(folder.rehearsal) as database,
     ):
-        first = Attacker(
-            name="first",
-            study=study,
-            population=replace(default_population(study), kinds={}),
-            seed=1,
-            eyes=Eyes(database),
-            speed=SPEED,
-            stop=Event(),
-        )
+        first = Attacker(**vars(participant_of(folder, database, "first")))
         second = replace(first, name="second", trials=[])
         with browser(app) as client:
             assert first.take_part(client)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import subprocess
 import sys
@@ -47,13 +48,13 @@ def motionjury(home: Path) -> Callable[..., str]:
     return run
 
 
-@pytest.fixture
-def within(home: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+@pytest.fixture(scope="module")
+def within(home: Path) -> Callable[..., str]:
     """Return what runs a command in this process, where it need not show that it starts alone."""
 
     def run(*arguments: object) -> str:
-        monkeypatch.chdir(home)
-        done = CliRunner().invoke(group, [*map(str, arguments)], catch_exceptions=False)
+        with contextlib.chdir(home):
+            done = CliRunner().invoke(group, [*map(str, arguments)], catch_exceptions=False)
         assert done.exit_code == 0, done.output
         return done.output
 
@@ -61,7 +62,7 @@ def within(home: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
 
 
 @pytest.fixture(scope="module")
-def study(home: Path, motionjury: Callable[..., str]) -> Path:
+def study(home: Path, motionjury: Callable[..., str], within: Callable[..., str]) -> Path:
     """Return a study that went through every command up to its report."""
     times = np.arange(int(SECONDS * RATE)) / RATE
     loudness = np.maximum(np.sin(2 * np.pi * 1.7 * times), 0)
@@ -74,17 +75,17 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
     take = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
     write_clip(home / "take.npz", take)
 
-    motionjury("init", "lab", "--reference", "rule_based", "--trials", 3)
+    within("init", "lab", "--reference", "rule_based", "--trials", 3)
     definition = home / "lab" / "study.toml"
     document = tomlkit.parse(definition.read_text())
     document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
     document["participants_per_comparison"] = PARTICIPANTS
     definition.write_text(tomlkit.dumps(document))
-    motionjury(
+    within(
         "import", "take.npz", "--speech", "take.wav", "--segment", 2,
         "--condition", "ground_truth", "--speaker", "anna", "--emotion", "anger", "lab",
     )  # fmt: skip
-    motionjury("generate", "lab")
+    within("generate", "lab")
     motionjury("render", "lab", "--processes", 1)
     motionjury("rehearse", "lab", "--seed", 1)
     motionjury("report", "lab")
@@ -92,14 +93,16 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
 
 
 @pytest.fixture(scope="module")
-def rehearsal_rows(study: Path, motionjury: Callable[..., str]) -> list[dict[str, str]]:
+def rehearsal_rows(study: Path, within: Callable[..., str]) -> list[dict[str, str]]:
     """Return what `export` writes of the rehearsal."""
-    motionjury("export", "lab", "--rehearsal")
+    within("export", "lab", "--rehearsal")
     with (study / "rehearsal_responses.csv").open() as file:
         return list(csv.DictReader(file))
 
 
-def test_check_finds_nothing_that_must_be_mended(study: Path, within: Callable[..., str]) -> None:
+def test_check_finds_nothing_that_must_be_corrected(
+    study: Path, within: Callable[..., str]
+) -> None:
     said = within("check", "lab")
     assert "can be served" in said
     assert "3 segments of anger allow 3 pairs" in said

@@ -5,9 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
-from threading import Event
 
 import pytest
 from flask import Flask
@@ -21,7 +19,7 @@ from studyapp.study.stimuli import Stimuli, read_stimuli, write_stimuli
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.made_study import make_study
-from tests.studyapp.rehearsal.steps import SPEED
+from tests.studyapp.rehearsal.steps import SPEED, participant_of
 from tests.support.stored import opened
 
 
@@ -92,12 +90,4 @@ def eyes(folder: StudyFolder, app: Flask) -> Iterator[Eyes]:
 
 @pytest.fixture
 def participant(folder: StudyFolder, eyes: Eyes) -> Participant:
-    return Participant(
-        name="p1",
-        study=folder.study(),
-        population=replace(default_population(folder.study()), kinds={}),
-        seed=1,
-        eyes=eyes,
-        speed=SPEED,
-        stop=Event(),
-    )
+    return participant_of(folder, eyes.database)

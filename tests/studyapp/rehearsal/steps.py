@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from threading import Event
 
 import httpx
 from flask import Flask
 
+from studyapp.database.engine import Database
+from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import PlainVisit, Visit
+from studyapp.study.folder import StudyFolder
 
 SPEED = 200.0
 
@@ -38,6 +43,20 @@ def browser(app: Flask, spoil: Callable[[str], str] = str) -> httpx.Client:
     """Return a browser whose pages `spoil` may change."""
     return httpx.Client(
         transport=SpoiltTransport(app, spoil), base_url="http://study.test", follow_redirects=True
+    )
+
+
+def participant_of(folder: StudyFolder, database: Database, name: str = "p1") -> Participant:
+    """Return an attentive participant of a rehearsal whose answers go to `database`."""
+    study = folder.study()
+    return Participant(
+        name=name,
+        study=study,
+        population=replace(default_population(study), kinds={}),
+        seed=1,
+        eyes=Eyes(database),
+        speed=SPEED,
+        stop=Event(),
     )
 
 

@@ -6,9 +6,7 @@ import shutil
 import tarfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import replace
 from pathlib import Path
-from threading import Event
 
 import boto3
 import pandas as pd
@@ -28,8 +26,6 @@ from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
 from studyapp.recruitment.payment import arrived
 from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import MadeThere, write_made_there
-from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
 from studyapp.rehearsal.simulation.population import default_population
@@ -41,7 +37,7 @@ from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
-from tests.studyapp.rehearsal.steps import SPEED, browser
+from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
 from tests.support.stored import opened, reading
 
 REAL = 2
@@ -62,8 +58,8 @@ def rehearsed_once(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> 
     """A study that two real people have taken part in, rehearsed by one while it is served."""
     folder = StudyFolder(shutil.copytree(rendered, tmp_path_factory.mktemp("apart") / "study"))
     answer_study(folder.root, people=REAL)
-    population = replace(default_population(folder.study()), kinds={})
-    write_truth(folder.rehearsal_truth, Truth(seed=1, study="", population=population, expected=()))
+    people = default_population(folder.study())
+    write_truth(folder.rehearsal_truth, Truth(seed=1, study="", population=people, expected=()))
     before = rows(folder.responses)
     with (
         application(folder, None) as real,
@@ -72,16 +68,8 @@ def rehearsed_once(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> 
         browser(real) as person,
         browser(app) as client,
     ):
+        simulated = participant_of(folder, database, PERSON)
         assert person.get("/").status_code == 200
-        simulated = Participant(
-            name=PERSON,
-            study=folder.study(),
-            population=population,
-            seed=1,
-            eyes=Eyes(database),
-            speed=SPEED,
-            stop=Event(),
-        )
         assert simulated.take_part(client)
         assert person.get("/").status_code == 200
     assert rows(folder.responses) == before == (REAL, REAL * TRIALS * QUESTIONS)
