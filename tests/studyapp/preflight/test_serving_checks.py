@@ -8,13 +8,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
 
+import httpx
 import pytest
 from flask import Response
 
 from studyapp.database.tables import IntakeChange
 from studyapp.preflight import serving_checks
 from studyapp.preflight.material import Material
-from studyapp.preflight.serving_checks import probe_findings, serving_findings
+from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
 from studyapp.study.folder import StudyFolder
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
@@ -116,3 +117,50 @@ def test_a_folder_that_may_not_be_written_is_told_unless_answers_go_elsewhere(
     assert "folder-unwritable" in names(tiny_study)
     monkeypatch.setenv("DATABASE_URL", f"sqlite:///{tiny_study / 'elsewhere.db'}")
     assert "folder-unwritable" not in names(tiny_study)
+
+
+HTTPS = "https://study.example.org/mine"
+
+
+def answering(health: str = "ok\n", ranges: bool = True) -> httpx.MockTransport:
+    def respond(request: httpx.Request) -> httpx.Response:
+        if request.url.path == "/mine/healthz":
+            return httpx.Response(200, text=health)
+        if request.url.path != "/mine/static/players.js":
+            return httpx.Response(404)
+        assert request.headers["Range"] == "bytes=0-9"
+        return httpx.Response(206, content=b"0" * 10) if ranges else httpx.Response(200, text="all")
+
+    return httpx.MockTransport(respond)
+
+
+def asked(address: str, transport: httpx.BaseTransport) -> list[str]:
+    return [found.name for found in address_findings(address, transport=transport)]
+
+
+def test_a_study_that_is_well_is_found_on_its_sub_path() -> None:
+    assert asked(HTTPS, answering()) == []
+
+
+def test_an_address_without_encryption_is_warned_of_except_on_this_machine() -> None:
+    assert asked("http://study.example.org/mine", answering()) == ["address-insecure"]
+    assert asked("http://localhost/mine", answering()) == []
+
+
+@pytest.mark.parametrize(
+    ("transport", "name"),
+    [
+        (answering(health="Welcome to nginx"), "address-other"),
+        (httpx.MockTransport(lambda _: httpx.Response(502)), "address-other"),
+        (answering(ranges=False), "ranges-lost"),
+    ],
+)
+def test_what_answers_otherwise_is_told(transport: httpx.BaseTransport, name: str) -> None:
+    assert asked(HTTPS, transport) == [name]
+
+
+def test_an_address_that_nobody_answers_at_is_told() -> None:
+    def refuse(_: httpx.Request) -> httpx.Response:
+        raise httpx.ConnectError("no route")
+
+    assert asked(HTTPS, httpx.MockTransport(refuse)) == ["address-unreachable"]

@@ -9,6 +9,8 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.results.report import report, report_table
+from studyapp.results.report_subject import report_presets
+from studyapp.study.creation.study_file import new_study
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.conftest import Answered
 
@@ -134,3 +136,18 @@ def test_who_did_not_finish_is_left_out_and_a_margin_of_the_command_line_is_expl
     assert "The study is not finished: 2 of 3 places are filled." in text
     assert len(found["equivalence"]) == len(found["comparisons"])
     assert "given with the report, not in the study file" in text
+
+
+@pytest.mark.parametrize(
+    ("template", "measured"),
+    [
+        ("pairwise", ("report", "amuse")),
+        ("mismatch", ("report", "genea")),
+        ("three-systems", ("report", "amuse", "diffsheg", "s2ue")),
+    ],
+)
+def test_a_report_measures_what_the_papers_do_whose_protocol_and_systems_a_study_has(
+    tmp_path: Path, template: str, measured: tuple[str, ...]
+) -> None:
+    study = new_study(tmp_path / "study.toml", template=template, name="study")
+    assert report_presets(study) == measured

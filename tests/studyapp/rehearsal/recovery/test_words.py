@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import comb
+
+import pytest
 
 from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
@@ -11,6 +14,8 @@ from studyapp.rehearsal.recovery.page import recovery_page
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.recovery.tables import recovery_tables
 from studyapp.rehearsal.recovery.words import (
+    chance_in_words,
+    chance_of_missing,
     difference_in_words,
     exclusions_in_words,
     recovery_lines,
@@ -148,3 +153,24 @@ def test_of_many_comparisons_without_an_answer_the_wrong_ones_and_a_few_are_told
     assert len(told) == 4
     assert "finds -0.30 where +0.10 was put in" in told[0]
     assert "  … and 3 more, which the page lists" in said
+
+
+@pytest.mark.parametrize(("missed", "intervals"), [(1, 4), (2, 20), (5, 20)])
+def test_the_chance_of_so_many_misses_is_that_of_a_binomial(missed: int, intervals: int) -> None:
+    by_hand = 1 - sum(comb(intervals, k) * 0.05**k * 0.95 ** (intervals - k) for k in range(missed))
+    assert chance_of_missing(missed, intervals) == pytest.approx(by_hand)
+
+
+def test_one_miss_of_twenty_frightens_nobody() -> None:
+    assert "1 or more of 20 intervals in 64 of 100 rehearsals" in chance_in_words(1, 20)
+
+
+def test_so_many_misses_that_chance_hardly_explains_them_are_said_to_be() -> None:
+    assert "fewer than 1 of 100" in chance_in_words(5, 20)
+
+
+def test_no_miss_is_said_to_be_no_proof() -> None:
+    assert chance_in_words(0, 4) == (
+        "A sound design finds all of 4 intervals right in 81 of 100 rehearsals."
+    )
+    assert "no interval" in chance_in_words(0, 0)
