@@ -16,7 +16,7 @@ from av.audio.resampler import AudioResampler
 from av.container import InputContainer
 from numpy.typing import NDArray
 
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import replacing
 from motion.segment import excerpt_bounds
 
@@ -177,10 +177,8 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
     if peak > 1:
         samples = samples / np.float32(peak)
         notes += (f"{path.name} peaks at {peak:.2f} of full scale; scaled down to 1",)
-    try:
+    with found_at(path):
         return Audio(samples, rate, notes)
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def _check_whole_wav(path: Path) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class InputError(Exception):
     """Something a person supplied cannot be used as it is.
@@ -26,6 +29,15 @@ class InputError(Exception):
         self.remedy = _without_stop(remedy)
         message = f"{self.where}: {self.what}" if self.where else self.what
         super().__init__(f"{message}. {self.remedy}." if self.remedy else f"{message}.")
+
+
+@contextmanager
+def found_at(where: object) -> Iterator[None]:
+    """Say of an `InputError` in the block that it was found at `where`."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
 def _without_stop(words: str) -> str:

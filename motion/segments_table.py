@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import write_text
 from motion.segment import Segment
 
@@ -109,7 +109,7 @@ def _parse(text: str, table: Path) -> list[tuple[int, Mapping[str, str]]]:
 
 def _segment(row: Mapping[str, str], where: str) -> Segment:
     """Return the segment that `row` describes."""
-    try:
+    with found_at(where):
         return Segment(
             name=row["name"].strip(),
             wav=row["wav"].strip(),
@@ -119,8 +119,6 @@ def _segment(row: Mapping[str, str], where: str) -> Segment:
             emotion=row["emotion"].strip(),
             transcript=row["transcript"],
         )
-    except InputError as error:
-        raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
 def _seconds(row: Mapping[str, str], column: str) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.listing import listed
 
 
@@ -71,10 +71,8 @@ class Speakers:
         """
         if wanted is None:
             return 1 if speaking is None else self.stand_in(speaking)
-        try:
+        with found_at(checkpoint):
             return self.number(wanted)
-        except InputError as error:
-            raise InputError(error.what, where=checkpoint, remedy=error.remedy) from error
 
     def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
         """Return the vectors, (names, width), of whoever stands in for each of `names`."""

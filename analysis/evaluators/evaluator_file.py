@@ -15,7 +15,7 @@ from analysis.evaluators.design import SIZES, Design, Facts, Network
 from analysis.evaluators.emotion_network import EmotionConfig
 from analysis.evaluators.examples import Normalisation
 from motion.body.face_landmarks import FaceLandmarks
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from training.weights_file import WeightsFile, read_weights, write_weights
 
 _FORMAT: Final = 2
@@ -133,7 +133,7 @@ def read_evaluator(path: Path) -> EvaluatorFile:
         If the file is missing, damaged, another program's, of another version or changed.
     """
     found = read_weights(path)
-    try:
+    with found_at(path):
         facts = _facts(found)
         landmarks = None
         if facts.channels == "landmarks":
@@ -146,8 +146,6 @@ def read_evaluator(path: Path) -> EvaluatorFile:
             normalisation=_normalisation(found, channels),
             landmarks=landmarks,
         )
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def _facts(found: WeightsFile) -> EvaluatorFacts:

@@ -98,8 +98,7 @@ def _within_reach(share: FloatArray, comfort: float) -> FloatArray:
     room = _STRAIGHTEST - comfort
     over = np.maximum(share - comfort, 0)
     eased = np.minimum(share, comfort) + room * np.tanh(over / room)
-    span: FloatArray = np.maximum(eased, _NEAREST)
-    return span
+    return np.asarray(np.maximum(eased, _NEAREST))
 
 
 def _turn(
@@ -265,10 +264,8 @@ def _pose_leg(
 def _rotvec(turn: FloatArray) -> FloatArray:
     """Return axis-angle, shape (T, 3), of turns in degrees: about y, then x, then z."""
     about_yxz = turn[:, [1, 0, 2]]
-    rotvec: FloatArray = Rotation.from_euler("YXZ", about_yxz, degrees=True).as_rotvec()
-    return rotvec
+    return np.asarray(Rotation.from_euler("YXZ", about_yxz, degrees=True).as_rotvec())
 
 
 def _matrix_rotvec(matrix: FloatArray) -> FloatArray:
-    rotvec: FloatArray = Rotation.from_matrix(matrix).as_rotvec()
-    return rotvec
+    return np.asarray(Rotation.from_matrix(matrix).as_rotvec())

@@ -69,8 +69,7 @@ def move_face(
         column[:] = np.maximum(column, shut)
     for name in _sides("eyeWide"):
         arkit[:, ARKIT_NAMES.index(name)] *= 1 - shut
-    clipped: FloatArray = np.clip(arkit, 0, 1)
-    return clipped
+    return np.asarray(np.clip(arkit, 0, 1))
 
 
 def _accent_pulses(prosody: Prosody, times: FloatArray) -> FloatArray:

@@ -50,15 +50,13 @@ def minimum_jerk(progress: FloatArray) -> FloatArray:
         ``10 s^3 - 15 s^4 + 6 s^5``: speed and acceleration are zero at both ends.
     """
     s = np.clip(progress, 0.0, 1.0)
-    share: FloatArray = s**3 * (10 - 15 * s + 6 * s**2)
-    return share
+    return np.asarray(s**3 * (10 - 15 * s + 6 * s**2))
 
 
 def swell(progress: FloatArray) -> FloatArray:
     """Return a smooth hump over [0, 1]: 0 with no speed at both ends, 1 half-way."""
     s = np.clip(progress, 0.0, 1.0)
-    hump: FloatArray = 64 * (s * (1 - s)) ** 3
-    return hump
+    return np.asarray(64 * (s * (1 - s)) ** 3)
 
 
 def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) -> FloatArray:

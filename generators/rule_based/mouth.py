@@ -52,8 +52,7 @@ def speaking_mouth(
     width = max(_LIP_INERTIA * prosody.frame_rate, 1e-3)
 
     def lips(weight: FloatArray) -> FloatArray:
-        smooth: FloatArray = gaussian_filter1d(weight, width, mode="nearest")
-        return smooth
+        return np.asarray(gaussian_filter1d(weight, width, mode="nearest"))
 
     voiced = loud * (1 - share["hiss"])
     openness = voiced * (0.35 + 0.65 * share["open"])
@@ -89,8 +88,7 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
 
     def band(limits: tuple[float, float]) -> FloatArray:
         inside = (frequency >= limits[0]) & (frequency < limits[1])
-        level: FloatArray = np.interp(times, moments, np.sqrt(power[inside].sum(axis=0)))
-        return level
+        return np.asarray(np.interp(times, moments, np.sqrt(power[inside].sum(axis=0))))
 
     voice, hiss = band(_VOICE) + 1e-9, band(_HISS)
     return {
@@ -103,5 +101,4 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
 def _stretch(share: FloatArray) -> FloatArray:
     """Return `share` stretched so that this voice's own low and high values are 0 and 1."""
     low, high = np.percentile(share, [15, 95])
-    stretched: FloatArray = np.clip((share - low) / max(high - low, 1e-6), 0, 1)
-    return stretched
+    return np.asarray(np.clip((share - low) / max(high - low, 1e-6), 0, 1))

@@ -40,5 +40,4 @@ def smooth_noise(
     strength = frequency**-0.5
     strength *= np.sqrt(2 / (strength**2).sum(axis=1, keepdims=True))
     waves = np.sin(2 * np.pi * frequency * times[:, None, None] + phase)
-    noise: NDArray[np.float64] = (strength * waves).sum(axis=2)
-    return noise
+    return np.asarray((strength * waves).sum(axis=2))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.formats.bvh import read_bvh
 from motion.formats.clip_npz import (
     has_provenance,
@@ -107,14 +107,12 @@ def _read_bvh_clip(
     path: Path, frame_rate: float | None, joint_map: JointMap | None, as_recorded: bool
 ) -> MotionClip:
     motion = settle_first_frame(read_bvh(path, frame_rate=frame_rate))
-    try:
+    with found_at(path):
         if joint_map is None:
             skeleton, fitting = choose_joint_map(motion.joint_names)
         else:
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
         clip = retarget(motion, fitting)
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
     clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
     return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from motion.clip import EXPRESSION_COUNT, MotionClip, check_frame_rate
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import replacing
 from motion.formats.smplx_rows import MOTION_X_WIDTH, motion_x_clip
 from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
@@ -92,7 +92,7 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
         its arrays make no clip. Pickled content is never loaded.
     """
     path = Path(path)
-    try:
+    with found_at(path):
         arrays = _load(path, only=_KNOWN_KEYS)
         given = arrays.get("poses", np.zeros(0))
         if given.ndim == 2 and given.shape[1] == MOTION_X_WIDTH:
@@ -109,8 +109,6 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
             gender=_gender(arrays),
             provenance=_provenance(arrays),
         )
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def read_frame_rate(path: Path) -> float:
@@ -122,11 +120,9 @@ def read_frame_rate(path: Path) -> float:
         As `read_clip`, where the file states no usable frame rate.
     """
     path = Path(path)
-    try:
+    with found_at(path):
         frame_rate = _frame_rate(_load(path, only=_RATE_KEYS))
         check_frame_rate(frame_rate)
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
     return frame_rate
 
 

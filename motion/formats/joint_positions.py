@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.clip import MotionClip, check_frame_rate
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
@@ -106,7 +106,7 @@ def read_joints(
     InputError
         If the file cannot be read, does not tell the trunk, or says no frame rate.
     """
-    try:
+    with found_at(path):
         recording = _read(path)
         rate = frame_rate if frame_rate is not None else recording.frame_rate
         if rate is None:
@@ -119,8 +119,6 @@ def read_joints(
         return MotionClip(
             poses=poses.astype(np.float32), trans=trans.astype(np.float32), frame_rate=rate
         )
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def _named(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.skeleton import JOINT_COUNT
 
 FRAME_RATE: Final = 30.0
@@ -60,18 +60,16 @@ def read_show_npz(path: Path) -> MotionClip:
         If an array is missing or of another size: hands that SHOW tells by 12 principal components
         must be given as 45 angles. Pickled content is never loaded.
     """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            parts = [_part(archive.get(name), name, width) for name, width in _PARTS]
-        return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
-        raise InputError(
-            f"the file cannot be read as plain arrays of equal length ({error})",
-            where=path,
-            remedy="Save SHOW's arrays with numpy.savez",
-        ) from error
+    with found_at(path):
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                parts = [_part(archive.get(name), name, width) for name, width in _PARTS]
+            return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
+        except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
+            raise InputError(
+                f"the file cannot be read as plain arrays of equal length ({error})",
+                remedy="Save SHOW's arrays with numpy.savez",
+            ) from error
 
 
 def _part(given: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
@@ -122,12 +120,10 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
             where=path,
             remedy=f"Give TalkSHOW's (T, {WIDTH}) or Motion-X's (T, {MOTION_X_WIDTH}) numbers",
         )
-    try:
+    with found_at(path):
         if width == MOTION_X_WIDTH:
             return motion_x_clip(rows, rate).with_provenance(format="motion-x")
         return _clip(rows, rate).with_provenance(format="talkshow")
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def motion_x_clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 
 FRAME_RATE: Final = 15.0
 JOINTS: Final = 10
@@ -86,10 +86,8 @@ def read_ted_npz(path: Path) -> TedMotion:
         finite, a bone without length, or directions that are no unit vectors. Pickled content is
         never loaded.
     """
-    try:
+    with found_at(path):
         return _read(path)
-    except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
 def _read(path: Path) -> TedMotion:

@@ -151,8 +151,7 @@ def _energy(samples: FloatArray) -> FloatArray:
     if loud < _SILENCE:
         return np.zeros_like(level)
     decibels = 20 * np.log10(np.maximum(level, _SILENCE * loud) / loud)
-    envelope: FloatArray = np.maximum(1 + decibels / _DYNAMIC_RANGE, 0)
-    return envelope
+    return np.asarray(np.maximum(1 + decibels / _DYNAMIC_RANGE, 0))
 
 
 def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
@@ -212,8 +211,7 @@ def _rise_of_energy(energy: FloatArray) -> FloatArray:
     width = _NEIGHBOURHOOD / 2 * _STEPS_PER_SECOND
     share = gaussian_filter1d(speech, width, mode="nearest")
     around = gaussian_filter1d(energy * speech, width, mode="nearest") / np.maximum(share, 1e-9)
-    rise: FloatArray = energy - around
-    return rise
+    return np.asarray(energy - around)
 
 
 def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
@@ -240,8 +238,7 @@ def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
 
     Differences that nobody hears must not count as much as audible ones.
     """
-    standardised: FloatArray = (values - values.mean()) / max(float(values.std()), least_spread)
-    return standardised
+    return np.asarray((values - values.mean()) / max(float(values.std()), least_spread))
 
 
 def _pauses(energy: FloatArray) -> FloatArray:

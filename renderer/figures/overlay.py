@@ -142,8 +142,7 @@ def _tinted(
     light = colours @ np.array([0.299, 0.587, 0.114], np.float32)
     target = np.array(ImageColor.getrgb(tint), np.float32) / 255
     toned = np.clip(target * (0.45 + 1.1 * light[..., None]), 0, 1)
-    result: NDArray[np.float32] = (1 - share) * colours + share * toned
-    return result
+    return np.asarray((1 - share) * colours + share * toned)
 
 
 def _stacked(figures: Sequence[CutOut]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.listing import listed
 from studyapp.clock import Clock
 from studyapp.custody.archive import OnFile, read_archive
@@ -180,10 +180,8 @@ def _opened(copy: Path, archive: Path) -> Database:
 @contextmanager
 def _of_archive(archive: Path) -> Iterator[None]:
     """Say of `archive` what is wrong with a file in it."""
-    try:
+    with found_at(archive):
         yield
-    except InputError as error:
-        raise InputError(error.what, where=archive, remedy=error.remedy) from error
 
 
 def _require_free(root: Path) -> None:

@@ -99,8 +99,7 @@ class Chance:
         frequencies = np.exp(random.uniform(np.log(_LOWEST), np.log(_HIGHEST), shape))
         phases = random.uniform(0, 2 * np.pi, shape)
         waves = np.cos(2 * np.pi * frequencies * times[:, None, None] + phases)
-        wandering: FloatArray = np.sqrt(2 / _COSINES) * waves.sum(axis=2)
-        return wandering
+        return np.asarray(np.sqrt(2 / _COSINES) * waves.sum(axis=2))
 
     def blinks(self, duration: float) -> FloatArray:
         """Return the times of blinks within `duration` seconds, ascending."""

@@ -60,8 +60,7 @@ def face_weights(
     weights *= 1 + _WANDERING * chance.drift(times, len(FACIAL_WEIGHTS), _FACE_STREAM)
     for name, share in (_gaze(chance, times) | _blinks(chance, times)).items():
         weights[:, FACIAL_WEIGHTS.index(name)] += share
-    limited: FloatArray = np.clip(weights, 0, 1)
-    return limited
+    return np.asarray(np.clip(weights, 0, 1))
 
 
 def _speech(heard: HeardSpeech, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:

@@ -110,8 +110,7 @@ def _level(samples: FloatArray, steps: int) -> FloatArray:
     """Return the root mean square around each step."""
     window = np.hanning(_WINDOW)
     power = np.convolve(samples**2, window / window.sum())
-    level: FloatArray = np.sqrt(power[_WINDOW // 2 :: _HOP][:steps])
-    return level
+    return np.asarray(np.sqrt(power[_WINDOW // 2 :: _HOP][:steps]))
 
 
 def _octaves(samples: FloatArray, steps: int) -> FloatArray:
@@ -125,8 +124,7 @@ def _octaves(samples: FloatArray, steps: int) -> FloatArray:
         frame_length=_PITCH_WINDOW,
         hop_length=_HOP,
     )
-    octaves: FloatArray = np.log2(_fitted(np.asarray(hertz, np.float64), steps) / 100)
-    return octaves
+    return np.asarray(np.log2(_fitted(np.asarray(hertz, np.float64), steps) / 100))
 
 
 def _brightness(samples: FloatArray, steps: int) -> FloatArray:
@@ -136,8 +134,7 @@ def _brightness(samples: FloatArray, steps: int) -> FloatArray:
     )
     power = np.asarray(transform.spectrogram(samples, p0=0, p1=steps), np.float64)
     all_of_it = power[transform.f >= _RUMBLE].sum(axis=0)
-    share: FloatArray = power[transform.f >= _BRIGHT].sum(axis=0) / (all_of_it + _LOWEST_POWER)
-    return share
+    return np.asarray(power[transform.f >= _BRIGHT].sum(axis=0) / (all_of_it + _LOWEST_POWER))
 
 
 def _fitted(values: FloatArray, steps: int) -> FloatArray:
@@ -148,8 +145,7 @@ def _fitted(values: FloatArray, steps: int) -> FloatArray:
 def _weighted(values: FloatArray, weights: FloatArray, seconds: float) -> FloatArray:
     """Return a running mean with weights; 0 where there is next to no weight."""
     weight = _smooth(weights, seconds)
-    mean: FloatArray = _smooth(values * weights, seconds) / (weight + _AUDIBLE)
-    return mean
+    return np.asarray(_smooth(values * weights, seconds) / (weight + _AUDIBLE))
 
 
 def _smooth(values: FloatArray, seconds: float) -> FloatArray:

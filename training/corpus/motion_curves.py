@@ -131,5 +131,4 @@ def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:
     if len(positions) < 2:
         return np.zeros(len(positions))
     velocity = np.gradient(positions, axis=0) * frame_rate
-    speed: FloatArray = np.linalg.norm(velocity, axis=2).mean(axis=1)
-    return speed
+    return np.asarray(np.linalg.norm(velocity, axis=2).mean(axis=1))

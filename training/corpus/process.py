@@ -107,8 +107,7 @@ class Process:
         """Return the pitch in octaves above what is usual for the voice, 0 in silence."""
         usual = np.log2(voice_of(self.speaker.number).pitch / 100)
         heard = self.heard
-        melody: FloatArray = heard.at(heard.pitch, times) - usual * heard.at(heard.sounding, times)
-        return melody
+        return np.asarray(heard.at(heard.pitch, times) - usual * heard.at(heard.sounding, times))
 
 
 def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float) -> MotionCurves:

@@ -7,6 +7,7 @@ ends of limbs that never do.
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -19,6 +20,7 @@ from motion.files import write_text
 from motion.formats.arkit_json import write_arkit_json
 from motion.formats.bvh_hierarchy import BvhJoint
 from motion.formats.bvh_writing import write_bvh
+from motion.formats.semantic_txt import SemanticSpan, write_semantic_scores
 from motion.speech.synthesis import speak_as
 from training.corpus.chance import Chance
 from training.corpus.emotion_motion import EMOTION_MOTION
@@ -153,7 +155,7 @@ def record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
         files.motion, told_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
     )
     write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
-    write_text(files.semantic, _semantic(process, chance))
+    write_semantic_scores(files.semantic, _semantic(process, chance))
     write_text(files.transcript, f"{take.text}\n")
     write_truth(files.truth, _truth(take, process, chance, frame_rate))
 
@@ -169,20 +171,17 @@ def _spoken(take: PlannedTake) -> Audio:
     return Audio(np.concatenate([before, speech.samples, after]), SPEECH_RATE)
 
 
-def _semantic(process: Process, chance: Chance) -> str:
-    """Return the strokes that are made as BEAT annotates gestures."""
+def _semantic(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
+    """Yield the strokes that are made as BEAT annotates gestures."""
     tempo = EMOTION_MOTION[process.emotion].tempo
     speaker, strokes = process.speaker, process.strokes
     drawn = chance.strokes(len(strokes.times))
     sizes = strokes.sizes * drawn.gains.max(axis=1)
-    lines = []
     for arrival, size in zip(strokes.times + drawn.delays, sizes, strict=True):
         if size > 0:
             start = max(arrival - speaker.attack / tempo, 0.0)
             end = min(arrival + speaker.release / tempo, process.duration)
-            score = min(size / _STRONGEST, 1.0)
-            lines.append(f"beat\t{start:.3f}\t{end:.3f}\t{end - start:.3f}\t{score:.3f}\t\n")
-    return "".join(lines)
+            yield SemanticSpan(start=start, end=end, score=min(size / _STRONGEST, 1.0))
 
 
 def _truth(take: PlannedTake, process: Process, chance: Chance, frame_rate: float) -> Truth:

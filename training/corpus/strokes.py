@@ -77,5 +77,4 @@ def stroke_shape(since: FloatArray, attack: float, release: float) -> FloatArray
     out = np.clip(1 + since / attack, 0, 1)
     back = np.clip(1 - since / release, 0, 1)
     share = np.where(since < 0, out, back)
-    shape: FloatArray = share**3 * (10 - 15 * share + 6 * share**2)
-    return shape
+    return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))

@@ -10,15 +10,13 @@ from motion.errors import InputError
 from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.listing import listed
-from training.data.beat2_folder import find_beat2
-from training.data.beat_folder import find_beat
+from training.data.beat_folder import find_beat, find_beat2
+from training.data.clip_folder import DATABASE, find_show, find_ted
 from training.data.folder_files import SOUND_ENDINGS, FolderFiles, has_arrays, list_folder
 from training.data.found_take import Findings
-from training.data.show_folder import find_show
 from training.data.split_list import USUAL_NAMES, read_split_list
 from training.data.splitting import by_list, by_rule
 from training.data.take import KINDS, Kind, TakeFolder
-from training.data.ted_folder import DATABASE, find_ted
 
 _READERS: Final[Mapping[Kind, Callable[[FolderFiles], Findings]]] = {
     "beat": find_beat,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -76,6 +76,25 @@ class Findings:
     skipped: tuple[InputError, ...]
     speakers: tuple[str, ...]
     split_rule: str = ""
+
+
+def each_take(
+    motions: Iterable[Path], take_of: Callable[[Path], FoundTake | None]
+) -> tuple[list[FoundTake], list[InputError]]:
+    """Return the takes of motion files, and why others are none.
+
+    `take_of` returns None for a file that is no motion at all.
+    """
+    found: list[FoundTake] = []
+    skipped: list[InputError] = []
+    for motion in motions:
+        try:
+            take = take_of(motion)
+        except InputError as error:
+            skipped.append(error)
+        else:
+            found += [take] if take else []
+    return found, skipped
 
 
 def sound_of(motion: Path, files: FolderFiles) -> Path:

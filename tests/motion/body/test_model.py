@@ -17,12 +17,13 @@ from motion.errors import InputError
 from motion.skeleton import PARENTS, forward_kinematics, joint_index
 
 Arrays = dict[str, NDArray[Any]]
-VERTICES = 9940  # more than the highest vertex that smplx's landmark table names
+VERTICES = 300
+LICENSED = 9940  # more than the highest vertex that smplx's landmark table names
 
 
-def _random_arrays(seed: int = 0) -> Arrays:
+def _random_arrays(vertices: int) -> Arrays:
     """Return a body with everything a licensed one has, in random numbers."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     weights = rng.random((VERTICES, 55)) ** 8
     regressor = np.zeros((55, VERTICES))
     regressor[np.arange(55)[:, None], rng.integers(0, VERTICES, (55, 20))] = 1 / 20
@@ -48,19 +49,17 @@ def _random_arrays(seed: int = 0) -> Arrays:
 
 @pytest.fixture(scope="module")
 def arrays() -> Arrays:
-    return _random_arrays()
+    return _random_arrays(VERTICES)
 
 
 @pytest.fixture(scope="module")
-def path(arrays: Arrays, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("body") / "smplx_random.npz"
-    np.savez(path, **arrays)
-    return path
+def body(arrays: Arrays, tmp_path_factory: pytest.TempPathFactory) -> BodyModel:
+    return _read(tmp_path_factory.mktemp("body"), arrays)
 
 
-@pytest.fixture(scope="module")
-def body(path: Path) -> BodyModel:
-    return read_body(path)
+def _read(folder: Path, arrays: Arrays, **given: Any) -> BodyModel:
+    np.savez(folder / "smplx.npz", **arrays)
+    return read_body(folder / "smplx.npz", **given)
 
 
 def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
@@ -74,15 +73,16 @@ def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")
-def test_vertices_are_those_of_smplx(path: Path, body: BodyModel) -> None:
+def test_vertices_are_those_of_smplx(tmp_path: Path) -> None:
     smplx = pytest.importorskip("smplx")
     torch = pytest.importorskip("torch")
+    body = _read(tmp_path, _random_arrays(LICENSED))
     rng = np.random.default_rng(1)
     expressions = np.zeros((4, 100), np.float32)
     expressions[:, :10] = rng.normal(0, 1, (4, 10))
     clip = _clip(4, betas=rng.normal(0, 1, 10), expressions=expressions)
     model = smplx.create(
-        str(path), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
+        str(tmp_path / "smplx.npz"), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
         num_betas=10, num_expression_coeffs=10, batch_size=4,
     )  # fmt: skip
     poses = torch.tensor(clip.poses)
@@ -116,8 +116,7 @@ def test_a_part_of_the_frames_is_the_same_as_that_part_of_all(
 def test_vertices_follow_the_joints_of_forward_kinematics(arrays: Arrays, tmp_path: Path) -> None:
     rigid = arrays | {"posedirs": np.zeros((VERTICES, 3, 486)), "weights": np.eye(VERTICES, 55)}
     rigid["weights"][55:, 0] = 1
-    np.savez(tmp_path / "smplx.npz", **rigid)
-    body = read_body(tmp_path / "smplx.npz")
+    body = _read(tmp_path, rigid)
     clip = _clip(3)
     rest = body.joints(np.zeros(0))
     positions, turned = forward_kinematics(clip.poses, clip.trans, rest)
@@ -137,8 +136,7 @@ def _with_twist(arrays: Arrays) -> Arrays:
 def test_vertices_are_what_matrices_and_weights_make_of_the_unposed_body(
     arrays: Arrays, tmp_path: Path
 ) -> None:
-    np.savez(tmp_path / "smplx.npz", **_with_twist(arrays))
-    body = read_body(tmp_path / "smplx.npz")
+    body = _read(tmp_path, _with_twist(arrays))
     rng = np.random.default_rng(2)
     clip = _clip(3, betas=rng.normal(0, 1, 10), expressions=rng.normal(0, 1, (3, 100)))
     matrices = body.skinning_matrices(clip)
@@ -181,9 +179,9 @@ def test_face_of_the_other_kind_is_shown_through_a_matrix(body: BodyModel) -> No
 def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
     arrays: Arrays, tmp_path: Path
 ) -> None:
-    np.savez(tmp_path / "smplx.npz", **arrays, arkit_slots=np.array(True))
     np.savetxt(tmp_path / "matrix.csv", _matrix(), delimiter=",")
-    body = read_body(tmp_path / "smplx.npz", expression_matrix=tmp_path / "matrix.csv")
+    slots = arrays | {"arkit_slots": np.array(True)}
+    body = _read(tmp_path, slots, expression_matrix=tmp_path / "matrix.csv")
     coefficients = np.random.default_rng(7).normal(0, 1, (2, 100)).astype(np.float32)
     told = body.vertices(_clip(2, expressions=coefficients))
     own = body.vertices(_clip(2, arkit=np.clip(coefficients @ _matrix(), 0, 1)))
@@ -194,8 +192,7 @@ def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
 def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
     shapes = arrays["shapedirs"]
     short = np.concatenate([shapes[:, :, :10], shapes[:, :, 300:310]], axis=2)
-    np.savez(tmp_path / "smplx.npz", **(arrays | {"shapedirs": short}))
-    body = read_body(tmp_path / "smplx.npz")
+    body = _read(tmp_path, arrays | {"shapedirs": short})
     np.testing.assert_array_equal(body.shape_directions, shapes[:, :, :10])
     np.testing.assert_array_equal(body.expression_directions, shapes[:, :, 300:310])
 
@@ -226,10 +223,6 @@ def _numbers_alone(arrays: Arrays) -> Arrays:
     return arrays | {"v_template": np.float32(1)}
 
 
-def _pickled(arrays: Arrays) -> Arrays:
-    return arrays | {"f": np.array([{"not": "numbers"}], dtype=object)}
-
-
 @pytest.mark.parametrize(
     ("broken", "what"),
     [
@@ -239,22 +232,58 @@ def _pickled(arrays: Arrays) -> Arrays:
         (_twist_about_no_bone, "twist_bones .* joints that there are not"),
         (_twist_without_weights, "twist_weights of the body model has shape"),
         (_numbers_alone, r"v_template of the body model has shape \(\)"),
-        (_pickled, "cannot be read"),
     ],
 )
 def test_a_file_that_is_no_smplx_body_is_refused(
     arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], what: str
 ) -> None:
-    np.savez(tmp_path / "smplx.npz", **broken(arrays))
     with pytest.raises(InputError, match=what) as caught:
-        read_body(tmp_path / "smplx.npz")
+        _read(tmp_path, broken(arrays))
     assert caught.value.where == str(tmp_path / "smplx.npz")
     assert caught.value.remedy
 
 
-def test_a_missing_or_garbled_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such body model"):
-        read_body(tmp_path / "nothing.npz")
-    (tmp_path / "text.npz").write_text("hello")
-    with pytest.raises(InputError, match="cannot be read"):
-        read_body(tmp_path / "text.npz")
+def _empty(path: Path, arrays: Arrays) -> None:
+    path.touch()
+
+
+def _single_array(path: Path, arrays: Arrays) -> None:
+    with path.open("wb") as file:
+        np.save(file, np.zeros(3))
+
+
+def _text(path: Path, arrays: Arrays) -> None:
+    path.write_text("hello")
+
+
+def _truncated(path: Path, arrays: Arrays) -> None:
+    np.savez(path, **arrays)
+    path.write_bytes(path.read_bytes()[:500])
+
+
+def _overwritten(path: Path, arrays: Arrays) -> None:
+    np.savez_compressed(path, **arrays)
+    content = bytearray(path.read_bytes())
+    content[1000:3000] = bytes(2000)
+    path.write_bytes(content)
+
+
+def _pickled(path: Path, arrays: Arrays) -> None:
+    np.savez(path, **arrays | {"f": np.array([{"a": 1}], dtype=object)})
+
+
+@pytest.mark.parametrize(
+    "damage", [_empty, _single_array, _text, _truncated, _overwritten, _pickled]
+)
+def test_a_damaged_body_is_refused_by_name(
+    arrays: Arrays, tmp_path: Path, damage: Callable[[Path, Arrays], None]
+) -> None:
+    damage(tmp_path / "body.npz", arrays)
+    with pytest.raises(InputError, match=r"body\.npz: the file cannot be read as a body model"):
+        read_body(tmp_path / "body.npz")
+
+
+def test_a_missing_body_and_a_folder_are_told(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "gone.npz"):
+        with pytest.raises(InputError, match="there is no such body model"):
+            read_body(path)

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -67,6 +69,36 @@ def random_turns(skeleton: Skeleton, frames: int, seed: int) -> Rotation:
     return Rotation.from_rotvec(rng.uniform(-0.8, 0.8, (frames * len(skeleton), 3)))
 
 
+Offset = tuple[float, float, float]
+
+
+def changed(change: Callable[[str, Offset], Offset], scale: float = 100) -> Skeleton:
+    """Return SMPL-X's skeleton with every offset as `change` makes it."""
+    return [(name, parent, change(name, offset)) for name, parent, offset in smplx_skeleton(scale)]
+
+
+def at_rest(skeleton: Skeleton, joint_map: JointMap = OWN) -> MotionClip:
+    """Return a frame of `skeleton` in its rest pose."""
+    return retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), joint_map)
+
+
+def turned_by(axis: str, degrees: float, offset: Offset) -> Offset:
+    x, y, z = Rotation.from_euler(axis, degrees, degrees=True).apply(offset)
+    return (x, y, z)
+
+
+def is_finger(name: str) -> bool:
+    return name[-1] in "123" and "spine" not in name
+
+
+def is_arm(name: str) -> bool:
+    return "elbow" in name or "wrist" in name or is_finger(name)
+
+
+def sign_of(name: str) -> int:
+    return 1 if name.startswith("left") else -1
+
+
 def directions(positions: np.ndarray, start: int, end: int) -> np.ndarray:
     bone = positions[:, end] - positions[:, start]
     return bone / np.linalg.norm(bone, axis=1, keepdims=True)
@@ -103,14 +135,12 @@ def test_motion_of_smplx_itself_comes_back_as_it_was(seed: int) -> None:
 def test_limbs_point_where_the_source_points_whatever_its_rest_pose(
     seed: int, droop: float, spread: float
 ) -> None:
-    def bent(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
-        side = 1 if name.startswith("left") else -1
-        arm = any(part in name for part in ("elbow", "wrist", *"123")) and "spine" not in name
-        angle = side * (droop if arm else spread if "knee" in name or "ankle" in name else 0)
-        x, y, z = Rotation.from_euler("z", angle, degrees=True).apply(offset)
-        return (x, y, z)
+    def bent(name: str, offset: Offset) -> Offset:
+        leg = "knee" in name or "ankle" in name
+        angle = droop if is_arm(name) else spread if leg else 0
+        return turned_by("z", sign_of(name) * angle, offset)
 
-    skeleton = [(name, parent, bent(name, offset)) for name, parent, offset in smplx_skeleton()]
+    skeleton = changed(bent)
     motion = bvh_motion(skeleton, random_turns(skeleton, 4, seed))
     errors = bone_errors(motion, OWN, retarget(motion, OWN))
     assert len(errors) == len(LIMB_BONES)
@@ -119,15 +149,10 @@ def test_limbs_point_where_the_source_points_whatever_its_rest_pose(
 
 @pytest.mark.parametrize("droop", [-45, 0])
 def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
-    def bent(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
-        side = 1 if name.startswith("left") else -1
-        arm = any(part in name for part in ("elbow", "wrist", *"123")) and "spine" not in name
-        angle = side * droop if arm else 0
-        x, y, z = Rotation.from_euler("z", angle, degrees=True).apply(offset)
-        return (x, y, z)
+    def bent(name: str, offset: Offset) -> Offset:
+        return turned_by("z", sign_of(name) * droop, offset) if is_arm(name) else offset
 
-    skeleton = [(name, parent, bent(name, offset)) for name, parent, offset in smplx_skeleton()]
-    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    clip = at_rest(changed(bent))
     _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     for side, sign in (("left", 1), ("right", -1)):
         palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
@@ -136,13 +161,9 @@ def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
 
 
 def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
-    def supine(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
-        finger = name[-1] in "123" and "spine" not in name
-        x, y, z = Rotation.from_euler("x", -90 if finger else 0, degrees=True).apply(offset)
-        return (x, y, z)
-
-    skeleton = [(name, parent, supine(name, offset)) for name, parent, offset in smplx_skeleton()]
-    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    clip = at_rest(
+        changed(lambda name, offset: turned_by("x", -90, offset) if is_finger(name) else offset)
+    )
     _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     for side in ("left", "right"):
         palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
@@ -211,21 +232,20 @@ def test_length_unit_and_body_size_do_not_matter(scale: float) -> None:
 
 
 def test_rest_pose_that_does_not_stand_is_refused() -> None:
-    skeleton = [
-        (name, parent, (x, -y, z) if "knee" in name or "ankle" in name else (x, y, z))
-        for name, parent, (x, y, z) in smplx_skeleton()
-    ]
+    def folded(name: str, offset: Offset) -> Offset:
+        x, y, z = offset
+        return (x, -y, z) if "knee" in name or "ankle" in name else offset
+
     with pytest.raises(InputError, match=r"no standing figure.*T-pose"):
-        retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+        at_rest(changed(folded))
 
 
 def test_leaning_build_of_a_spine_is_no_posture() -> None:
-    skeleton = [
-        (name, parent, (x, y, z + 3) if "spine" in name or name == "neck" else (x, y, z))
-        for name, parent, (x, y, z) in smplx_skeleton()
-    ]
-    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
-    np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
+    def leaning(name: str, offset: Offset) -> Offset:
+        x, y, z = offset
+        return (x, y, z + 3) if "spine" in name or name == "neck" else offset
+
+    np.testing.assert_allclose(at_rest(changed(leaning)).poses, 0, atol=1e-6)
 
 
 def test_arms_alone_give_the_scale_where_there_are_no_legs() -> None:
@@ -247,36 +267,61 @@ def test_arms_without_length_are_refused() -> None:
         if not any(part in name for part in ("hip", "knee", "ankle", "foot"))
     ]
     with pytest.raises(InputError, match="limbs have no length"):
-        retarget(
-            bvh_motion(flat, Rotation.identity(len(flat))), {name: name for name, _, _ in flat}
-        )
+        at_rest(flat, {name: name for name, _, _ in flat})
 
 
 def test_fingers_without_length_leave_the_hand_as_the_arm_is() -> None:
-    skeleton = [
-        (name, parent, (0.0, 0.0, 0.0) if name[-1] in "123" and "spine" not in name else offset)
-        for name, parent, offset in smplx_skeleton()
-    ]
-    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    clip = at_rest(changed(lambda name, offset: (0, 0, 0) if is_finger(name) else offset))
     np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
 
 
 def test_skeleton_without_offsets_is_refused() -> None:
-    skeleton = [(name, parent, (0.0, 0.0, 0.0)) for name, parent, _ in smplx_skeleton()]
     with pytest.raises(InputError, match="no trunk"):
-        retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+        at_rest(changed(lambda name, offset: (0, 0, 0)))
 
 
-@pytest.mark.parametrize(
-    ("file", "rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
-)
-def test_real_arms_legs_and_fingers_point_as_recorded(
-    shared_data: Path, file: str, rate: float | None
-) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / file, frame_rate=rate))
+@dataclass(frozen=True)
+class Recorded:
+    """A recording, and the clip that it becomes, each with joints and their turns."""
+
+    motion: BvhMotion
+    joint_map: JointMap
+    clip: MotionClip
+    source: tuple[np.ndarray, np.ndarray]
+    target: tuple[np.ndarray, np.ndarray]
+
+    def places(self, names: list[str]) -> tuple[list[int], list[int]]:
+        """Return the indices of joints in the recording, and in the clip."""
+        recorded = [self.motion.joint_names.index(self.joint_map[name]) for name in names]
+        return recorded, [joint_index(name) for name in names]
+
+
+@cache
+def read_recording(path: Path) -> Recorded:
+    motion = settle_first_frame(read_bvh(path, frame_rate=15 if "scott" in path.name else None))
     _, joint_map = choose_joint_map(motion.joint_names)
-    errors = bone_errors(motion, joint_map, retarget(motion, joint_map))
-    assert len(errors) == (20 if "scott" in file else 8)
+    clip = retarget(motion, joint_map)
+    target = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    return Recorded(motion, joint_map, clip, motion.forward_kinematics(), target)
+
+
+@pytest.fixture
+def scott(shared_data: Path) -> Recorded:
+    return read_recording(shared_data / "2_scott_0_1_1.bvh")
+
+
+@pytest.fixture
+def sample(shared_data: Path) -> Recorded:
+    return read_recording(shared_data / "aitviewer_sample.bvh")
+
+
+@pytest.mark.parametrize(("recording", "bones"), [("scott", 20), ("sample", 8)])
+def test_real_arms_legs_and_fingers_point_as_recorded(
+    request: pytest.FixtureRequest, recording: str, bones: int
+) -> None:
+    real: Recorded = request.getfixturevalue(recording)
+    errors = bone_errors(real.motion, real.joint_map, real.clip)
+    assert len(errors) == bones
     assert max(errors.values()) < 0.1
 
 
@@ -381,24 +426,15 @@ def _angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.degrees(np.arctan2(sine, cosine))
 
 
-@pytest.mark.parametrize(
-    ("file", "rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
-)
+@pytest.mark.parametrize("recording", ["scott", "sample"])
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_real_elbows_bend_as_recorded(
-    shared_data: Path, file: str, rate: float | None, side: str
+    request: pytest.FixtureRequest, recording: str, side: str
 ) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / file, frame_rate=rate))
-    _, joint_map = choose_joint_map(motion.joint_names)
-    clip = retarget(motion, joint_map)
-    source, _ = motion.forward_kinematics()
-    target, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    arm = [f"{side}_{part}" for part in ("shoulder", "elbow", "wrist")]
+    real: Recorded = request.getfixturevalue(recording)
+    arm = real.places([f"{side}_{part}" for part in ("shoulder", "elbow", "wrist")])
     bends = []
-    for positions, joints in (
-        (source, [motion.joint_names.index(joint_map[name]) for name in arm]),
-        (target, [joint_index(name) for name in arm]),
-    ):
+    for (positions, _), joints in zip((real.source, real.target), arm, strict=True):
         upper, lower = (directions(positions, *pair) for pair in pairwise(joints))
         bends.append(_angles(upper, lower))
     assert bends[0].max() > 60
@@ -406,20 +442,14 @@ def test_real_elbows_bend_as_recorded(
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_real_palms_face_as_the_recorded_fingers_tell(shared_data: Path, side: str) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
-    _, joint_map = choose_joint_map(motion.joint_names)
-    clip = retarget(motion, joint_map)
-    names = [f"{side}_{part}" for part in ("wrist", "middle1", "ring1", "index1")]
-    recorded = [motion.joint_names.index(joint_map[name]) for name in names]
+def test_real_palms_face_as_the_recorded_fingers_tell(scott: Recorded, side: str) -> None:
+    recorded, own = scott.places(
+        [f"{side}_{part}" for part in ("wrist", "middle1", "ring1", "index1")]
+    )
     palms = []
     for rest, rotations, (wrist, middle, ring, index) in (
-        (motion.rest_positions, motion.forward_kinematics()[1], recorded),
-        (
-            REST_JOINTS,
-            forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[1],
-            [joint_index(name) for name in names],
-        ),
+        (scott.motion.rest_positions, scott.source[1], recorded),
+        (REST_JOINTS, scott.target[1], own),
     ):
         flat = np.cross(rest[middle] - rest[wrist], rest[index] - rest[ring])
         palms.append(rotations[:, wrist] @ flat)
@@ -427,32 +457,20 @@ def test_real_palms_face_as_the_recorded_fingers_tell(shared_data: Path, side: s
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_real_palms_face_as_the_recorded_wrists_tell(shared_data: Path, side: str) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
-    _, joint_map = choose_joint_map(motion.joint_names)
-    clip = retarget(motion, joint_map)
-    _, recorded = motion.forward_kinematics()
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    wrist = motion.joint_names.index(joint_map[f"{side}_wrist"])
-    palms = [
-        rotations @ [0.0, -1.0, 0.0]
-        for rotations in (recorded[:, wrist], turned[:, joint_index(f"{side}_wrist")])
-    ]
+def test_real_palms_face_as_the_recorded_wrists_tell(sample: Recorded, side: str) -> None:
+    (recorded,), (own,) = sample.places([f"{side}_wrist"])
+    down = np.array([0.0, -1.0, 0.0])
+    palms = sample.source[1][:, recorded] @ down, sample.target[1][:, own] @ down
     assert _angles(*palms).max() < 3
 
 
-def test_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
-    clip = retarget(motion, choose_joint_map(motion.joint_names)[1])
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    facing = turned[:200, joint_index("head")] @ [0, 0, 1]
+def test_real_speaker_looks_ahead_after_calibration(sample: Recorded) -> None:
+    facing = sample.target[1][:200, joint_index("head")] @ [0, 0, 1]
     assert np.degrees(np.arcsin(np.abs(facing[:, 1]))).max() < 10
 
 
-def test_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:
-    motion = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
-    clip = retarget(motion, choose_joint_map(motion.joint_names)[1])
-    positions, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+def test_real_speaker_stands_upright_with_hands_in_front(scott: Recorded) -> None:
+    positions, turned = scott.target
     trunk = directions(positions, joint_index("pelvis"), joint_index("head"))
     assert trunk[:, 1].min() > np.cos(np.radians(35))
     facing = turned[:, joint_index("head")] @ [0, 0, 1]
@@ -463,5 +481,5 @@ def test_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> N
         assert (sign * wrist[:, 0] > -0.2).all()
         palm = turned[:, joint_index(f"{side}_wrist")] @ [0, -1, 0]
         assert sign * palm[:, 0].mean() < -0.5
-        bend = np.linalg.norm(clip.poses[:, joint_index(f"{side}_wrist")], axis=1)
+        bend = np.linalg.norm(scott.clip.poses[:, joint_index(f"{side}_wrist")], axis=1)
         assert np.degrees(bend).max() < 60

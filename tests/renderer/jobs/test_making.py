@@ -20,7 +20,7 @@ from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import write_clip
 from renderer.framing import Camera
-from renderer.jobs.job import ClipJob, Job, Outcome, PairJob
+from renderer.jobs.job import ClipJob, Outcome, PairJob
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.jobs.making import run_jobs
 from renderer.look import Look
@@ -60,7 +60,7 @@ def pair_job(clip_job: ClipJob, tmp_path: Path) -> PairJob:
     )
 
 
-def test_broken_jobs_are_reported_and_the_rest_goes_on(
+def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     clip_job: ClipJob, pair_job: PairJob, inputs: Path, tmp_path: Path
 ) -> None:
     with np.load(inputs / "clip.npz") as archive:
@@ -75,14 +75,18 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on(
         replace(clip_job, name="mute", speech=tmp_path / "none.wav", video=tmp_path / "mute.mp4"),
         clip_job,
         pair_job,
+        replace(clip_job, name="next", frames=tmp_path / "2.mkv", video=tmp_path / "2.mp4"),
     ]
+    assert ONE_THREAD["LP_NUM_THREADS"] == "0"
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
     outcomes = run_jobs(jobs, processes=1, on_done=told.append)
-    assert [outcome.name for outcome in outcomes] == ["lonely", "nan", "mute", "clip", "pair"]
-    assert [outcome.error is None for outcome in outcomes] == [False, False, False, True, True]
+    assert before == {name: os.environ.get(name) for name in ONE_THREAD}
+    names = ["lonely", "nan", "mute", "clip", "pair", "next"]
+    assert [outcome.name for outcome in outcomes] == [outcome.name for outcome in told] == names
+    assert [outcome.error is None for outcome in outcomes] == [False] * 3 + [True] * 3
     assert "not a number" in str(outcomes[1].error)
     assert str(tmp_path / "nan.npz") in str(outcomes[1].error)
     assert "no such audio file" in str(outcomes[2].error)
-    assert {outcome.name for outcome in told} == {outcome.name for outcome in outcomes}
     assert clip_job.video.exists()
     assert pair_job.video.exists()
     assert not (tmp_path / "nan.mp4").exists()
@@ -195,27 +199,6 @@ def test_a_process_that_dies_while_it_is_idle_costs_no_job(
     assert [outcome.error for outcome in outcomes] == [None, None]
 
 
-def test_a_segment_is_finished_before_the_next_is_begun(
-    clip_job: ClipJob, pair_job: PairJob, tmp_path: Path
-) -> None:
-    jobs: list[Job] = []
-    for segment in ("one", "two"):
-        frames, video = tmp_path / f"{segment}.mkv", tmp_path / f"{segment}.mp4"
-        jobs.append(replace(clip_job, name=f"{segment} clip", frames=frames, video=video))
-        jobs.append(
-            replace(
-                pair_job,
-                name=f"{segment} pair",
-                left=frames,
-                right=frames,
-                video=tmp_path / f"{segment}-pair.mp4",
-            )
-        )
-    told: list[str] = []
-    run_jobs(jobs, processes=1, on_done=lambda outcome: told.append(outcome.name))
-    assert told == ["one clip", "one pair", "two clip", "two pair"]
-
-
 def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) -> None:
     jobs = [
         replace(
@@ -229,13 +212,6 @@ def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) ->
     assert all(outcome.error is None for outcome in run_jobs(jobs, processes=2))
     contents = {job.video.read_bytes() for job in jobs}
     assert len(contents) == 1
-
-
-def test_a_worker_draws_and_computes_in_one_thread(clip_job: ClipJob) -> None:
-    assert ONE_THREAD["LP_NUM_THREADS"] == "0"
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    run_jobs([clip_job], processes=1)
-    assert before == {name: os.environ.get(name) for name in ONE_THREAD}
 
 
 def test_no_jobs_are_done_at_once() -> None:
