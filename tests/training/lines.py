@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+import signal
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
+
+from training.config import TrainingConfig
+from training.run.folder import RunFolder
+from training.run.loop import TrainingStopped, train
 
 _CHANCE = np.random.default_rng(7)
 ENTRIES = torch.from_numpy(_CHANCE.standard_normal((40, 3)).astype(np.float32))
@@ -47,3 +55,25 @@ class Line:
         """Return what is measured of a network outside of training."""
         with torch.no_grad():
             return self.validation(network.eval())
+
+
+def interrupt_after(*steps: int) -> Callable[[int, int, str], None]:
+    """Return a listener that asks a run to stop, as Ctrl-C does, once after each of `steps`."""
+    asked = set(steps)
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done in asked:
+            asked.remove(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    return show
+
+
+def files_of_run(task: Any, config: TrainingConfig, folder: Path, *stops: int) -> dict[str, bytes]:
+    """Return the files of a run that was stopped after each of `stops`."""
+    kept, show = RunFolder(folder), interrupt_after(*stops)
+    for _ in stops:
+        with pytest.raises(TrainingStopped):
+            train(task, config, kept, show=show)
+    train(task, config, kept, show=show)
+    return {path.name: path.read_bytes() for path in (kept.checkpoint, kept.best, kept.log)}

@@ -9,7 +9,6 @@ from __future__ import annotations
 import atexit
 import json
 import os
-import signal
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, Line
+from tests.training.lines import ENTRIES, VALUES, Line, interrupt_after
 from training.config import Decay, TrainingConfig
 from training.run.folder import RunFolder
 from training.run.loop import TrainingStopped, train
@@ -85,14 +84,9 @@ class PlainLine(Line):
 
 def learn(folder: Path, changed: dict[str, Any], stop: int) -> None:
     """Train in `folder`, and have the leading process stopped after `stop` steps."""
-
-    def show(done: int, total: int, detail: str) -> None:
-        if done == stop:
-            os.kill(os.getpid(), signal.SIGINT)
-
     task = PlainLine(normed=changed.pop("normed", False))
     config = TrainingConfig(**{**_plain(CONFIG), **changed})
-    train(task, config, RunFolder(folder), show=show)
+    train(task, config, RunFolder(folder), show=interrupt_after(stop))
 
 
 def _plain(config: TrainingConfig) -> dict[str, Any]:

@@ -24,17 +24,17 @@ LICENSED = 9940  # more than the highest vertex that smplx's landmark table name
 def _random_arrays(vertices: int) -> Arrays:
     """Return a body with everything a licensed one has, in random numbers."""
     rng = np.random.default_rng(0)
-    weights = rng.random((VERTICES, 55)) ** 8
-    regressor = np.zeros((55, VERTICES))
-    regressor[np.arange(55)[:, None], rng.integers(0, VERTICES, (55, 20))] = 1 / 20
-    shapes = np.zeros((VERTICES, 3, 400), np.float32)
-    shapes[:, :, :10] = rng.normal(0, 0.01, (VERTICES, 3, 10))
-    shapes[:, :, 300:310] = rng.normal(0, 0.01, (VERTICES, 3, 10))
+    weights = rng.random((vertices, 55)) ** 8
+    regressor = np.zeros((55, vertices))
+    regressor[np.arange(55)[:, None], rng.integers(0, vertices, (55, 20))] = 1 / 20
+    shapes = np.zeros((vertices, 3, 400), np.float32)
+    shapes[:, :, :10] = rng.normal(0, 0.01, (vertices, 3, 10))
+    shapes[:, :, 300:310] = rng.normal(0, 0.01, (vertices, 3, 10))
     return {
-        "v_template": rng.normal(0, 0.5, (VERTICES, 3)),
-        "f": rng.integers(0, VERTICES, (100, 3)).astype(np.uint32),
+        "v_template": rng.normal(0, 0.5, (vertices, 3)),
+        "f": rng.integers(0, vertices, (100, 3)).astype(np.uint32),
         "shapedirs": shapes,
-        "posedirs": rng.normal(0, 0.001, (VERTICES, 3, 486)).astype(np.float32),
+        "posedirs": rng.normal(0, 0.001, (vertices, 3, 486)).astype(np.float32),
         "J_regressor": regressor,
         "weights": weights / weights.sum(axis=1, keepdims=True),
         "kintree_table": np.stack([np.array(PARENTS), np.arange(55)]),
@@ -58,8 +58,8 @@ def body(arrays: Arrays, tmp_path_factory: pytest.TempPathFactory) -> BodyModel:
 
 
 def _read(folder: Path, arrays: Arrays, **given: Any) -> BodyModel:
-    np.savez(folder / "smplx.npz", **arrays)
-    return read_body(folder / "smplx.npz", **given)
+    np.savez(folder / "smplx_random.npz", **arrays)
+    return read_body(folder / "smplx_random.npz", **given)
 
 
 def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
@@ -82,7 +82,8 @@ def test_vertices_are_those_of_smplx(tmp_path: Path) -> None:
     expressions[:, :10] = rng.normal(0, 1, (4, 10))
     clip = _clip(4, betas=rng.normal(0, 1, 10), expressions=expressions)
     model = smplx.create(
-        str(tmp_path / "smplx.npz"), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
+        str(tmp_path / "smplx_random.npz"), model_type="smplx", ext="npz", use_pca=False,
+        flat_hand_mean=True,
         num_betas=10, num_expression_coeffs=10, batch_size=4,
     )  # fmt: skip
     poses = torch.tensor(clip.poses)
@@ -239,7 +240,7 @@ def test_a_file_that_is_no_smplx_body_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=what) as caught:
         _read(tmp_path, broken(arrays))
-    assert caught.value.where == str(tmp_path / "smplx.npz")
+    assert caught.value.where == str(tmp_path / "smplx_random.npz")
     assert caught.value.remedy
 
 

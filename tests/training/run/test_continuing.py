@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import tempfile
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.training.lines import Line
+from tests.training.lines import Line, files_of_run
 from training.config import Decay, TrainingConfig
 from training.run.folder import RunFolder
-from training.run.loop import TrainingStopped, train
+from training.run.loop import train
 from training.weights_file import read_weights
 
 PLAIN = TrainingConfig(steps=9, batch_size=8, learning_rate=0.05, validate_every=4)
@@ -30,22 +27,8 @@ CONFIGS = {
 
 
 def run(config: TrainingConfig, *stops: int) -> dict[str, bytes]:
-    """Return the files of a run that was stopped after each of `stops`."""
-    asked = set(stops)
-
-    def show(done: int, total: int, detail: str) -> None:
-        if done in asked:
-            asked.remove(done)
-            os.kill(os.getpid(), signal.SIGINT)
-
     with tempfile.TemporaryDirectory() as name:
-        folder = RunFolder(Path(name))
-        for _ in stops:
-            with pytest.raises(TrainingStopped):
-                train(Line(), config, folder, show=show)
-        train(Line(), config, folder, show=show)
-        kept = (folder.checkpoint, folder.best, folder.log)
-        return {path.name: path.read_bytes() for path in kept}
+        return files_of_run(Line(), config, Path(name), *stops)
 
 
 @cache

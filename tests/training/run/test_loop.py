@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,7 +10,7 @@ import pytest
 import torch
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, Line
+from tests.training.lines import ENTRIES, VALUES, Line, interrupt_after
 from training.config import TrainingConfig
 from training.run.folder import RunFolder
 from training.run.loop import TrainingStopped, train
@@ -25,16 +24,6 @@ FILES = ("checkpoint.safetensors", "best.safetensors", "log.jsonl", "curves.png"
 
 def content(folder: Path) -> dict[str, bytes]:
     return {name: (folder / name).read_bytes() for name in FILES}
-
-
-def stop_after(step: int):
-    """Return a listener that asks the run to stop, as Ctrl-C does, after a step."""
-
-    def show(done: int, total: int, detail: str) -> None:
-        if done == step:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    return show
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +48,7 @@ def test_a_run_that_goes_on_from_any_step_ends_in_the_same_bytes(
 ) -> None:
     for stop in stops:
         with pytest.raises(TrainingStopped) as stopped:
-            train(Line(), CONFIG, RunFolder(tmp_path), show=stop_after(stop))
+            train(Line(), CONFIG, RunFolder(tmp_path), show=interrupt_after(stop))
         assert (stopped.value.step, stopped.value.steps) == (stop, 23)
         assert read_weights(tmp_path / FILES[0]).facts["step"] == stop
     train(Line(), CONFIG, RunFolder(tmp_path))
@@ -151,12 +140,8 @@ class Small(Line):
 def test_the_weights_that_are_kept_are_chosen_by_what_the_task_measures_first(
     tmp_path: Path,
 ) -> None:
-    def show(done: int, total: int, detail: str) -> None:
-        if done == 17:
-            os.kill(os.getpid(), signal.SIGINT)
-
     with pytest.raises(TrainingStopped):
-        train(Small(), CONFIG, RunFolder(tmp_path), show=show)
+        train(Small(), CONFIG, RunFolder(tmp_path), show=interrupt_after(17))
     trained = train(Small(), CONFIG, RunFolder(tmp_path))
     lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     measured = {line["step"]: line["held_out"] for line in lines if "held_out" in line}

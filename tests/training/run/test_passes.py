@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, Line
+from tests.training.lines import ENTRIES, VALUES, Line, files_of_run, interrupt_after
 from training.config import TrainingConfig
 from training.run.batch_order import rows_of_step
 from training.run.folder import RunFolder
@@ -180,23 +178,6 @@ def test_passes_in_parts_come_to_what_they_do_in_one(accumulate: int) -> None:
     torch.testing.assert_close(state(parts), state(one), rtol=1e-4, atol=1e-5)
 
 
-def run(folder: Path, config: TrainingConfig, *stops: int) -> dict[str, bytes]:
-    """Return the files of a run that was stopped after each of `stops`."""
-    asked = set(stops)
-
-    def show(done: int, total: int, detail: str) -> None:
-        if done in asked:
-            asked.remove(done)
-            os.kill(os.getpid(), signal.SIGINT)
-
-    kept = RunFolder(folder)
-    for _ in stops:
-        with pytest.raises(TrainingStopped):
-            train(Rivalry(), config, kept, show=show)
-    train(Rivalry(), config, kept, show=show)
-    return {path.name: path.read_bytes() for path in (kept.checkpoint, kept.best, kept.log)}
-
-
 STAGED = replace(
     CONFIG,
     accumulate=2,
@@ -212,13 +193,13 @@ STAGED = replace(
 def test_a_run_in_passes_and_stages_goes_on_to_the_same_bytes(
     stops: tuple[int, ...], tmp_path: Path
 ) -> None:
-    assert run(tmp_path / "parts", STAGED, *stops) == run(tmp_path / "whole", STAGED)
+    parts = files_of_run(Rivalry(), STAGED, tmp_path / "parts", *stops)
+    assert parts == files_of_run(Rivalry(), STAGED, tmp_path / "whole")
 
 
 def test_a_run_of_other_passes_is_not_continued_and_the_difference_is_named(tmp_path: Path) -> None:
     with pytest.raises(TrainingStopped):
-        stop_at_once = lambda *told: os.kill(os.getpid(), signal.SIGINT)  # noqa: E731
-        train(Rivalry(), CONFIG, RunFolder(tmp_path), show=stop_at_once)
+        train(Rivalry(), CONFIG, RunFolder(tmp_path), show=interrupt_after(1))
     with pytest.raises(InputError, match=r"training passes was .*'every': 1.* and is .*'every': 2"):
         slower = (MAKER, replace(JUDGE, every=2))
         train(Rivalry(), replace(CONFIG, passes=slower), RunFolder(tmp_path))
