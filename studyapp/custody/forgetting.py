@@ -87,7 +87,7 @@ def remembered(database: Database, name: str, key: PseudonymKey | None) -> tuple
         By which pseudonyms are found; None where nothing was ever exported.
     """
     with database.reading() as session:
-        sittings = [
+        study_sessions = [
             Remembered(
                 study_session=found.id,
                 arm=found.arm,
@@ -99,7 +99,7 @@ def remembered(database: Database, name: str, key: PseudonymKey | None) -> tuple
         ]
         screened_out = session.scalars(select(ScreenOut.id).where(ScreenOut.participant == name))
         return (
-            *sittings,
+            *study_sessions,
             *(
                 Remembered(
                     study_session=None, arm="", state="screened out", known_as="recruiter id"

@@ -27,7 +27,7 @@ FEWEST: Final = 4
 class AnsweredTrial(NamedTuple):
     """One answered trial of somebody who did not withdraw."""
 
-    sitting: int
+    study_session: int
     position: int
     kind: str
     emotion: str
@@ -82,9 +82,9 @@ def progress(trials: Iterable[AnsweredTrial], arms: Mapping[int, str]) -> Progre
         Trials of other study sessions are not counted.
     """
     counts = Counter(
-        (arms[trial.sitting], trial.emotion)
+        (arms[trial.study_session], trial.emotion)
         for trial in trials
-        if trial.kind in ANALYSED and trial.sitting in arms
+        if trial.kind in ANALYSED and trial.study_session in arms
     )
     return Progress(emotions=tuple(sorted({emotion for _, emotion in counts})), counts=counts)
 

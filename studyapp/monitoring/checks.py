@@ -28,7 +28,7 @@ class Check(NamedTuple):
         Whether it was answered, not left out.
     """
 
-    sitting: int
+    study_session: int
     kind: str
     item: str
     failed: bool
@@ -73,14 +73,14 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
     shown = _conditions(session)
     answers = _answers(session)
     found = []
-    for trial_id, sitting, kind, part, segment, expected, instructed, answered in rows:
-        if sitting not in wanted:
+    for trial_id, study_session, kind, part, segment, expected, instructed, answered in rows:
+        if study_session not in wanted:
             continue
         conditions = shown.get(trial_id, ())
         judged = JudgedTrial(kind, part, conditions, expected, instructed)
         pair = f": {' and '.join(sorted(conditions))}" if kind == "catch" else ""
         failed = not answered or study.failed(judged, answers.get(trial_id, {}))
-        found.append(Check(sitting, kind, f"{segment}{pair}", failed, answered))
+        found.append(Check(study_session, kind, f"{segment}{pair}", failed, answered))
     return found
 
 
@@ -92,7 +92,7 @@ def checked_items(found: Iterable[Check]) -> tuple[CheckedItem, ...]:
     found = list(found)
     failures: dict[int, int] = defaultdict(int)
     for check in found:
-        failures[check.sitting] += check.failed
+        failures[check.study_session] += check.failed
     by_item: dict[tuple[str, str], list[Check]] = defaultdict(list)
     for check in found:
         if check.answered:
@@ -103,17 +103,17 @@ def checked_items(found: Iterable[Check]) -> tuple[CheckedItem, ...]:
     return tuple(sorted(items, key=lambda each: -each.failed / each.answered))
 
 
-def failed_by_sitting(found: Iterable[Check], kind: str) -> dict[int, int]:
+def failed_by_session(found: Iterable[Check], kind: str) -> dict[int, int]:
     """Return how many checks of `kind` each study session failed, of those that had any."""
     failures: dict[int, int] = {}
     for check in found:
         if check.kind == kind:
-            failures[check.sitting] = failures.get(check.sitting, 0) + check.failed
+            failures[check.study_session] = failures.get(check.study_session, 0) + check.failed
     return failures
 
 
 def _item(kind: str, item: str, of_item: Sequence[Check], failures: dict[int, int]) -> CheckedItem:
-    careful = [each for each in of_item if failures[each.sitting] - each.failed == 0]
+    careful = [each for each in of_item if failures[each.study_session] - each.failed == 0]
     return CheckedItem(
         kind=kind,
         item=item,

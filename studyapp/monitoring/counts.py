@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
 
-from studyapp.monitoring.study_sessions import Sitting
+from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.study.design.arm import Arm
-
-LEFT: Final = ("stale", "lapsed")
-"""Who has been silent for longer than a place is kept."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +45,7 @@ class PlaceCounts:
 
 
 def count_places(
-    arms: Iterable[Arm], sittings: Iterable[Sitting], more_places: int = 0
+    arms: Iterable[Arm], study_sessions: Iterable[SessionProgress], more_places: int = 0
 ) -> tuple[PlaceCounts, ...]:
     """Return the counts of each arm, in the order of the study.
 
@@ -58,7 +54,7 @@ def count_places(
     more_places : int
         Places that each arm wants beyond those of the study file.
     """
-    held = Counter((sitting.arm, sitting.standing) for sitting in sittings if sitting.present)
+    held = Counter((each.arm, each.standing) for each in study_sessions if each.present)
     return tuple(
         PlaceCounts(
             arm=arm.name,
@@ -124,27 +120,19 @@ class Dropouts:
         return sum(each.left for each in self.at)
 
 
-def dropouts(sittings: Sequence[Sitting]) -> Dropouts:
-    """Return who left of `sittings`, and where."""
-    stopped = Counter(stands_at(each) for each in sittings if each.standing in LEFT)
-    others = [each for each in sittings if each.standing != "withdrawn"]
+def dropouts(study_sessions: Sequence[SessionProgress]) -> Dropouts:
+    """Return who left of `study_sessions`, and where."""
+    stopped = Counter(each.stands_at for each in study_sessions if each.has_left)
+    others = [each for each in study_sessions if each.standing != "withdrawn"]
     return Dropouts(
         at=tuple(
             LeftAt(
                 position=position,
                 left=stopped[position],
-                came=sum(stands_at(each) >= position for each in others),
+                came=sum(each.stands_at >= position for each in others),
             )
             for position in sorted(stopped)
         ),
-        withdrawn=sum(each.standing == "withdrawn" for each in sittings),
-        of=len(sittings),
+        withdrawn=sum(each.standing == "withdrawn" for each in study_sessions),
+        of=len(study_sessions),
     )
-
-
-def stands_at(sitting: Sitting) -> int:
-    """Return the position of the trial that a study session is at; 0 before the first one.
-
-    Who has settled all of them stands behind the last.
-    """
-    return 0 if sitting.started_at is None else sitting.settled + 1

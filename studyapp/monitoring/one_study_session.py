@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -11,6 +11,7 @@ from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import (
+    ExclusionDecision,
     FormAnswer,
     RefusalLine,
     StudySession,
@@ -18,8 +19,8 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
-from studyapp.monitoring.study_sessions import Sitting, sittings
-from studyapp.researchers.exclusion_decisions import DecidedExclusion, exclusion_decisions
+from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sessions
+from studyapp.researchers.exclusion_decisions import exclusion_decisions
 from studyapp.session.exclusion import JUDGED, is_failed
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.videos.watch_evidence import FASTEST, length, watched_share, watched_so_far
@@ -69,7 +70,7 @@ class TrialLine:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OneSitting:
+class OneStudySession:
     """One study session.
 
     Attributes
@@ -82,23 +83,23 @@ class OneSitting:
         What they said about themselves: stage, question and answer.
     recruiter : tuple of (str, str)
         The recruiter's names for them, with what each names; none where they came by themselves.
-    decided : tuple of DecidedExclusion
+    decided : sequence of ExclusionDecision
         What researchers decided about them, the newest first.
     """
 
-    sitting: Sitting
+    progress: SessionProgress
     version: int
     number: int | None
     trials: tuple[TrialLine, ...]
     events: tuple[Event, ...]
     said: tuple[tuple[str, str, str], ...]
     recruiter: tuple[tuple[str, str], ...]
-    decided: tuple[DecidedExclusion, ...]
+    decided: Sequence[ExclusionDecision]
 
 
-def one_sitting(
+def one_study_session(
     database: Database, served: ServedStudy, number: int, now: datetime
-) -> OneSitting | None:
+) -> OneStudySession | None:
     """Return the study session `number`, None where there is none."""
     query = (
         select(StudySession)
@@ -118,10 +119,10 @@ def one_sitting(
         found = session.scalars(query).first()
         if found is None:
             return None
-        (standing,) = sittings(session, served, now, only=number)
+        (standing,) = progress_of_sessions(session, served, now, only=number)
         events = [*_own_events(found), *map(_refused, session.scalars(refused))]
-        return OneSitting(
-            sitting=standing,
+        return OneStudySession(
+            progress=standing,
             version=found.version.number,
             number=found.number,
             trials=tuple(_line(served.study, trial) for trial in found.trials),
@@ -136,7 +137,7 @@ def _recruiter(found: StudySession) -> tuple[tuple[str, str], ...]:
     names = {
         "participant": found.recruiter_participant or "",
         "study": found.recruiter_study,
-        "sitting": found.recruiter_session,
+        "session": found.recruiter_session,
     }
     return tuple((what, name) for what, name in names.items() if name)
 

@@ -24,12 +24,12 @@ from studyapp.monitoring.checks import (
     CheckedItem,
     checked_items,
     checks,
-    failed_by_sitting,
+    failed_by_session,
 )
 from studyapp.monitoring.counts import Dropouts, PlaceCounts, all_together, count_places, dropouts
 from studyapp.monitoring.decisions import Decision, decisions
 from studyapp.monitoring.playback import PlayedVideo, played_videos
-from studyapp.monitoring.study_sessions import Sitting, present_ones, sittings
+from studyapp.monitoring.study_sessions import SessionProgress, present_ones, progress_of_sessions
 from studyapp.session.arrival.intake import Intake, present_intake
 from studyapp.session.exclusion import JUDGED
 from studyapp.session.served_study import ServedStudy
@@ -70,7 +70,7 @@ class Overview:
         Study sessions that hold no place.
     excluded : int
         Study sessions that researchers leave out of the analysis; most hold places all the same.
-    leaving_out : tuple of Sitting
+    leaving_out : tuple of SessionProgress
         Who said most often that a video does not play; nobody who never did.
     whole : Times
         How long whole study sessions take, from the first trial to the last answer.
@@ -86,7 +86,7 @@ class Overview:
     replaced: int
     unwatched: int
     excluded: int
-    leaving_out: tuple[Sitting, ...]
+    leaving_out: tuple[SessionProgress, ...]
     progress: Progress
     dropouts: Dropouts
     failed: tuple[FailedChecks, ...]
@@ -101,10 +101,10 @@ class Overview:
 def overview(database: Database, served: ServedStudy, now: datetime) -> Overview:
     """Return how the study goes."""
     with database.reading() as session:
-        everybody = sittings(session, served, now)
+        everybody = progress_of_sessions(session, served, now)
         present = present_ones(everybody)
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
-        trials = [each for each in answered_trials(session) if each.sitting in counted]
+        trials = [each for each in answered_trials(session) if each.study_session in counted]
         found = checks(session, served.study, counted)
         videos = played_videos(session)
         balance = sides(shown_on_sides(session))
@@ -127,7 +127,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         progress=progress(trials, counted),
         dropouts=left,
         failed=tuple(
-            FailedChecks(kind=kind, by_failures=_tally(failed_by_sitting(found, kind).values()))
+            FailedChecks(kind=kind, by_failures=_tally(failed_by_session(found, kind).values()))
             for kind in JUDGED
             if any(check.kind == kind for check in found)
         ),
@@ -152,23 +152,23 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
 def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
     """Return how many places are done, active, stale and open, of all arms together."""
     with database.reading() as session:
-        present = present_ones(sittings(session, served, now))
+        present = present_ones(progress_of_sessions(session, served, now))
         more = present_intake(session).more_places
     return all_together(count_places(served.study.arms, present, more))
 
 
-def _forecast(present: Sequence[Sitting], places: PlaceCounts, now: datetime) -> Forecast:
+def _forecast(present: Sequence[SessionProgress], places: PlaceCounts, now: datetime) -> Forecast:
     finished = [each.completed_at for each in present if each.completed_at is not None]
     began = min((each.consented_at for each in present), default=None)
     return forecast(finished, places.still_to_be_done, began, now)
 
 
-def _leaving_out(present: Sequence[Sitting]) -> tuple[Sitting, ...]:
+def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
     some = [each for each in present if each.left_out]
     return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
 
 
-def _whole_seconds(present: Sequence[Sitting]) -> list[float]:
+def _whole_seconds(present: Sequence[SessionProgress]) -> list[float]:
     return [
         (each.completed_at - each.started_at).total_seconds()
         for each in present

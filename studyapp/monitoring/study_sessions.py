@@ -1,16 +1,18 @@
-"""Where every study session stands, in one statement and a few rules."""
+"""Where every study session stands, in one statement and a few rules; and lists of them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
 from datetime import datetime, timedelta
-from typing import Any, Final, Literal, NamedTuple, get_args
+from typing import Any, Final, Literal, get_args
 
 from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
+from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial, Video
+from studyapp.monitoring.checks import checks, failed_by_session
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import state_of
@@ -19,27 +21,14 @@ Standing = Literal["done", "replaced", "active", "stale", "unwatched", "lapsed",
 STANDINGS: Final[tuple[Standing, ...]] = get_args(Standing)
 
 
-class _Row(NamedTuple):
-    """What the database says of one study session."""
+LEFT: Final = ("stale", "lapsed")
 
-    id: int
-    arm: str
-    arm_design: str
-    consented_at: datetime
-    started_at: datetime | None
-    last_active_at: datetime
-    completed_at: datetime | None
-    withdrawn_at: datetime | None
-    outcome: str | None
-    place: int | None
-    excluded: bool
-    trials: int
-    settled: int
-    left_out: int
+ROWS: Final = 100
+"""Study sessions on one page."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sitting:
+class SessionProgress:
     """One study session, as far as its progress goes.
 
     Attributes
@@ -75,38 +64,46 @@ class Sitting:
     left_out: int = 0
     excluded: bool = False
 
+    @property
+    def has_left(self) -> bool:
+        """Whether the participant has been silent for longer than a place is kept."""
+        return self.standing in LEFT
 
-def sittings(
+    @property
+    def stands_at(self) -> int:
+        """The position of the trial that it is at; 0 before the first one.
+
+        Who has settled all of them stands behind the last.
+        """
+        return 0 if self.started_at is None else self.settled + 1
+
+
+STORED: Final = tuple({each.name for each in fields(SessionProgress)} - {"present", "standing"})
+"""What the database says itself."""
+
+
+def progress_of_sessions(
     session: Session, served: ServedStudy, now: datetime, *, only: int | None = None
-) -> list[Sitting]:
+) -> list[SessionProgress]:
     """Return every study session, the first one first; or `only` that of one number."""
     silent_since = now - timedelta(minutes=served.study.lease_minutes)
-    rows = [_Row(*row) for row in session.connection().execute(_query(only)).all()]
+    rows: Sequence[Any] = session.connection().execute(_query(only)).all()
     return [
-        Sitting(
-            id=row.id,
-            arm=row.arm,
+        SessionProgress(
             present=(row.arm, row.arm_design) in served.arms,
             standing=_standing(row, silent_since),
-            consented_at=row.consented_at,
-            started_at=row.started_at,
-            last_active_at=row.last_active_at,
-            completed_at=row.completed_at,
-            trials=row.trials,
-            settled=row.settled,
-            left_out=row.left_out,
-            excluded=row.excluded,
+            **{name: getattr(row, name) for name in STORED},
         )
         for row in rows
     ]
 
 
-def present_ones(all_of_them: Sequence[Sitting]) -> list[Sitting]:
+def present_ones(all_of_them: Sequence[SessionProgress]) -> list[SessionProgress]:
     """Return those of the study as it is served."""
-    return [sitting for sitting in all_of_them if sitting.present]
+    return [each for each in all_of_them if each.present]
 
 
-def _standing(row: _Row, silent_since: datetime) -> Standing:
+def _standing(row: Any, silent_since: datetime) -> Standing:
     state = state_of(row)
     if state == "completed":
         return "replaced" if row.place is None else "done"
@@ -141,11 +138,11 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
             StudySession.completed_at,
             StudySession.withdrawn_at,
             StudySession.outcome,
-            Place.id,
-            by_hand.c.study_session_id.is_not(None),
-            func.coalesce(of_trials.c.trials, 0),
-            func.coalesce(of_trials.c.settled, 0),
-            func.coalesce(of_videos.c.left_out, 0),
+            Place.id.label("place"),
+            by_hand.c.study_session_id.is_not(None).label("excluded"),
+            func.coalesce(of_trials.c.trials, 0).label("trials"),
+            func.coalesce(of_trials.c.settled, 0).label("settled"),
+            func.coalesce(of_videos.c.left_out, 0).label("left_out"),
         )
         .outerjoin(of_trials, of_trials.c.owner == StudySession.id)
         .outerjoin(of_videos, of_videos.c.owner == StudySession.id)
@@ -154,3 +151,64 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
         .order_by(StudySession.id)
     )
     return query if only is None else query.where(StudySession.id == only)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """Which study sessions are listed; what is None chooses nothing.
+
+    Attributes
+    ----------
+    standing : Standing or None
+    arm : str or None
+    left_at : int or None
+        Left at this trial; 0 before the first.
+    failed : (str, int) or None
+        A kind of check, and how many of these were failed.
+    earlier : bool
+        Those of earlier versions of the study rather than of the present one.
+    excluded : bool
+        Only those that researchers leave out of the analysis.
+    """
+
+    standing: Standing | None = None
+    arm: str | None = None
+    left_at: int | None = None
+    failed: tuple[str, int] | None = None
+    earlier: bool = False
+    excluded: bool = False
+
+
+def chosen(
+    database: Database, served: ServedStudy, choice: Choice, now: datetime
+) -> list[SessionProgress]:
+    """Return the study sessions of `choice`, the newest first."""
+    with database.reading() as session:
+        found = progress_of_sessions(session, served, now)
+        if choice.failed is not None:
+            kind, count = choice.failed
+            ids = {each.id for each in found if each.standing != "withdrawn"}
+            failures = failed_by_session(checks(session, served.study, ids), kind)
+            found = [each for each in found if failures.get(each.id) == count]
+    return list(reversed([each for each in found if _fits(each, choice)]))
+
+
+def page_of(found: Sequence[SessionProgress], number: int) -> Sequence[SessionProgress]:
+    """Return those on page `number`, from 1."""
+    return found[(number - 1) * ROWS : number * ROWS]
+
+
+def pages_of(found: Sequence[SessionProgress]) -> Iterable[int]:
+    """Return the numbers of the pages that show them all."""
+    return range(1, max(1, -(-len(found) // ROWS)) + 1)
+
+
+def _fits(study_session: SessionProgress, choice: Choice) -> bool:
+    left = study_session.has_left and study_session.stands_at == choice.left_at
+    return (
+        study_session.present is not choice.earlier
+        and choice.standing in (None, study_session.standing)
+        and choice.arm in (None, study_session.arm)
+        and (choice.left_at is None or left)
+        and (study_session.excluded or not choice.excluded)
+    )

@@ -62,7 +62,7 @@ class Arrived:
     Attributes
     ----------
     participant, session : str
-        The recruiter's names for the person and the sitting; the latter may be empty.
+        The recruiter's names for the person and the submission; the latter may be empty.
     code : str
         Their own completion code; empty where there is none.
     """

@@ -51,10 +51,10 @@ class Eyes:
             there, wanted = len(page.players), len(trial.videos)
             if there != wanted or not {video.token for video in trial.videos} <= tokens:
                 raise BrokenPageError(page, f"shows {there} videos, not the {wanted} of its trial")
-            sitting = trial.study_session
-            planned = select(func.count()).where(Trial.study_session_id == sitting.id)
+            study_session = trial.study_session
+            planned = select(func.count()).where(Trial.study_session_id == study_session.id)
             return Sight(
-                rater=rater_name(session, sitting),
+                rater=rater_name(session, study_session),
                 trial=seen(trial),
                 trials=session.scalars(planned).one(),
             )
@@ -94,19 +94,19 @@ def seen(trial: Trial) -> SeenTrial:
     )
 
 
-def rater_name(session: Session, sitting: StudySession) -> str:
+def rater_name(session: Session, study_session: StudySession) -> str:
     """Return the name of the rater that holds a place, as the first one or as a later one."""
     earlier = session.scalar(
         select(func.count())
         .select_from(StudySession)
         .where(
-            StudySession.arm == sitting.arm,
-            StudySession.arm_design == sitting.arm_design,
-            StudySession.number == sitting.number,
-            StudySession.id < sitting.id,
+            StudySession.arm == study_session.arm,
+            StudySession.arm_design == study_session.arm_design,
+            StudySession.number == study_session.number,
+            StudySession.id < study_session.id,
         )
     )
-    place = f"{sitting.arm} {sitting.number}"
+    place = f"{study_session.arm} {study_session.number}"
     return f"{place} again {earlier}" if earlier else place
 
 

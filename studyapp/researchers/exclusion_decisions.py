@@ -6,7 +6,7 @@ has earned pay is paid. An exclusion rule of the study is not overruled by anyth
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Final
 
@@ -20,16 +20,6 @@ from studyapp.database.tables import AuditLine, Event, ExclusionDecision, StudyS
 from studyapp.researchers.audit import ERASED, log_change, reason_given
 
 EVENTS: Final = {True: Event.EXCLUDED, False: Event.REINSTATED}
-
-
-@dataclass(frozen=True, kw_only=True)
-class DecidedExclusion:
-    """One decision about one participant; see `studyapp.database.tables.ExclusionDecision`."""
-
-    at: datetime
-    excluded: bool
-    researcher: str
-    reason: str
 
 
 def decide_exclusion(
@@ -65,19 +55,14 @@ def decide_exclusion(
         log_change(session, now, EVENTS[excluded], by=by, study_session=number, reason=reason)
 
 
-def exclusion_decisions(session: Session, number: int) -> tuple[DecidedExclusion, ...]:
+def exclusion_decisions(session: Session, number: int) -> Sequence[ExclusionDecision]:
     """Return what was decided about study session `number`, the newest first."""
     query = (
         select(ExclusionDecision)
         .where(ExclusionDecision.study_session_id == number)
         .order_by(ExclusionDecision.id.desc())
     )
-    return tuple(
-        DecidedExclusion(
-            at=row.at, excluded=row.excluded, researcher=row.researcher, reason=row.reason
-        )
-        for row in session.scalars(query)
-    )
+    return session.scalars(query).all()
 
 
 def standing_exclusions() -> Select[int, str, datetime]:

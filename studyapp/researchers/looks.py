@@ -6,6 +6,7 @@ is kept, and reports say which there were before the answers that they rest on.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Final, Literal
@@ -53,19 +54,6 @@ class StudyState:
         return self.finished < self.planned
 
 
-@dataclass(frozen=True, kw_only=True)
-class LoggedLook:
-    """One look; see `studyapp.database.tables.Look`."""
-
-    at: datetime
-    way: str
-    researcher: str
-    reason: str
-    finished: int
-    planned: int
-    answers: int
-
-
 def note_look(
     session: Session, now: datetime, state: StudyState, *, way: Way, by: str = "", reason: str = ""
 ) -> None:
@@ -93,22 +81,11 @@ def note_look(
     log_change(session, now, EVENTS[way], by=by, detail=detail, reason=reason)
 
 
-def looks(database: Database) -> list[LoggedLook]:
+def looks(database: Database) -> Sequence[Look]:
     """Return the newest `SHOWN` looks, the newest first."""
     query = select(Look).order_by(Look.id.desc()).limit(SHOWN)
     with database.reading() as session:
-        return [
-            LoggedLook(
-                at=row.at,
-                way=row.way,
-                researcher=row.researcher,
-                reason=row.reason,
-                finished=row.finished,
-                planned=row.planned,
-                answers=row.answers,
-            )
-            for row in session.scalars(query)
-        ]
+        return session.scalars(query).all()
 
 
 def answers_so_far(session: Session) -> int:

@@ -6,22 +6,14 @@ import os
 import resource
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import Final
-
-from pydantic import BaseModel
+from typing import Any, Final
 
 from analysis.results.headline import AgreedSoFar, HeadlineNumber, agreed_so_far, headline_numbers
-from analysis.results.plain import rounded
+from analysis.results.plain import plain
 from motion.errors import InputError
-from studyapp.researchers.interim.documents import (
-    Agreed,
-    AgreementDocument,
-    Basis,
-    Estimated,
-    Number,
-    ResultsDocument,
-)
+from studyapp.researchers.interim.documents import Basis, Document
 from studyapp.researchers.looks import StudyState
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import read_answers
@@ -42,7 +34,7 @@ def study_state(study: Study, stored: StoredAnswers) -> StudyState:
     )
 
 
-def agreement_so_far(folder: StudyFolder) -> AgreementDocument:
+def agreement_so_far(folder: StudyFolder) -> Document:
     """Return how far participants agree; it does not tell what they prefer.
 
     Raises
@@ -51,17 +43,17 @@ def agreement_so_far(folder: StudyFolder) -> AgreementDocument:
         If the study cannot be read, or its answers contradict it.
     """
     basis, tasks = _analysed(folder)
-    return AgreementDocument(
+    return Document(
         basis=basis,
         rows=tuple(
-            _agreed(task.protocol, one)
+            _row(task.protocol, one)
             for task in tasks
             for one in agreed_so_far(task.table, task.left_out)
         ),
     )
 
 
-def results_so_far(folder: StudyFolder) -> ResultsDocument:
+def results_so_far(folder: StudyFolder) -> Document:
     """Return the headline numbers of the report, as far as there are answers.
 
     Raises
@@ -70,10 +62,10 @@ def results_so_far(folder: StudyFolder) -> ResultsDocument:
         If the study cannot be read, or its answers contradict it.
     """
     basis, tasks = _analysed(folder)
-    return ResultsDocument(
+    return Document(
         basis=basis,
         rows=tuple(
-            _estimated(task.protocol, one)
+            _row(task.protocol, one)
             for task in tasks
             for one in headline_numbers(task.table, task.left_out.analysed)
         ),
@@ -98,43 +90,14 @@ def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
     return basis, tasks
 
 
-def _agreed(task: str, one: AgreedSoFar) -> Agreed:
-    retest = one.retest
-    return Agreed(
-        task=task,
-        set=one.set or "",
-        question=one.question,
-        measure=one.measure,
-        agreement=_number(one.estimate, one.low, one.high, one.reason),
-        answers=one.n,
-        participants=one.participants,
-        retest=None
-        if retest is None or not retest.n
-        else _number(retest.kappa, retest.low, retest.high, retest.reason),
-        repeated=0 if retest is None else retest.n,
-    )
+def _row(task: str, found: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
+    """Return what is shown of a number; no p, which would assume that nobody looks before."""
+    names = [each.name for each in fields(found) if each.name != "p_value"]
+    row = {name: plain(getattr(found, name)) for name in names}
+    return row | {"task": task, "set": found.set or ""}
 
 
-def _estimated(task: str, one: HeadlineNumber) -> Estimated:
-    return Estimated(
-        task=task,
-        set=one.set or "",
-        question=one.question,
-        about=one.a,
-        against=one.b,
-        measure=one.measure,
-        number=_number(one.estimate, one.low, one.high, one.reason),
-        answers=one.n,
-        participants=one.participants,
-        segments=one.segments,
-    )
-
-
-def _number(estimate: float, low: float, high: float, reason: str) -> Number:
-    return Number(estimate=rounded(estimate), low=rounded(low), high=rounded(high), reason=reason)
-
-
-DOCUMENTS: Final[dict[str, Callable[[StudyFolder], BaseModel]]] = {
+DOCUMENTS: Final[dict[str, Callable[[StudyFolder], Document]]] = {
     "agreement": agreement_so_far,
     "results": results_so_far,
 }

@@ -9,8 +9,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.database.tables import StudySession
 from studyapp.session.exclusion import failures, is_excluded
-from studyapp.session.rows import note
-from studyapp.session.state import current_trial, form_due
+from studyapp.session.state import current_trial, form_due, note
 from studyapp.study.completion_codes import draw_code
 from studyapp.study.settings.study import Study
 

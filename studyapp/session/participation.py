@@ -12,10 +12,18 @@ from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.session.arrival.places import regain_place
 from studyapp.session.breaks import break_due
 from studyapp.session.departure import Leaving, leaving
-from studyapp.session.rows import durations_of, load_videos, note
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.sound_check import draw_digits, left_unheard, sound_check_due
-from studyapp.session.state import State, current_trial, find, form_due, state_of
+from studyapp.session.state import (
+    State,
+    current_trial,
+    durations_of,
+    find,
+    form_due,
+    load_videos,
+    note,
+    state_of,
+)
 from studyapp.session.time_left import expected_seconds, minutes_left
 from studyapp.session.videos.watch_evidence import Watched, watched_so_far
 from studyapp.study.design.asking import Ask

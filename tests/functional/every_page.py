@@ -16,8 +16,7 @@ from studyapp.database.tables import StudySession
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.completion import move_on
 from studyapp.session.participation import begin
-from studyapp.session.rows import note
-from studyapp.session.state import current_trial, find
+from studyapp.session.state import current_trial, find, note
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.local_server import listening

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class StudySession(Base):
-    """One participant's sitting.
+    """One participant's session.
 
     Attributes
     ----------

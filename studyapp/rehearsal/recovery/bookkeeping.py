@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Place, Response, Trial
 from studyapp.monitoring.counts import dropouts
-from studyapp.monitoring.study_sessions import Sitting
+from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.rehearsal.ledger import Acknowledged, AnswerPlace
 from studyapp.rehearsal.people import Person
 
@@ -47,7 +47,7 @@ def checks(
     session: Session,
     told: Acknowledged,
     everybody: Sequence[Person],
-    sittings: Sequence[Sitting],
+    study_sessions: Sequence[SessionProgress],
     *,
     completed_in_report: int,
 ) -> Iterator[Check]:
@@ -59,7 +59,7 @@ def checks(
         What the participants were told.
     everybody : sequence of Person
         All who began.
-    sittings : sequence of Sitting
+    study_sessions : sequence of SessionProgress
         What the live view counts.
     completed_in_report : int
         How many the report counts as having reached the end.
@@ -68,15 +68,15 @@ def checks(
     came_back = [name for name, times in told.returned.items() if times]
     places = select(Place.study_session_id).where(Place.study_session_id.is_not(None))
     held = session.scalars(places).all()
-    ended = sum(sitting.standing in ("done", "replaced") for sitting in sittings)
+    ended = sum(study_session.standing in ("done", "replaced") for study_session in study_sessions)
     gone = sum(who.rater.kind == "dropping_out" for who in everybody if not who.completed)
     right_codes = {code for name, code in told.codes.items() if codes.get(name) == code}
     names = {person.name for person in everybody}
     back_and_done = sum(name in codes for name in came_back)
-    yield Check("participants began", len(names), len(sittings), "one study session each")
+    yield Check("participants began", len(names), len(study_sessions), "one study session each")
     yield Check("completed, says the live view", len(told.codes), ended)
     yield Check("completed, says the report", len(told.codes), completed_in_report)
-    yield Check("left for good", gone, dropouts(sittings).left)
+    yield Check("left for good", gone, dropouts(study_sessions).left)
     yield Check("came back after leaving and finished", len(came_back), back_and_done)
     yield Check(
         "were shown the code that is stored, each another one", len(told.codes), len(right_codes)

@@ -15,7 +15,7 @@ from analysis.results.report import Settings
 from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.monitoring.study_sessions import sittings
+from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.people import people
 from studyapp.rehearsal.record import read_truth
@@ -104,7 +104,7 @@ def recover(folder: StudyFolder) -> Recovery:
                 session,
                 Ledger(folder.acknowledged).read(),
                 everybody,
-                sittings(session, served, Clock().now()),
+                progress_of_sessions(session, served, Clock().now()),
                 completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
             )
         )

@@ -62,7 +62,7 @@ class Arrival:
         The recruiter's name for the participant, who takes part once, whatever the recruiter
         calls the study.
     recruiter_study, recruiter_session : str
-        The recruiter's names for the study and the sitting; may be empty.
+        The recruiter's names for the study and the submission; may be empty.
     submit_to : str
         The recruiter's site that the end is to be reported to; may be empty.
     form : mapping of question name to text
@@ -122,7 +122,7 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
 def enrolled(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str | None:
     """Return the token of the study session that the arriving participant comes back to, if any.
 
-    Under which of the recruiter's sittings they are there now is noted. A name alone shows nothing:
+    Under which of the recruiter's submissions they come now is noted. A name alone shows nothing:
     who has nothing else goes on only once nobody else has for `lease_minutes`, when anybody might
     get the place, and that is noted too.
 
@@ -156,7 +156,7 @@ def _is_proven(known: StudySession, arrival: Arrival) -> bool:
     """Tell whether more than a recruiter's name shows that the person of `known` has come.
 
     What was drawn for them does: the visit or invitation, the token that their browser keeps. So
-    does the recruiter's signature, and the recruiter's own name for the sitting they began in.
+    does the recruiter's signature, and the recruiter's own name for the submission they began in.
     """
     return (
         arrival.is_signed
@@ -325,7 +325,7 @@ def _known(arrival: Arrival) -> Select[StudySession]:
 
 
 def _comes_otherwise(known: StudySession, arrival: Arrival) -> bool:
-    """Tell whether the recruiter sends them by another sitting than is noted.
+    """Tell whether the recruiter sends them under another submission than is noted.
 
     What was finished under one is not finished again under another.
     """

@@ -5,7 +5,7 @@ Whoever has a place goes on and keeps it, whatever is decided.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Final
 
@@ -30,31 +30,11 @@ EVENTS: Final[dict[IntakeState, Event]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Decided:
-    """One decision about newcomers; see `studyapp.database.tables.IntakeChange`."""
-
-    at: datetime
-    state: str
-    more_places: int
-    researcher: str
-    reason: str
-
-
-def decided(database: Database) -> list[Decided]:
+def decided(database: Database) -> Sequence[IntakeChange]:
     """Return what has been decided about newcomers, the newest first."""
     query = select(IntakeChange).order_by(IntakeChange.id.desc())
     with database.reading() as session:
-        return [
-            Decided(
-                at=row.at,
-                state=row.state,
-                more_places=row.more_places,
-                researcher=row.researcher,
-                reason=row.reason,
-            )
-            for row in session.scalars(query)
-        ]
+        return session.scalars(query).all()
 
 
 def steer(

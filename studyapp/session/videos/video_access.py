@@ -38,7 +38,7 @@ RUNNING: Final = (
     StudySession.withdrawn_at.is_(None),
     StudySession.outcome.is_(None),
 )
-"""Who has trials to take, if the place is still theirs (see `sitting.state_of`)."""
+"""Who has trials to take, if the place is still theirs (see `studyapp.session.state.state_of`)."""
 
 SHOWN: Final = (
     select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech, Video.sent_at)

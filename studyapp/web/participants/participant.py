@@ -8,8 +8,7 @@ from flask import Blueprint, jsonify, redirect, render_template, request, url_fo
 from flask.typing import ResponseReturnValue
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from studyapp.session.answer_fields import Fields
-from studyapp.session.answers import answer, skip_unplayable
+from studyapp.session.answers import Fields, answer, skip_unplayable
 from studyapp.session.breaks import leave_break
 from studyapp.session.form_answers import answer_form
 from studyapp.session.participation import ShownTrial, begin, look

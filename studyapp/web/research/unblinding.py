@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from flask import abort, redirect, request, url_for
@@ -9,13 +10,13 @@ from flask.typing import ResponseReturnValue
 
 from analysis.stats.peeking import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
+from studyapp.database.tables import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import places_so_far
-from studyapp.researchers.interim.documents import ResultsDocument
+from studyapp.researchers.interim.documents import Document
 from studyapp.researchers.interim.keeping import kept_figures
 from studyapp.researchers.looks import (
     HOLDS,
-    LoggedLook,
     looks,
     note_look,
     unblind,
@@ -37,7 +38,7 @@ def results() -> ResponseReturnValue:
         return _asking()
     kept = kept_figures(here.database, here.clock, "results", here.figures)
     awaited = kept.is_awaited and not kept.is_current
-    document = None if awaited else ResultsDocument.read(kept.document)
+    document = None if awaited else Document.read(kept.document)
     if document is not None:
         with here.database.writing() as session:
             note_look(
@@ -88,7 +89,7 @@ def _asking(problem: InputError | None = None, reason: str = "") -> str:
     )
 
 
-def _rate(made: list[LoggedLook], places: PlaceCounts, *, looking: bool) -> float:
+def _rate(made: Sequence[Look], places: PlaceCounts, *, looking: bool) -> float:
     """Return the rate of false positives at the end, with a look now or without one."""
     seen = {look.finished for look in made if look.finished} | {places.wanted}
     if looking and places.done:

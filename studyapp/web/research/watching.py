@@ -12,13 +12,12 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.monitoring.naming import number_called, pseudonyms_of
-from studyapp.monitoring.one_study_session import one_sitting
+from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import overview as overview_of
-from studyapp.monitoring.selection import Choice, chosen, page_of, pages_of
-from studyapp.monitoring.study_sessions import STANDINGS
+from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen, page_of, pages_of
 from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.researchers.interim.documents import AgreementDocument
+from studyapp.researchers.interim.documents import Document
 from studyapp.researchers.interim.keeping import Kept, kept_figures
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.researchers.roles import Right
@@ -71,7 +70,7 @@ class AgreementSoFar:
     """What the overview shows of agreement; no document where none has been computed yet."""
 
     kept: Kept
-    document: AgreementDocument | None
+    document: Document | None
 
 
 def overview(data: Data) -> ResponseReturnValue:
@@ -93,7 +92,7 @@ def _agreement() -> AgreementSoFar:
     """Return how far participants agree, as it was computed last."""
     here = running()
     kept = kept_figures(here.database, here.clock, "agreement", here.figures)
-    return AgreementSoFar(kept=kept, document=AgreementDocument.read(kept.document))
+    return AgreementSoFar(kept=kept, document=Document.read(kept.document))
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:
@@ -115,7 +114,7 @@ def study_sessions(data: Data) -> ResponseReturnValue:
         choice=choice,
         called=called,
         count=len(found),
-        sittings=shown,
+        shown=shown,
         naming=names,
         pseudonyms=pseudonyms,
         page_number=number,
@@ -137,7 +136,7 @@ def study_session_page(
     """Return the page of one study session, with what was wrong with what was sent from it."""
     here, names = running(), naming()
     with looked_at(data) as database:
-        found = one_sitting(database, here.served, number, here.clock.now())
+        found = one_study_session(database, here.served, number, here.clock.now())
         if found is None:
             abort(404)
         pseudonym = _pseudonyms(database, names, [number]).get(number, "")

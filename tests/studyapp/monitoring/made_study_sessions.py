@@ -5,12 +5,12 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from studyapp.monitoring.study_sessions import Sitting, Standing
+from studyapp.monitoring.study_sessions import SessionProgress, Standing
 
 NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
 
 
-def sitting(standing: Standing, settled: int = 0, **changes: Any) -> Sitting:
+def session_progress(standing: Standing, settled: int = 0, **changes: Any) -> SessionProgress:
     """Return a study session of ten trials that began at noon."""
     values: dict[str, Any] = {
         "id": 1,
@@ -24,4 +24,4 @@ def sitting(standing: Standing, settled: int = 0, **changes: Any) -> Sitting:
         "trials": 10,
         "settled": settled,
     }
-    return Sitting(**(values | changes))
+    return SessionProgress(**(values | changes))

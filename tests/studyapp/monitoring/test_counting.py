@@ -13,12 +13,12 @@ from studyapp.monitoring.answered_trials import (
     times,
     times_of_trials,
 )
-from studyapp.monitoring.checks import Check, checked_items, failed_by_sitting
+from studyapp.monitoring.checks import Check, checked_items, failed_by_session
 from studyapp.monitoring.counts import LeftAt, all_together, count_places, dropouts
 from studyapp.monitoring.overview import forecast
-from studyapp.monitoring.selection import ROWS, page_of, pages_of
+from studyapp.monitoring.study_sessions import ROWS, page_of, pages_of
 from studyapp.study.design.arm import Arm
-from tests.studyapp.monitoring.made_study_sessions import NOON, sitting
+from tests.studyapp.monitoring.made_study_sessions import NOON, session_progress
 
 
 def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
@@ -27,11 +27,11 @@ def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
         for name, places in (("x", 5), ("y", 2))
     ]
     there = [
-        *(sitting("done", arm="x") for _ in range(2)),
-        sitting("active", arm="x"),
-        sitting("lapsed", arm="x"),
-        sitting("done", arm="x", present=False),
-        *(sitting("stale", arm="y") for _ in range(3)),
+        *(session_progress("done", arm="x") for _ in range(2)),
+        session_progress("active", arm="x"),
+        session_progress("lapsed", arm="x"),
+        session_progress("done", arm="x", present=False),
+        *(session_progress("stale", arm="y") for _ in range(3)),
     ]
 
     x, y = count_places(arms, there)
@@ -83,12 +83,12 @@ def test_where_nobody_can_tell_when_it_is_done_the_reason_is_said(
 
 def test_who_left_is_counted_at_the_trial_they_stood_at() -> None:
     there = [
-        sitting("done", 10),
-        sitting("active", 4),
-        sitting("stale", 2),
-        sitting("lapsed", 2),
-        sitting("lapsed", 0, started_at=None),
-        sitting("withdrawn"),
+        session_progress("done", 10),
+        session_progress("active", 4),
+        session_progress("stale", 2),
+        session_progress("lapsed", 2),
+        session_progress("lapsed", 0, started_at=None),
+        session_progress("withdrawn"),
     ]
 
     found = dropouts(there)
@@ -152,7 +152,7 @@ def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
     assert (hard.careful_failed, hard.careful) == (3, 3)
     assert (easy.failed, easy.careful_failed, easy.careful) == (1, 0, 0)
     assert (read.kind, read.careful) == ("attention", 0)
-    assert failed_by_sitting(found, "catch") == {0: 1, 1: 1, 2: 1, 3: 2, 4: 1}
+    assert failed_by_session(found, "catch") == {0: 1, 1: 1, 2: 1, 3: 2, 4: 1}
 
 
 @pytest.mark.parametrize(
@@ -167,7 +167,7 @@ def test_sides_are_balanced_as_far_as_chance_goes(left: int, right: int, balance
 
 
 def test_a_long_list_is_cut_into_pages_without_loss() -> None:
-    long = [sitting("done", id=number) for number in range(2 * ROWS + 1)]
+    long = [session_progress("done", id=number) for number in range(2 * ROWS + 1)]
 
     pages = list(pages_of(long))
 

@@ -11,10 +11,9 @@ from sqlalchemy import select, update
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, WatchRecord
-from studyapp.monitoring.one_study_session import one_sitting
+from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import Overview, overview
-from studyapp.monitoring.selection import Choice, chosen
-from studyapp.monitoring.study_sessions import STANDINGS
+from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen
 from studyapp.session.completion import FEWEST_LEFT_OUT
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -226,8 +225,8 @@ def test_one_study_session_tells_its_events_in_order(
             update(WatchRecord).where(WatchRecord.id == 1).values(rate=2.0, intervals=[])
         )
 
-    first, withdrawn = (one_sitting(opened, served, n, clock.now()) for n in (1, 2))
-    last = one_sitting(opened, served, 4, clock.now())
+    first, withdrawn = (one_study_session(opened, served, n, clock.now()) for n in (1, 2))
+    last = one_study_session(opened, served, 4, clock.now())
 
     assert first is not None
     assert [event.at for event in first.events] == sorted(event.at for event in first.events)
@@ -246,4 +245,4 @@ def test_one_study_session_tells_its_events_in_order(
     assert last is not None
     assert any("2 stalls of 1.5 s" in event.what for event in last.events)
     assert [trial.outcome for trial in last.trials][:2] == ["answered", ""]
-    assert one_sitting(opened, served, 99, clock.now()) is None
+    assert one_study_session(opened, served, 99, clock.now()) is None

@@ -20,7 +20,7 @@ from studyapp.cli.backup_command import command as backup_command
 from studyapp.clock import Clock
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
-from studyapp.monitoring.study_sessions import sittings
+from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
 from studyapp.recruitment.payment import arrived
@@ -101,7 +101,7 @@ def rows(path: Path) -> tuple[int, int]:
 def counted_live(folder: StudyFolder) -> int:
     served = ServedStudy.read(folder.root)
     with reading(folder.responses) as session:
-        return len(sittings(session, served, Clock().now()))
+        return len(progress_of_sessions(session, served, Clock().now()))
 
 
 def reported(folder: StudyFolder) -> int:

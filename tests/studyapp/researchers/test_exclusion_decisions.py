@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 from sqlalchemy import select, update
 
@@ -11,7 +13,6 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, ExclusionDecision
 from studyapp.researchers.audit import ERASED, logged_changes
 from studyapp.researchers.exclusion_decisions import (
-    DecidedExclusion,
     decide_exclusion,
     exclusion_decisions,
     standing_exclusions,
@@ -36,7 +37,7 @@ def reinstate(database: Database, clock: SetClock, number: int) -> None:
     decide_exclusion(database, clock, number, excluded=False, by="Charles", reason="awake")
 
 
-def decided(database: Database, number: int) -> tuple[DecidedExclusion, ...]:
+def decided(database: Database, number: int) -> Sequence[ExclusionDecision]:
     with database.reading() as session:
         return exclusion_decisions(session, number)
 

@@ -8,7 +8,7 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.interim.computing import FigureProcess, NoFiguresError
-from studyapp.researchers.interim.documents import AgreementDocument, ResultsDocument
+from studyapp.researchers.interim.documents import Document
 from tests.studyapp.answered_study import answer_study
 
 
@@ -22,13 +22,13 @@ def test_the_process_hands_over_documents_and_says_why_it_cannot(
     (tiny_study / "analysis.py").write_text("raise SystemExit(5)", "utf-8")
     process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
 
-    agreement = AgreementDocument.model_validate_json(process.compute("agreement"))
-    results = ResultsDocument.model_validate_json(process.compute("results"))
+    agreement = Document.model_validate_json(process.compute("agreement"))
+    results = Document.model_validate_json(process.compute("results"))
 
     assert agreement.basis == results.basis
     assert (results.basis.finished, results.basis.planned, results.basis.answers) == (2, 4, 28)
-    assert {row.question for row in agreement.rows} == {"rhythm", "emotion"}
-    assert {row.measure for row in results.rows} == {"win_share"}
+    assert {row["question"] for row in agreement.rows} == {"rhythm", "emotion"}
+    assert {row["measure"] for row in results.rows} == {"win_share"}
     (tiny_study / "study.toml").write_text("title = 1", "utf-8")
     with pytest.raises(NoFiguresError, match=r"study\.toml"):
         process.compute("results")
