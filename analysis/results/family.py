@@ -7,20 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.results.grouping import Place
 from analysis.stats.holm import holm
 from motion.errors import InputError
 
 FORMS = "all, by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Member:
-    """One test of a report: what it is about, and its p."""
-
-    conditions: tuple[str, ...]
-    set: str | None
-    question: str
-    p: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,17 +36,25 @@ class Family:
     question: str = ""
     by_question: bool = False
 
-    def holds(self, one: Member) -> bool:
-        """Tell whether a test is a member."""
-        return set(self.conditions) <= set(one.conditions) and self.question in ("", one.question)
+    def holds(self, place: Place) -> bool:
+        """Tell whether a test of this is a member."""
+        return set(self.conditions) <= set(place.names) and self.question in ("", place.question)
 
-    def corrected(self, found: Sequence[Member]) -> tuple[float, ...]:
-        """Return p values corrected by Holm's method; NaN of those that are no members."""
-        corrected = np.full(len(found), np.nan)
-        inside = [place for place, one in enumerate(found) if self.holds(one)]
-        for question in dict.fromkeys(found[place].question for place in inside):
-            own = [p for p in inside if not self.by_question or found[p].question == question]
-            corrected[own] = holm([found[place].p for place in own])
+    def corrected(self, places: Sequence[Place], p_values: Sequence[float]) -> tuple[float, ...]:
+        """Return p values corrected by Holm's method; NaN of tests that are no members.
+
+        Parameters
+        ----------
+        places : sequence of Place
+            What each test is about.
+        p_values : sequence of float
+            Of the tests.
+        """
+        corrected = np.full(len(places), np.nan)
+        inside = [number for number, place in enumerate(places) if self.holds(place)]
+        for question in dict.fromkeys(places[number].question for number in inside):
+            own = [n for n in inside if not self.by_question or places[n].question == question]
+            corrected[own] = holm([p_values[number] for number in own])
         return tuple(corrected.tolist())
 
 

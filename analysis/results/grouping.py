@@ -33,6 +33,11 @@ class ConditionPlace:
     condition: str
     question: str
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The condition."""
+        return (self.condition,)
+
 
 @dataclass(frozen=True, kw_only=True)
 class PairPlace:
@@ -50,6 +55,14 @@ class PairPlace:
     a: str
     b: str
     question: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Both conditions."""
+        return self.a, self.b
+
+
+Place = ConditionPlace | PairPlace
 
 
 def parts(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import ConditionPlace, PairPlace, codes
+from analysis.results.grouping import ConditionPlace, PairPlace, Place, codes
 from analysis.stats.heterogeneity import Cell, between_groups, between_segments, cells
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
@@ -68,17 +68,20 @@ AnyHeterogeneity = TypeVar("AnyHeterogeneity", bound=Heterogeneity)
 
 
 def heterogeneity(
+    place: Place,
     answers: pd.DataFrame,
     values: Floats,
     *,
     measure: str,
     null: float,
     limits: tuple[float, float] = (-math.inf, math.inf),
-) -> Iterator[Heterogeneity]:
+) -> Iterator[Any]:
     """Take an effect apart by emotion, speaker and segment, where there are several of them.
 
     Parameters
     ----------
+    place : ConditionPlace or PairPlace
+        What the effect is about; the results are of its kind.
     answers : DataFrame
         Main and repeated trials of one question, one row a value.
     values : ndarray, shape (N,)
@@ -88,6 +91,7 @@ def heterogeneity(
     limits : (float, float)
         Where values can lie.
     """
+    kind = PairHeterogeneity if isinstance(place, PairPlace) else ConditionHeterogeneity
     who, what = codes(answers, "participant"), codes(answers, "segment")
     for by in KINDS:
         level = codes(answers, by)
@@ -107,7 +111,8 @@ def heterogeneity(
             if by == "segment"
             else between_groups(*part)
         )
-        yield Heterogeneity(
+        yield kind(
+            **vars(place),
             by=by,
             measure=measure,
             null=null,

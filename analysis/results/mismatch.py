@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
-from analysis.results.family import EVERYTHING, Family, Member
+from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
     ByQuestion,
     ConditionPlace,
@@ -22,14 +22,9 @@ from analysis.results.grouping import (
 from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.net_preference import sided
-from analysis.results.preference import Preference, left_share, preference, with_holm
+from analysis.results.preference import MatchedCondition, left_share, preference, with_holm
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.retest import Retest
-
-
-@dataclass(frozen=True, kw_only=True)
-class MatchedCondition(Preference, ConditionPlace):
-    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,19 +84,7 @@ def mismatch_results(
         if not (answers := part[codes(part, "condition") == place]).empty
     ]
     return MismatchResults(
-        conditions=with_holm(
-            found,
-            [
-                Member(
-                    conditions=(one.condition,),
-                    set=one.set,
-                    question=one.question,
-                    p=one.decision.p_value,
-                )
-                for one in found
-            ],
-            family,
-        ),
+        conditions=with_holm(found, family),
         side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, mismatch_agreement),
         test_retest=by_question(table, left_out.kept, mismatch_retest),
@@ -111,16 +94,14 @@ def mismatch_results(
 
 def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
     return [
-        ConditionHeterogeneity(
-            set=set_name(table, name),
-            condition=table.conditions[place],
-            question=question,
-            **vars(one),
-        )
+        one
         for name, question, answers in parts(table, analysed)
-        for place in np.unique(codes(answers, "condition")).tolist()
-        for own in (answers[codes(answers, "condition") == place],)
+        for number in np.unique(codes(answers, "condition")).tolist()
+        for own in (answers[codes(answers, "condition") == number],)
         for one in heterogeneity(
+            ConditionPlace(
+                set=set_name(table, name), condition=table.conditions[number], question=question
+            ),
             own,
             sided(own, own_on_right(own)).wins,
             measure="win_share",

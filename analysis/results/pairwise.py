@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
-from analysis.results.family import EVERYTHING, Family, Member
+from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
     ByQuestion,
     PairPlace,
@@ -26,7 +26,7 @@ from analysis.results.grouping import (
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.net_preference import sided
-from analysis.results.preference import Preference, left_share, preference, with_holm
+from analysis.results.preference import Comparison, left_share, preference, with_holm
 from analysis.results.strengths import (
     StrengthContrast,
     Strengths,
@@ -39,32 +39,6 @@ from analysis.stats.retest import Retest
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Comparison(Preference, PairPlace):
-    """What is preferred; `Preference`'s one is a, its other is b."""
-
-    def turned(self) -> Comparison:
-        """Return the same of b against a."""
-        everyone = self.without_exclusions
-        return replace(
-            self,
-            a=self.b,
-            b=self.a,
-            counts=dict(zip(self.counts, [*self.counts.values()][::-1], strict=True)),
-            share=_swapped(self.share),
-            win_share=self.win_share.turned(),
-            clmm=replace(self.clmm, estimate=-self.clmm.estimate),
-            without_exclusions=replace(
-                everyone, share=_swapped(everyone.share), win_share=everyone.win_share.turned()
-            ),
-            decision=self.decision.turned(),
-        )
-
-
-def _swapped(share: Mapping[str, float]) -> dict[str, float]:
-    return {**share, "a": share["b"], "b": share["a"]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,14 +106,7 @@ def pairwise_results(
         Which tests decide.
     """
     analysed = left_out.analysed
-    found = _comparisons(table, left_out.exclusions)
-    members = [
-        Member(
-            conditions=(one.a, one.b), set=one.set, question=one.question, p=one.decision.p_value
-        )
-        for one in found
-    ]
-    comparisons = with_holm(found, members, family)
+    comparisons = with_holm(_comparisons(table, left_out.exclusions), family)
     fitted = {
         (name, question): strengths_of(answers, set_name(table, name), question)
         for name, question, answers in parts(table, analysed)
@@ -191,7 +158,7 @@ def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Compar
 
 
 def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[PairHeterogeneity]:
-    found = []
+    found: list[PairHeterogeneity] = []
     for name, question, answers in parts(table, analysed):
         pairs = _pair(answers)
         number = pairs["a"] * len(table.conditions) + pairs["b"]
@@ -205,12 +172,9 @@ def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[PairHeter
             )
             own = answers[number == pair]
             wins = sided(own, codes(own, "right") == a).wins
-            found += [
-                PairHeterogeneity(**vars(place), **vars(one))
-                for one in heterogeneity(
-                    own, wins, measure="win_share", null=0.5, limits=(0.0, 1.0)
-                )
-            ]
+            found += heterogeneity(
+                place, own, wins, measure="win_share", null=0.5, limits=(0.0, 1.0)
+            )
     return sorted(found, key=lambda one: _order(table, one))
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.answers.columns import ANALYSED_KINDS
-from analysis.results.family import Family, Member
-from analysis.results.grouping import codes, people
+from analysis.results.family import Family
+from analysis.results.grouping import ConditionPlace, PairPlace, codes, people
 from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.min_f import min_f
@@ -146,16 +146,46 @@ class Preference:
     decision: Decision
 
 
-AnyPreference = TypeVar("AnyPreference", bound=Preference)
+@dataclass(frozen=True, kw_only=True)
+class Comparison(Preference, PairPlace):
+    """What is preferred; `Preference`'s one is a, its other is b."""
+
+    def turned(self) -> Comparison:
+        """Return the same of b against a."""
+        everyone = self.without_exclusions
+        return replace(
+            self,
+            a=self.b,
+            b=self.a,
+            counts=dict(zip(self.counts, [*self.counts.values()][::-1], strict=True)),
+            share=_swapped(self.share),
+            win_share=self.win_share.turned(),
+            clmm=replace(self.clmm, estimate=-self.clmm.estimate),
+            without_exclusions=replace(
+                everyone, share=_swapped(everyone.share), win_share=everyone.win_share.turned()
+            ),
+            decision=self.decision.turned(),
+        )
 
 
-def with_holm(
-    found: Sequence[AnyPreference], members: Sequence[Member], family: Family
-) -> tuple[AnyPreference, ...]:
+def _swapped(share: Mapping[str, float]) -> dict[str, float]:
+    return {**share, "a": share["b"], "b": share["a"]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatchedCondition(Preference, ConditionPlace):
+    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other."""
+
+
+PlacedPreference = TypeVar("PlacedPreference", Comparison, MatchedCondition)
+
+
+def with_holm(found: Sequence[PlacedPreference], family: Family) -> tuple[PlacedPreference, ...]:
     """Return the preferences of a report, what decides corrected over its family."""
+    corrected = family.corrected(found, [one.decision.p_value for one in found])
     return tuple(
         replace(one, decision=replace(one.decision, p_holm=p))
-        for one, p in zip(found, family.corrected(members), strict=True)
+        for one, p in zip(found, corrected, strict=True)
     )
 
 

@@ -126,27 +126,22 @@ def ranking_results(
 
 
 def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
-    found = []
+    found: list[ConditionHeterogeneity] = []
     for name, question, answers in parts(table, analysed):
         shown = np.unique(codes(answers, "condition")).tolist()
         ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
         for place in shown:
             own = codes(answers, "condition") == place
-            found += [
-                ConditionHeterogeneity(
-                    set=set_name(table, name),
-                    condition=table.conditions[place],
-                    question=question,
-                    **vars(one),
-                )
-                for one in heterogeneity(
-                    answers[own],
-                    ranks[own].to_numpy(np.float64),
-                    measure="mean_rank",
-                    null=(len(shown) + 1) / 2,
-                    limits=(1.0, len(shown)),
-                )
-            ]
+            found += heterogeneity(
+                ConditionPlace(
+                    set=set_name(table, name), condition=table.conditions[place], question=question
+                ),
+                answers[own],
+                ranks[own].to_numpy(np.float64),
+                measure="mean_rank",
+                null=(len(shown) + 1) / 2,
+                limits=(1.0, len(shown)),
+            )
     return found
 
 

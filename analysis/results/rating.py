@@ -182,15 +182,12 @@ def _heterogeneity(
     """Take differences of paired ratings apart; ratings without a partner are left out."""
     cells = rated_cells_of(answers, len(shown))
     rows = answers.iloc[cells.first]
-    found = []
+    found: list[PairHeterogeneity] = []
     for a, b in combinations(range(len(shown)), 2):
         differences = cells.means[:, a] - cells.means[:, b]
         both = ~np.isnan(differences)
         place = PairPlace(set=of, a=shown[a], b=shown[b], question=question)
-        found += [
-            PairHeterogeneity(**vars(place), **vars(one))
-            for one in heterogeneity(rows[both], differences[both], measure="difference", null=0.0)
-        ]
+        found += heterogeneity(place, rows[both], differences[both], measure="difference", null=0.0)
     return found
 
 

@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.results.family import Family, Member
+from analysis.results.family import Family
 from analysis.results.grouping import PairPlace, codes
 from analysis.results.rating_model import RatingModel
 from analysis.stats.clustered_mean import Estimate
@@ -97,15 +97,10 @@ def rating_contrasts(
 
 def with_holm(found: Sequence[RatingContrast], family: Family) -> tuple[RatingContrast, ...]:
     """Return the contrasts of a report, their tests corrected over its family."""
-    members = [
-        Member(
-            conditions=(one.a, one.b), set=one.set, question=one.question, p=one.difference.p_value
-        )
-        for one in found
-    ]
+    corrected = family.corrected(found, [one.difference.p_value for one in found])
     return tuple(
         replace(one, difference=replace(one.difference, p_holm=p))
-        for one, p in zip(found, family.corrected(members), strict=True)
+        for one, p in zip(found, corrected, strict=True)
     )
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.results.family import Family, Member
+from analysis.results.family import Family
 from analysis.results.grouping import PairPlace, codes, shown_conditions
 from analysis.stats.clustered_mean import LEVEL, Estimate
 from analysis.stats.min_f import FTest
@@ -219,13 +219,8 @@ def corrected_contrasts(
     found: Sequence[StrengthContrast], family: Family
 ) -> tuple[StrengthContrast, ...]:
     """Return the contrasts of a report, corrected over the family that it declares."""
-    members = [
-        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.p_value)
-        for one in found
-    ]
-    return tuple(
-        replace(one, p_holm=p) for one, p in zip(found, family.corrected(members), strict=True)
-    )
+    corrected = family.corrected(found, [one.p_value for one in found])
+    return tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True))
 
 
 def _p_values(found: Fitted, votes: Votes) -> Floats:

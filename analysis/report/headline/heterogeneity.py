@@ -16,7 +16,7 @@ from analysis.report.figures.svg import About
 from analysis.report.headline.preference_rows import reference_of
 from analysis.report.headline.words import HOLM, between, count_cell, number, number_cell, p_cell
 from analysis.report.subject import Subject
-from analysis.results.grouping import ConditionPlace, PairPlace
+from analysis.results.grouping import Place
 from analysis.results.heterogeneity import (
     KINDS,
     By,
@@ -150,8 +150,7 @@ def effects(results: Results, reference: str | None) -> tuple[Effect, ...]:
         for name in dict.fromkeys(c.set for c in comparisons)
     }
     return tuple(
-        _effect(one, wholes.get(effect_key(one)), from_side.get(one.set))
-        for one in results.heterogeneity
+        _effect(one, wholes.get(_key(one)), from_side.get(one.set)) for one in results.heterogeneity
     )
 
 
@@ -167,25 +166,25 @@ def _effect(
     return Effect(about, turned, None if whole is None else whole.turned())
 
 
-def effect_key(one: PairPlace | ConditionPlace) -> tuple[str | None, str, tuple[str, ...]]:
-    """Return set, question and conditions."""
-    names = (one.condition,) if isinstance(one, ConditionPlace) else (one.a, one.b)
-    return one.set, one.question, names
+Key = tuple[str | None, str, tuple[str, ...]]
+"""Set, question and conditions."""
 
 
-def whole_effects(
-    results: Results,
-) -> dict[tuple[str | None, str, tuple[str, ...]], Estimate]:
-    """Return the estimates that a report's headline rests on, by `effect_key`."""
+def _key(one: Place) -> Key:
+    return one.set, one.question, one.names
+
+
+def whole_effects(results: Results) -> dict[Key, Estimate]:
+    """Return the estimates that a report's headline rests on."""
     match results:
         case PairwiseResults():
-            return {effect_key(one): one.win_share for one in results.comparisons}
+            return {_key(one): one.win_share for one in results.comparisons}
         case RatingResults():
-            return {effect_key(one): one.difference for one in results.contrasts}
+            return {_key(one): one.difference for one in results.contrasts}
         case RankingResults():
-            return {effect_key(one): one.mean_rank for one in results.conditions}
+            return {_key(one): one.mean_rank for one in results.conditions}
         case MismatchResults():
-            return {effect_key(one): one.win_share for one in results.conditions}
+            return {_key(one): one.win_share for one in results.conditions}
 
 
 def _drawn(found: Sequence[Effect], by: By) -> bool:

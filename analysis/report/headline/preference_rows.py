@@ -8,8 +8,9 @@ from itertools import groupby
 from typing import TypeVar
 
 from analysis.report import wording
-from analysis.results.mismatch import MatchedCondition, MismatchResults
-from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.preference import Comparison, MatchedCondition
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
 

@@ -45,7 +45,8 @@ from analysis.report.headline.words import (
 )
 from analysis.report.subject import Subject
 from analysis.results.mismatch import MismatchResults
-from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.preference import Comparison
 from analysis.results.strengths import Strengths
 from analysis.stats.clustered_mean import LEVEL
 

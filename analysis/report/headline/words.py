@@ -8,7 +8,7 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Cell, Column
-from analysis.results.grouping import ConditionPlace, PairPlace
+from analysis.results.grouping import ConditionPlace, PairPlace, Place
 from analysis.results.strengths import RankInterval
 from analysis.stats.clustered_mean import LEVEL, Estimate
 
@@ -29,10 +29,9 @@ PAIR: Final[tuple[Column[PairPlace], ...]] = (
 )
 
 
-def place_of(one: ConditionPlace | PairPlace) -> str:
+def place_of(one: Place) -> str:
     """Return what a note calls a result: its question, and its condition or conditions."""
-    about = one.condition if isinstance(one, ConditionPlace) else f"{one.a} against {one.b}"
-    return f"{wording.heading(one.question)}, {wording.name(about)}"
+    return f"{wording.heading(one.question)}, {wording.name(' against '.join(one.names))}"
 
 
 def interval(found: Estimate) -> str:

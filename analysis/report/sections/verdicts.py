@@ -11,8 +11,9 @@ from typing import Final, Literal
 from analysis.report import wording
 from analysis.report.headline.words import between, number
 from analysis.results.grouping import PairPlace
-from analysis.results.mismatch import MatchedCondition, MismatchResults
-from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.preference import Comparison, MatchedCondition
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.rating_contrasts import RatingContrast

@@ -6,9 +6,11 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from analysis.answers.cells import read_cells
 from analysis.answers.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, Layout
 from analysis.answers.reading import MARKED, read_answers
 from analysis.answers.table import AnswerTable
+from analysis.report.writing import write_frame
 from analysis.results.ranking import placements_of
 from motion.errors import InputError
 
@@ -20,6 +22,8 @@ ROW: dict[str, Any] = {
     "right": "other",
     "response": 2,
 }
+
+FORMULA = '=HYPERLINK("http://example.org","x")'
 
 
 def pairs(*changes: dict[str, Any]) -> pd.DataFrame:
@@ -291,3 +295,21 @@ def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
     with pytest.raises(InputError, match="row 42, column response: 55 is not on the scale"):
         read_as(RATING_OF_ONE, tmp_path, table, scale=(1, 5))
     assert read_as(RATING_OF_ONE, tmp_path, table[:-1], scale=(1, 7)).scales == {"q": (1, 7)}
+
+
+def test_a_table_of_the_report_runs_nothing_in_a_spreadsheet(tmp_path: Path) -> None:
+    write_frame(tmp_path / "t.csv", pd.DataFrame({"who": [FORMULA, "ada"], "share": [-0.5, 1.0]}))
+
+    written = pd.read_csv(tmp_path / "t.csv")
+
+    assert written["who"].tolist() == ["'" + FORMULA, "ada"]
+    assert written["share"].tolist() == [-0.5, 1.0]
+
+
+@pytest.mark.parametrize("name", [FORMULA, "'tis", "''", "-x", "plain"])
+def test_what_was_written_is_read_as_it_was(tmp_path: Path, name: str) -> None:
+    write_frame(tmp_path / "t.csv", pd.DataFrame({"participant": [name, "ada"]}))
+
+    cells = read_cells(tmp_path / "t.csv", ["participant"], ["participant"])
+
+    assert cells.rows["participant"].tolist() == [name, "ada"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.measurement.joint_motion import joint_motion
+from analysis.measurement.recorded_spread import ClipExtent, recorded_spread
 from analysis.metrics.joint_positions import select
 from motion.clip import MotionClip
 from motion.freeze import freeze
@@ -57,3 +58,39 @@ def test_the_pelvis_walks_and_stands_as_high_as_its_feet_reach_down(waving):
         poses[:, joint_index(f"{side}_ankle"), 0] = -0.8
     crouching = joint_motion(replace(clip, poses=poses), 30.0).pelvis
     assert crouching[0, 1] < pelvis[0, 1] - 0.1
+
+
+def clips():
+    chance = np.random.default_rng(0)
+    for frames in (30, 50):
+        rotations = chance.normal(0.4, 0.2, (frames, 3, 3))
+        rotations[:, 1] = 0.7
+        rotations[:, 2, 0] = -0.1
+        yield rotations, chance.normal(0, 1, (frames, 5, 3))
+
+
+def test_the_spread_of_clips_is_that_of_all_frames_together():
+    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
+    rotations = np.concatenate([rotations for rotations, _ in clips()])
+    positions = np.concatenate([positions.reshape(-1, 3) for _, positions in clips()])
+    np.testing.assert_allclose(found.mean, rotations.mean(axis=0))
+    np.testing.assert_allclose(found.deviation[0], rotations[:, 0].std(axis=0))
+    assert found.recordings == 2
+    assert np.linalg.norm(np.ptp(positions, axis=0)) * found.scale == pytest.approx(1)
+
+
+def test_joints_that_never_move_are_left_out_and_still_channels_stay_radians():
+    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
+    assert found.moving.tolist() == [True, False, True]
+    assert found.deviation[2, 0] == 1
+    rotations = np.concatenate([rotations for rotations, _ in clips()])
+    standard = found.normalised(rotations)
+    assert standard.shape == (80, 2, 3)
+    np.testing.assert_allclose(standard[:, 0].std(axis=0), 1)
+    assert np.abs(standard[:, 1, 0]).max() < 1e-9
+
+
+def test_no_recording_and_no_extent_are_no_spread():
+    assert recorded_spread([]) is None
+    point = ClipExtent.of(np.zeros((4, 2, 3)), np.ones((4, 2, 3)))
+    assert recorded_spread([point]) is None

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import pytest
 
 from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
+from analysis.metrics.result import MetricResult
 
 LABELS = ("neutral", "anger", "fear")
 
@@ -46,3 +48,39 @@ def test_no_emotion_that_the_network_knows_is_no_score():
     found = emotion_accuracy(confusion(["joy"], ["fear"]))
     assert math.isnan(found.value)
     assert "no clip has speech of an emotion" in found.reason
+
+
+@pytest.mark.parametrize(("value", "reason"), [(math.nan, ""), (0.5, "no beats")])
+def test_a_reason_belongs_to_a_missing_score_and_to_nothing_else(value, reason):
+    with pytest.raises(ValueError, match="reason"):
+        MetricResult(name="m", value=value, unit="", n=1, reason=reason)
+
+
+def test_settings_cannot_be_changed_afterwards():
+    given = {"joints": "wrists"}
+    result = MetricResult(name="m", value=1.0, unit="", n=1, settings=given)
+    given["joints"] = "feet"
+    assert result.settings["joints"] == "wrists"
+
+
+def test_an_interval_ends_above_its_start():
+    with pytest.raises(ValueError, match="interval"):
+        MetricResult(name="m", value=1.0, unit="", n=1, interval=(2.0, 1.0))
+
+
+def test_a_result_travels_to_another_process_as_it_is():
+    result = MetricResult(
+        name="m", value=1.0, unit="m", n=2, settings={"a": "b"}, interval=(0.5, 2.0), remark="few"
+    )
+    found = pickle.loads(pickle.dumps(result))  # noqa: S301
+    assert found == result
+    with pytest.raises(TypeError):
+        found.settings["a"] = "c"
+
+
+def test_results_of_equal_settings_share_them():
+    one, other = (
+        MetricResult(name="m", value=1.0, unit="", n=1, settings={"joints": "wrists"})
+        for _ in range(2)
+    )
+    assert one.settings is other.settings

@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 from statsmodels.regression.mixed_linear_model import MixedLM
 
+from analysis.planning.deciding_tests import Company, Findings, decided_by_holm, right
 from analysis.planning.many_studies import clustered_tests, crossed_models
 from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.holm import holm
 
 
 def drawn(participant_sd: float, item_sd: float, seed: int) -> np.ndarray:
@@ -111,3 +113,55 @@ def test_one_participant_and_no_answer_give_no_test() -> None:
             np.ones((2, count)) * np.arange(count), alone[:count], np.arange(count)
         )
         assert np.isnan(p_values).all()
+
+
+def test_a_block_alone_is_corrected_within_itself() -> None:
+    p_values = np.array([[0.01, 0.04, 0.2], [0.03, 0.02, 0.04]])
+
+    decided = decided_by_holm(p_values, Company(pools=(p_values,), counts=(0,)), 1)
+
+    for row, own in zip(p_values, decided, strict=True):
+        assert (own > 0).tolist() == [p < 0.05 for p in holm(row.tolist())]
+
+
+def test_in_the_company_of_nothing_a_block_must_be_far_surer() -> None:
+    nothing = np.full((10, 1), 0.9)
+    company = Company(pools=(nothing,), counts=(4,))
+
+    decided = decided_by_holm(np.array([[0.02], [0.009]]), company, 1)
+
+    assert decided.ravel().tolist() == [0.0, 1.0]
+
+
+def test_in_the_company_of_what_decides_a_block_is_hardly_corrected() -> None:
+    sure = np.full((10, 1), 1e-6)
+    company = Company(pools=(sure,), counts=(4,))
+
+    assert decided_by_holm(np.array([[0.04]]), company, 1)[0, 0] == 1.0
+
+
+def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> None:
+    tested = Findings(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
+    decided = np.ones((2, 2))
+
+    assert right(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
+    assert right(tested, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
+
+
+def test_tests_that_cannot_be_made_never_decide() -> None:
+    p_values = np.array([[np.nan, 0.001]])
+
+    decided = decided_by_holm(p_values, Company(pools=(p_values,), counts=(0,)), 1)
+
+    assert decided.tolist() == [[0.0, 1.0]]
+
+
+def test_the_same_seed_draws_the_same_companies() -> None:
+    chance = np.random.default_rng(2)
+    pool = chance.random((50, 2)) / 10
+    company = Company(pools=(pool,), counts=(3,))
+
+    first, again = (decided_by_holm(pool, company, 7) for _ in range(2))
+
+    assert first == pytest.approx(again)
+    assert set(np.unique(first)) - {0.0, 1.0}

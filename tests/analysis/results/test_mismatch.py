@@ -3,8 +3,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from analysis.results.agreement import retest_of
 from analysis.results.mismatch import MismatchResults
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import mismatch_table
@@ -27,3 +29,23 @@ def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> No
     assert set(truth.share) == {"own", "other", "equal"}
     bias = found.side_bias["fits"]
     assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())  # type: ignore[union-attr]
+
+
+def test_practice_trials_meet_their_own_repeats() -> None:
+    rows = [
+        ("p1", "practice", "s1", 0, 2),
+        ("p1", "practice", "s1", 0, 1),
+        ("p1", "practice", "s2", 0, 2),
+        ("p1", "main", "s3", 0, 0),
+        ("p1", "repeat", "s2", 0, -2),
+        ("p1", "repeat", "s1", 0, 1),
+        ("p1", "repeat", "s1", 0, -1),
+        ("p2", "practice", "s1", 0, 0),
+        ("p2", "repeat", "s1", 1, 0),
+    ]
+    answers = pd.DataFrame(rows, columns=["participant", "kind", "segment", "shown", "value"])
+    named = answers.astype({"participant": "category", "segment": "category"})
+
+    found = retest_of(named, answers["value"].to_numpy(), {"shown": np.array(answers["shown"])})
+
+    assert (found.n, found.participants, found.equal_share) == (2, 1, 0.5)

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from analysis.stats.wilcoxon import pseudo_median, sign_distribution, signed_rank
+from analysis.stats.sign_test import sign_test
+from analysis.stats.wilcoxon import pooled_tests, pseudo_median, sign_distribution, signed_rank
 
 
 def by_all_signs(values, zeros):
@@ -113,3 +114,61 @@ def test_turning_all_signs_turns_the_estimate_only(values):
     assert turned.p_value == pytest.approx(found.p_value)
     assert turned.estimate == pytest.approx(-found.estimate)
     assert turned.rank_biserial == pytest.approx(-found.rank_biserial)
+
+
+def test_it_is_what_the_plain_tests_give():
+    answers = np.random.default_rng(1).integers(-2, 3, 600)
+    found = pooled_tests(answers)
+    wins, losses = int((answers > 0).sum()), int((answers < 0).sum())
+    assert found.binomial_p == pytest.approx(stats.binomtest(wins, wins + losses).pvalue)
+    plain = stats.wilcoxon(answers.astype(float), correction=False, method="asymptotic")
+    assert found.wilcoxon_p == pytest.approx(plain.pvalue)
+
+
+def test_it_says_what_it_ignores():
+    ignored = " ".join(pooled_tests(np.array([1, -1])).ignores)
+    assert all(word in ignored for word in ("participant", "segment", "several tests", "no diff"))
+
+
+def test_it_finds_what_is_not_there_where_participants_differ():
+    generator = np.random.default_rng(2)
+
+    def study() -> np.ndarray:
+        latent = (
+            generator.normal(0, 0.6, (22, 1))
+            + generator.normal(0, 0.45, (1, 24))
+            + generator.logistic(size=(22, 24))
+        )
+        return (np.sign(latent) * np.digitize(np.abs(latent), [0.45, 1.6])).ravel()
+
+    found = [pooled_tests(study()).wilcoxon_p for _ in range(100)]
+    assert np.mean(np.array(found) < 0.05) > 0.15
+
+
+@pytest.mark.parametrize(
+    ("answers", "reason"), [([], "no values"), ([0, 0], "all values are zero")]
+)
+def test_no_pooled_test_comes_with_its_reason(answers, reason):
+    found = pooled_tests(np.array(answers))
+    assert found.reason == reason
+    assert math.isnan(found.binomial_p)
+    assert math.isnan(found.wilcoxon_p)
+
+
+def test_six_above_and_one_below_worked_by_hand():
+    found = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
+    assert (found.above, found.below, found.zeros) == (6, 1, 1)
+    assert found.p_value == pytest.approx(2 * (1 + 7) / 2**7)
+    assert found.estimate == pytest.approx(6 / 7)
+    assert found.low < 0.5 < found.high
+
+
+def test_a_mean_that_is_zero_but_for_rounding_is_zero():
+    assert sign_test(np.array([0.1 + 0.2 - 0.3, 1.0])).zeros == 1
+
+
+@pytest.mark.parametrize(("values", "reason"), [([], "no values"), ([0.0], "all values are zero")])
+def test_no_sign_test_comes_with_its_reason(values, reason):
+    found = sign_test(np.array(values))
+    assert found.reason == reason
+    assert math.isnan(found.p_value)

@@ -1,12 +1,25 @@
 from __future__ import annotations
 
+import pytest
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextToPath
+
 from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.fitting import POINTS, fitted
 from analysis.report.figures.panels import NARROW, WIDE, Row, Scale
 from analysis.report.figures.svg import About
 from tests.analysis.report.headline.reading import drawn
 
 SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")
 ABOUT = About(name="forest", title="A forest", caption="Effects.")
+
+NAMES = (
+    "AMUSE",
+    "a reference with a name of many words that goes on and on",
+    "Averyveryverylongconditionnamewithoutanyspacesinit",
+    "two wordsthatarefartoolongforonelineofthis",
+    "Überraschung WWWWWWWWWWWWWW",
+)
 
 
 def test_a_rows_name_is_broken_into_the_lines_that_there_are() -> None:
@@ -67,3 +80,24 @@ def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
     for picture in pictures:
         height = float(str(drawn(picture)["viewbox"]).split()[3]) / 72
         assert height <= WIDE.tallest
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("lines", [1, 2, 3])
+def test_words_never_need_more_room_than_there_is(name: str, lines: int) -> None:
+    found = fitted(name, 1.1, size=8, lines=lines).split("\n")
+    assert len(found) <= lines
+    for line in found:
+        font = FontProperties(family="DejaVu Sans", size=8)
+        width, _, _ = TextToPath().get_text_width_height_descent(line, font, ismath=False)
+        assert width / POINTS <= 1.1 + 1e-6
+
+
+def test_words_that_fit_stay_as_they_are() -> None:
+    assert fitted("no difference", 2, size=8) == "no difference"
+    assert fitted("", 2, size=8) == ""
+
+
+def test_words_that_are_cut_end_in_dots() -> None:
+    assert fitted(NAMES[1], 1, size=8).endswith("…")
+    assert "…" not in fitted(NAMES[1], 1, size=8, lines=9)

@@ -6,7 +6,9 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Section
+from analysis.report.headline.ranking_tables import ordinal
 from analysis.report.headline.ratings import distribution_pictures
+from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import (
@@ -97,3 +99,50 @@ def test_scales_that_differ_are_said_under_the_figure(
     (picture,) = distribution_pictures(twice, labels, name="r", mark="")
     assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
     assert "1 (worst)" in words(picture)
+
+
+@pytest.fixture(scope="module")
+def ranking_results(ranked: TableReport) -> RankingResults:
+    assert isinstance(ranked.results, RankingResults)
+    return ranked.results
+
+
+@pytest.fixture(scope="module")
+def ranking_section(sections: Mapping[str, tuple[Section, ...]]) -> Section:
+    (found,) = sections["ranking"]
+    return found
+
+
+def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
+    ranking_results: RankingResults, ranking_section: Section
+) -> None:
+    picture = named_picture(ranking_section, "places")
+    for row, one in enumerate(
+        sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
+    ):
+        parts = edges(picture, [f"bar0-{row}-{place}" for place in range(3)])
+        widths = [right - left for left, right in parts]
+        assert [100 * w / sum(widths) for w in widths] == pytest.approx(
+            list(one.rank_percent.values()), abs=0.05
+        )
+
+
+def test_mean_ranks_first_places_and_worths_stand_in_one_section(
+    ranking_results: RankingResults, ranking_section: Section
+) -> None:
+    assert [picture.name for picture in ranking_section.pictures] == ["places", "worths"]
+    for row, one in zip(
+        named_table(ranking_section, "ranks").rows, ranking_results.conditions, strict=True
+    ):
+        assert row[3].value == one.mean_rank.estimate
+        assert row[6].value == one.first_share.estimate
+    worths = ranking_results.plackett_luce["realism"]
+    rows = named_table(ranking_section, "worths").rows
+    assert {row[1].text: row[2].value for row in rows} == worths.worths  # type: ignore[union-attr]
+    assert "rank " in told(named_picture(ranking_section, "worths"))
+
+
+def test_places_are_counted_as_people_say_them() -> None:
+    assert [ordinal(place) for place in (1, 2, 3, 4, 11, 12, 13, 21, 22)] == [
+        *("1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "22nd")
+    ]

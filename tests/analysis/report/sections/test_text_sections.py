@@ -1,19 +1,27 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from analysis.report.content import Section
+from analysis.report.sections.answer import answer
 from analysis.report.sections.diagnostics import diagnostics_section
 from analysis.report.sections.flow import flow_section
 from analysis.report.sections.limits import limits_section
+from analysis.report.sections.looks import MOST, looks_section
 from analysis.report.sections.methods import methods_section
+from analysis.report.sections.strip import strip_section
 from analysis.report.sections.truth import truth_section
+from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
+from analysis.results.looks import Look, looks_before
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
+
+SENTENCE = "Results were looked at 2 times before these answers were complete, at 2 and 4 finished"
 
 
 def words(section: Section | None) -> str:
@@ -99,3 +107,109 @@ def test_a_rehearsals_truth_is_held_against_estimates_of_either_direction(tmp_pa
     assert float(second[4]) == pytest.approx(1 - share.estimate, abs=0.005)
     assert "1 of 2 intervals contain theirs" in section.paragraphs[0]
     assert truth_section((report,), subject_of(report)) is None
+
+
+def looked(finished: int, reason: str = "a video broke") -> Look:
+    return Look(
+        day="2026-05-04",
+        by="researcher 1",
+        way="page",
+        reason=reason,
+        finished=finished,
+        planned=30,
+        answers=10 * finished,
+    )
+
+
+def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=6), "pairwise", tmp_path)
+    before = looks_before([looked(2), looked(4, "")], finished=6, answers=60)
+    seen = replace(report, looks=before)
+
+    section = looks_section(seen)
+
+    assert section is not None
+    assert section.paragraphs[0].startswith(SENTENCE)
+    assert (
+        f"in {100 * before.false_positive_rate:.1f} % of cases instead of 5 %"
+        in (section.paragraphs[1])
+    )
+    [table] = section.tables
+    assert [[cell.text for cell in row] for row in table.rows] == [
+        ["2026-05-04", "researcher 1", "researchers' page", "a video broke", "2", "30", "1"],
+        ["2026-05-04", "researcher 1", "researchers' page", "not said", "4", "30", "1"],
+    ]
+    subject = subject_of(seen)
+    assert SENTENCE in " ".join(answer(seen, subject))
+    assert SENTENCE in " ".join(methods_section(seen, subject).paragraphs)
+    assert looks_section(report) is None
+    assert "looked at" not in " ".join(answer(report, subject))
+
+
+def test_many_looks_are_counted_and_the_last_ones_shown(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=6), "pairwise", tmp_path)
+    many = [looked(number) for number in range(1, MOST + 51)]
+    seen = replace(report, looks=looks_before(many, finished=999, answers=9990))
+
+    section = looks_section(seen)
+
+    assert section is not None
+    assert (
+        f"{MOST + 50} numbers of finished participants from 1 to {MOST + 50}"
+        in (section.paragraphs[0])
+    )
+    assert len(section.tables[0].rows) == MOST
+    assert f"The last {MOST} rows of {MOST + 50}" in section.tables[0].notes[1]
+
+
+def subject_with_stills(*conditions: str, **settings: object) -> Subject:
+    stills = tuple(
+        Still(condition=name, segment="s1", seconds=seconds, word="", image="data:image/webp;x")
+        for name in conditions
+        for seconds in (0.4, 1.25)
+    )
+    return Subject(
+        title="study",
+        origin="participants",
+        protocol="rating",
+        conditions=("ours", "theirs"),
+        questions={},
+        excerpts={"s1": Excerpt(transcript="Put them into <detention>.")},
+        stills=stills,
+        **settings,
+    )
+
+
+def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture():
+    section = strip_section(subject_with_stills("ours", "theirs"))
+    assert section is not None
+    (strip,) = section.pictures
+    assert strip.svg.count("<img ") == 4
+    assert 'alt="theirs after 1.2 seconds"' in strip.svg
+    assert '<th scope="col">0.4 s</th>' in strip.svg
+    assert '<th scope="row">ours</th>' in strip.svg
+    assert "“Put them into <detention>.”" in section.paragraphs[0]
+
+
+def test_a_condition_without_video_is_named():
+    section = strip_section(subject_with_stills("ours"))
+    assert section is not None
+    assert section.paragraphs[1] == (
+        "There is no video of this segment, or none that can be read, of theirs."
+    )
+
+
+def test_where_there_are_none_the_reason_stands_in_their_place():
+    section = strip_section(subject_with_stills(no_stills="There are no videos yet."))
+    assert section is not None
+    assert section.paragraphs == ("There are no videos yet.",)
+
+
+def test_a_table_of_answers_has_no_such_section():
+    assert strip_section(subject_with_stills()) is None
+
+
+def test_names_cannot_become_markup():
+    section = strip_section(subject_with_stills("<b>ours</b>"))
+    assert section is not None
+    assert "<b>" not in section.pictures[0].svg
