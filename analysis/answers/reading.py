@@ -11,10 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.answers.cells import Cells, read_cells
-from analysis.answers.checking import Checking
-from analysis.answers.columns import ANALYSED_KINDS, MISSING, SHARED, Column
-from analysis.answers.layouts import Layout
+from analysis.answers.cells import Cells, Checking, read_cells
+from analysis.answers.columns import ANALYSED_KINDS, MISSING, SHARED, Column, Layout
 from analysis.answers.table import AnswerTable
 
 NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})

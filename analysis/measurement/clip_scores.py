@@ -19,9 +19,8 @@ from analysis.metrics.correct_motion import (
     percent_correct_motion,
     semantic_recall,
 )
-from analysis.metrics.derivatives import mean_derivative
+from analysis.metrics.derivatives import FEET, foot_sliding, mean_derivative
 from analysis.metrics.diversity import l1_deviation
-from analysis.metrics.foot_sliding import FEET, foot_sliding
 from analysis.metrics.joint_positions import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.result import MetricResult

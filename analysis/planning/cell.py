@@ -12,9 +12,8 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from analysis.planning.part import Opinions, Part
+from analysis.planning.part import Opinions, Part, Size
 from analysis.planning.power import Effort, Power, power_of
-from analysis.planning.size import Size
 from motion.files import write_text
 
 VERSION: Final = "2"
@@ -28,7 +27,7 @@ class Cell:
     Attributes
     ----------
     participants, items, recruited, analysed, trials : int
-        See `analysis.planning.size.Size`.
+        See `analysis.planning.part.Size`.
     powers : tuple of Power
         Of each part of the study.
     """

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from analysis.planning.plan import Plan
+from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
-from analysis.planning.smallest import WANTED
 from analysis.planning.words import segments
 from analysis.report.figures.ink import INK, LINE, SOFT, STYLE, sign_of
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet

@@ -1,4 +1,4 @@
-"""What of a study is simulated: who judges what, how much opinions differ, what is tested."""
+"""What of a study of any size is simulated: who judges what, how opinions differ, the tests."""
 
 from __future__ import annotations
 
@@ -125,3 +125,109 @@ class Part:
     def tests(self) -> int:
         """Tests of this part in the whole report."""
         return self.blocks * len(self.trials.pairs)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Size:
+    """A study of one size.
+
+    Attributes
+    ----------
+    participants : int
+        Places of each comparison that has participants of its own; else of the study.
+    items : int
+        Segments.
+    recruited : int
+        Places of the whole study.
+    analysed : int
+        Of `participants`, those who are expected not to be excluded.
+    trials : int
+        Analysed trials of each participant.
+    parts : tuple of Part
+        What is simulated.
+    """
+
+    participants: int
+    items: int
+    recruited: int
+    analysed: int
+    trials: int
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sketch:
+    """A study that has no file yet: everybody judges items along a ring, all equally often.
+
+    Attributes
+    ----------
+    kind : {'pairs', 'ratings', 'rankings'}
+        How conditions are judged.
+    conditions : int
+        How many every trial shows.
+    comparisons : int
+        How often the same is done: comparisons of two conditions, or motions that are heard with
+        their own and another's speech.
+    own_participants : bool
+        Whether each of them has participants of its own.
+    questions : int
+        Asked of every trial.
+    trials : int or None
+        Of each participant and comparison; None for one of each item.
+    levels : int
+        Points of the scale.
+    test : {'report', 'crossed_lmm'}
+        What decides.
+    """
+
+    kind: Kind
+    conditions: int = 2
+    comparisons: int = 1
+    own_participants: bool = False
+    questions: int = 1
+    trials: int | None = None
+    levels: int = 5
+    test: Test = "report"
+
+    def size(self, participants: int, items: int, *, excluded: float) -> Size:
+        """Return the study with so many participants and items.
+
+        Parameters
+        ----------
+        excluded : float
+            Share of participants who will be left out.
+        """
+        analysed = kept(participants, excluded)
+        trials = items if self.trials is None else min(self.trials, items)
+        numbers = np.arange(analysed * trials)
+        who, what = numbers // max(trials, 1), numbers % max(items, 1)
+        pairs = self.kind == "pairs"
+        left = np.asarray((who + what) % 2, np.intp) if pairs else None
+        part = Part(
+            name="",
+            kind=self.kind,
+            trials=Trials(
+                participants=who.astype(np.intp),
+                items=what.astype(np.intp),
+                conditions=self.conditions,
+                left=left,
+                right=None if left is None else 1 - left,
+            ),
+            levels=self.levels,
+            blocks=self.questions * self.comparisons,
+            family="",
+            test=self.test,
+        )
+        return Size(
+            participants=participants,
+            items=items,
+            recruited=participants * (self.comparisons if self.own_participants else 1),
+            analysed=analysed,
+            trials=trials * (1 if self.own_participants else self.comparisons),
+            parts=(part,),
+        )
+
+
+def kept(participants: int, excluded: float) -> int:
+    """Return how many of so many participants are analysed where a share is left out."""
+    return participants - int(participants * excluded + 0.5)

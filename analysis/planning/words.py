@@ -8,9 +8,8 @@ from itertools import pairwise
 from typing import Final
 
 from analysis.planning.cell import Cell
-from analysis.planning.plan import Plan
+from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
-from analysis.planning.smallest import WANTED
 from analysis.report.wording import share
 from motion.listing import listed
 

@@ -9,10 +9,14 @@ from typing import Final
 import pandas as pd
 
 from analysis.answers.columns import ANALYSED_KINDS
-from analysis.answers.exclusion_rules import ExclusionRule, failed_catch_trials, marked
-from analysis.answers.exclusions import RuleOutcome, apply_rules
-from analysis.answers.facts_of_participants import NOTHING_KNOWN, facts_of
-from analysis.answers.participant_facts import KnownFacts
+from analysis.answers.exclusion_rules import (
+    ExclusionRule,
+    RuleOutcome,
+    apply_rules,
+    failed_catch_trials,
+    marked,
+)
+from analysis.answers.facts_of_participants import NOTHING_KNOWN, KnownFacts, facts_of
 from analysis.answers.table import AnswerTable
 
 MAX_CATCH_FAILURES: Final = 1

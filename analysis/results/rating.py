@@ -33,7 +33,7 @@ from analysis.results.rating_contrasts import (
 )
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
 from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
-from analysis.stats.rating_table import RatingSummary, rating_table
+from analysis.stats.ratings import RatingSummary, rating_table
 from analysis.stats.retest import Retest
 
 

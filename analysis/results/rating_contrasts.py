@@ -14,7 +14,7 @@ from analysis.results.family import Family
 from analysis.results.grouping import PairPlace, codes
 from analysis.results.rating_model import RatingModel
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.rating_differences import (
+from analysis.stats.ratings import (
     RatedCells,
     cliffs_delta,
     mean_differences,

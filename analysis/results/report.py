@@ -11,9 +11,8 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from analysis.answers.exclusion_rules import ExclusionRule
-from analysis.answers.exclusions import RuleOutcome
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
+from analysis.answers.exclusion_rules import ExclusionRule, RuleOutcome
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
 from analysis.results.left_out import MAX_CATCH_FAILURES
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder

@@ -9,7 +9,7 @@ from typing import Final
 import pandas as pd
 
 from analysis.answers.cells import Cells
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import answers_in, read_answers
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions

@@ -10,10 +10,9 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.planning.grid import FEWEST_QUICK, Runner, Show
-from analysis.planning.part import Opinions, Test
+from analysis.planning.part import Opinions, Size, Sketch, Test
 from analysis.planning.plan import Plan, Request, plan
 from analysis.planning.power import FEWEST_EXACT, Effort
-from analysis.planning.size import Size, Sketch
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
 from studyapp.planning.pilot import Pilot, read_pilot

@@ -10,8 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from analysis.answers.columns import ANALYSED_KINDS
-from analysis.planning.part import Test
-from analysis.planning.size import Size, kept
+from analysis.planning.part import Size, Test, kept
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.planning.planned_parts import planned_parts

@@ -10,7 +10,7 @@ from typing import Final
 import pandas as pd
 
 from analysis.answers.cells import Cells
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.stats.ordinal.crossed import Information, Layout
-from analysis.stats.ordinal.links import Interval, Link, interval
-from analysis.stats.ordinal.thresholds import Thresholds
+from analysis.stats.ordinal.links import Interval, Link, Thresholds, interval
 
 Floats = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Link functions of ordered answers: the probability of an interval, and its derivatives.
+"""Ordered answers: thresholds between them, and link functions with their derivatives.
 
 An answer's interval lies between two ends; eta, the latent value, moves both down by as much as it
 grows. Where noise is logistic, the probability is F(upper) F(-lower) (1 - exp(lower - upper)): a
@@ -14,7 +14,7 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
+from scipy.special import logit, ndtr
 
 Floats = NDArray[np.float64]
 Link = Literal["logit", "probit"]
@@ -28,6 +28,8 @@ NARROWEST: Final = 1e-100
 
 STEEPEST: Final = 690.0
 """Ends beyond it are taken for it: exponentials of it are finite."""
+
+Structure = Literal["flexible", "symmetric", "symmetric around zero"]
 
 
 class Interval(ABC):
@@ -229,3 +231,70 @@ class NormalInterval(Interval):
         cross = end.first + end.density * self.slope
         weight = -(end.second - end.density * first + 2 * self.slope * cross)
         return end.density, -cross, weight
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """How a vector of free parameters makes ordered thresholds.
+
+    The thresholds are a location and the gaps above it; gaps enter by their logarithm, so that
+    no parameter breaks the order. Where the structure is symmetric, gaps equally far from the
+    middle are one parameter (as in R's `ordinal`).
+
+    Attributes
+    ----------
+    categories : int
+        Number of answers, at least 2.
+    structure : {'flexible', 'symmetric', 'symmetric around zero'}
+        'symmetric around zero' also puts the middle at 0: no answer is favoured on either side.
+    """
+
+    categories: int
+    structure: Structure = "flexible"
+
+    @property
+    def gap_of(self) -> NDArray[np.intp]:
+        """For each gap between thresholds, the number of its parameter."""
+        gaps = np.arange(self.categories - 2)
+        return gaps if self.structure == "flexible" else np.minimum(gaps, gaps[::-1])
+
+    @property
+    def has_location(self) -> bool:
+        """Whether the thresholds may shift as a whole."""
+        return self.structure != "symmetric around zero"
+
+    @property
+    def count(self) -> int:
+        """Number of free parameters."""
+        return int(self.gap_of.max(initial=-1)) + 1 + self.has_location
+
+    def values(self, parameters: Floats) -> Floats:
+        """Return the thresholds, shape (categories - 1,)."""
+        gaps = np.exp(parameters[self.has_location :])[self.gap_of]
+        steps = np.concatenate([[0.0], np.cumsum(gaps)])
+        return np.asarray(steps + (parameters[0] if self.has_location else -steps[-1] / 2))
+
+    def jacobian(self, parameters: Floats) -> Floats:
+        """Return the derivative of each threshold by each parameter, (categories - 1, count)."""
+        gaps = np.exp(parameters[self.has_location :])[self.gap_of]
+        found = np.zeros((self.categories - 1, self.count))
+        for place, (gap, parameter) in enumerate(zip(gaps, self.gap_of, strict=True)):
+            found[place + 1 :, parameter + self.has_location] += gap
+        if self.has_location:
+            found[:, 0] = 1.0
+        else:
+            found -= found[-1] / 2
+        return found
+
+    def parameters(self, thresholds: Floats) -> Floats:
+        """Return the free parameters of flexible `thresholds`, shape (categories - 1,)."""
+        return np.concatenate([thresholds[:1], np.log(np.diff(thresholds))])
+
+    def start(self, counts: NDArray[np.int64]) -> Floats:
+        """Return parameters that fit the answers' `counts` where nothing else has an effect."""
+        total = counts.sum()
+        cumulated = (np.cumsum(counts)[:-1] + 0.5) / (total + 1)
+        thresholds = logit(cumulated)
+        gaps = np.maximum(np.diff(thresholds), 0.05)
+        tied = [np.log(gaps[self.gap_of == number].mean()) for number in np.unique(self.gap_of)]
+        return np.array([*([thresholds[0]] if self.has_location else []), *tied])

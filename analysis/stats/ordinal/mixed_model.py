@@ -14,7 +14,7 @@ from scipy import stats
 
 from analysis.stats.ordinal.crossed import Layout
 from analysis.stats.ordinal.laplace import Answers, Likelihood
-from analysis.stats.ordinal.links import Link
+from analysis.stats.ordinal.links import Link, Structure, Thresholds
 from analysis.stats.ordinal.maximum import (
     BOUNDARY,
     LARGEST,
@@ -23,7 +23,6 @@ from analysis.stats.ordinal.maximum import (
     free_parameters,
     maximum,
 )
-from analysis.stats.ordinal.thresholds import Structure, Thresholds
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

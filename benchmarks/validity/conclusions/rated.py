@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.equivalence import equivalence, equivalence_of_means
-from analysis.stats.rating_differences import RatedCells, mean_difference, rated_cells
+from analysis.stats.ratings import RatedCells, mean_difference, rated_cells
 from analysis.stats.values import group_means
 from analysis.stats.wilcoxon import signed_rank
 from benchmarks.validity.conclusions.conclusion import (

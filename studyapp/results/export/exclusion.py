@@ -8,8 +8,7 @@ from typing import Final
 
 import pandas as pd
 
-from analysis.answers.exclusion_rules import BY_HAND
-from analysis.answers.exclusions import RuleOutcome
+from analysis.answers.exclusion_rules import BY_HAND, RuleOutcome
 from motion.errors import InputError
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.stored_answers import Answers

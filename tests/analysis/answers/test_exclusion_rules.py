@@ -9,7 +9,9 @@ import pytest
 
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
+    Removed,
     answered_too_fast,
+    apply_rules,
     failed_attention_checks,
     failed_catch_trials,
     incomplete,
@@ -17,8 +19,7 @@ from analysis.answers.exclusion_rules import (
     straight_lined,
     watched_less,
 )
-from analysis.answers.exclusions import Removed, apply_rules
-from analysis.answers.participant_facts import ParticipantFacts, SameAnswer
+from analysis.answers.facts_of_participants import ParticipantFacts, SameAnswer
 
 
 def someone(name: str = "a", **facts: object) -> ParticipantFacts:

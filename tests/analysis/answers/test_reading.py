@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.cells import read_cells
-from analysis.answers.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, Layout
+from analysis.answers.columns import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, Layout
 from analysis.answers.reading import MARKED, read_answers
 from analysis.answers.table import AnswerTable
 from analysis.report.writing import write_frame

@@ -8,12 +8,13 @@ import pytest
 
 from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.derivatives import (
+    CONTACT_HEIGHT,
     GENEA_ACCELERATION,
     HANDS,
     HANDS_UNFILTERED,
+    foot_sliding,
     mean_derivative,
 )
-from analysis.metrics.foot_sliding import CONTACT_HEIGHT, foot_sliding
 from analysis.metrics.joint_positions import common_frame_rate, select
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions

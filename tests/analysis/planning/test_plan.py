@@ -9,11 +9,9 @@ import pytest
 
 from analysis.planning.cell import Task
 from analysis.planning.grid import Runner, minutes_of, within
-from analysis.planning.part import Opinions
-from analysis.planning.plan import Plan, Request, plan
+from analysis.planning.part import Opinions, Sketch
+from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.power import Effort
-from analysis.planning.size import Sketch
-from analysis.planning.smallest import smallest_effect
 from analysis.planning.words import sentences
 from analysis.planning.writing import write_plan
 

@@ -9,9 +9,8 @@ from analysis.planning import cell
 from analysis.planning.cell import Task, simulated
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.drawn_answers import drawn_answers
-from analysis.planning.part import Opinions, Part
+from analysis.planning.part import Opinions, Part, Sketch
 from analysis.planning.power import Effort, Power, power_of
-from analysis.planning.size import Sketch
 from analysis.results.net_preference import (
     SidedAnswers,
     net_preference,

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
 from analysis.results.headline import agreed_so_far, headline_numbers

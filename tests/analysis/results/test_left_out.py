@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.layouts import PAIRWISE
+from analysis.answers.columns import PAIRWISE
 from analysis.answers.reading import read_answers
 from analysis.results.left_out import LeftOut, leave_out, table_rules
 from tests.analysis.results.made_tables import catch_rows, pairwise_table

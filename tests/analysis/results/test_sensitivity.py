@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.columns import LAYOUTS
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
-from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.left_out import leave_out

@@ -8,7 +8,7 @@ from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.rating_differences import (
+from analysis.stats.ratings import (
     cliffs_delta,
     mean_difference,
     mean_differences,

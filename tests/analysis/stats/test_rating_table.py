@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.rating_table import rating_table
+from analysis.stats.ratings import rating_table
 from motion.errors import InputError
 from tests.analysis.reference import reference_ratings, with_reference
 from tests.analysis.stats.made_ratings import CONDITIONS, made_ratings

@@ -7,7 +7,7 @@ from analysis.stats.equivalence import equivalence_of_means
 from analysis.stats.intraclass import intraclass_correlation
 from analysis.stats.krippendorff import krippendorff_alpha
 from analysis.stats.min_f import min_f
-from analysis.stats.rating_differences import cliffs_delta
+from analysis.stats.ratings import cliffs_delta
 from analysis.stats.sign_test import sign_test
 from analysis.stats.values import finite, group_means, levels, tied_ranks
 from analysis.stats.wilcoxon import pooled_tests, signed_rank

@@ -5,8 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from analysis.answers.columns import ANALYSED_KINDS
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import ANALYSED_KINDS, LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.measurement.scores import StudyMetrics
 from analysis.report.content import Section

@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
-from analysis.answers.columns import ANALYSED_KINDS
-from analysis.answers.layouts import LAYOUTS
+from analysis.answers.columns import ANALYSED_KINDS, LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.results.against_people.people_side import (
     PSEUDO_VOTES,

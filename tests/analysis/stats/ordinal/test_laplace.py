@@ -7,8 +7,7 @@ from scipy.special import expit
 
 from analysis.stats.ordinal.crossed import Information, Layout
 from analysis.stats.ordinal.laplace import Answers, likelihood
-from analysis.stats.ordinal.links import Link
-from analysis.stats.ordinal.thresholds import Structure, Thresholds
+from analysis.stats.ordinal.links import Link, Structure, Thresholds
 from tests.analysis.stats.ordinal.made_answers import made_answers
 
 SIZES = {"one term": (7,), "two terms": (7, 4), "three terms": (7, 4, 3)}

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from analysis.stats.ordinal.links import Link, interval
-from analysis.stats.ordinal.thresholds import Structure, Thresholds
+from analysis.stats.ordinal.links import Link, Structure, Thresholds, interval
 
 LAWS = {"logit": stats.logistic, "probit": stats.norm}
 ENDS = (

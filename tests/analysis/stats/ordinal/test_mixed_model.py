@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from analysis.stats.ordinal.links import Structure
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
-from analysis.stats.ordinal.thresholds import Structure
 from motion.errors import InputError
 from tests.analysis.results.made_tables import pairwise_table
 from tests.analysis.stats.ordinal.made_answers import MadeAnswers, made_answers
