@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
-from analysis.results.grouping import PairPlace
-from analysis.results.headline import HeadlineNumber, Measure
+from analysis.results.grouping import PairPlace, Place
+from analysis.results.headline import Measure
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
@@ -107,9 +107,9 @@ def found_values(
     return tuple(
         (value, found)
         for report in reports
-        for numbers in ({_key(one): one for one in _numbers(report)},)
+        for estimates in ({_key(*one[:2]): one[2] for one in _estimates(report)},)
         for value in known
-        if (found := numbers.get(_key_of(value, value.part if report.sets else ""))) is not None
+        if (found := estimates.get(_key_of(value, value.part if report.sets else ""))) is not None
     )
 
 
@@ -125,43 +125,30 @@ _Key = tuple[str, str, str, str]
 """Measure, part, question, and what it is about."""
 
 
-def _key(one: HeadlineNumber) -> _Key:
-    about = "-".join(filter(None, (one.a, one.b)))
-    return one.measure, one.set or "", one.question, about
+def _key(measure: Measure, place: Place) -> _Key:
+    return measure, place.set or "", place.question, "-".join(place.names)
 
 
 def _key_of(value: KnownValue, part: str) -> _Key:
     return value.measure, part, value.question, value.about
 
 
-def _numbers(report: TableReport) -> Iterator[HeadlineNumber]:
+def _estimates(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate]]:
     """Give every headline number of a report, both ways round for pairs."""
-
-    def number(found: Estimate, measure: Measure, **place: Any) -> HeadlineNumber:
-        own = {name: getattr(found, name) for name in Estimate.__dataclass_fields__}
-        return HeadlineNumber(**own, **place, measure=measure)
-
     match report.results:
         case PairwiseResults(comparisons=comparisons):
             for pair in comparisons:
-                for a, b, share in (
-                    (pair.a, pair.b, pair.win_share),
-                    (pair.b, pair.a, pair.win_share.turned()),
-                ):
-                    place = {"set": pair.set, "question": pair.question, "a": a, "b": b}
-                    yield number(share, "win_share", **place)
+                for one in (pair, pair.turned()):
+                    yield "win_share", one, one.win_share
         case MismatchResults(conditions=matched):
-            for one in matched:
-                place = {"set": one.set, "question": one.question, "a": one.condition}
-                yield number(one.win_share, "own_speech", **place)
+            for own in matched:
+                yield "own_speech", own, own.win_share
         case RatingResults(conditions=rated):
             for rating in rated:
-                place = {"set": rating.set, "question": rating.question, "a": rating.condition}
-                yield number(rating, "mean_rating", **place)
+                yield "mean_rating", rating, rating
         case RankingResults(conditions=ranked):
             for rank in ranked:
-                place = {"set": rank.set, "question": rank.question, "a": rank.condition}
-                yield number(rank.mean_rank, "mean_rank", **place)
+                yield "mean_rank", rank, rank.mean_rank
 
 
 def _differences(report: TableReport, truths: Mapping[_Key, float]) -> Iterator[KnownDifference]:
@@ -184,40 +171,42 @@ _Truth = Callable[[Measure, str | None, str, str], float]
 
 def _from_half(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
     """Give the shares of a report, as differences from one half."""
-    for one in _numbers(report):
-        if one.measure in ("win_share", "own_speech"):
+    for measure, place, share in _estimates(report):
+        if measure in ("win_share", "own_speech"):
+            key = _key(measure, place)
             yield KnownDifference(
-                part=one.set or "",
-                question=one.question,
-                measure=one.measure,
-                first=one.a,
-                second=one.b or "other speech",
-                truth=truth(one.measure, one.set, one.question, _key(one)[-1]) - 0.5,
+                part=key[1],
+                question=place.question,
+                measure=measure,
+                first=place.names[0],
+                second=place.names[1] if isinstance(place, PairPlace) else "other speech",
+                truth=truth(measure, place.set, place.question, key[-1]) - 0.5,
                 found=replace(
-                    one, estimate=one.estimate - 0.5, low=one.low - 0.5, high=one.high - 0.5
+                    share, estimate=share.estimate - 0.5, low=share.low - 0.5, high=share.high - 0.5
                 ),
-                decided=one.has_interval and not one.covers(0.5),
+                decided=share.has_interval and not share.covers(0.5),
             )
 
 
 def _between(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
     """Give the differences between every two conditions that were rated or ranked."""
     pairs: list[tuple[Measure, PairPlace, Estimate, bool]] = []
-    if isinstance(report.results, RatingResults):
-        for one in report.results.contrasts:
-            found: Estimate = one.difference
-            decided = found.has_interval and not found.covers(0.0)
-            pairs.append(("mean_rating", one, found, decided))
-    if isinstance(report.results, RankingResults):
-        for ranks in report.results.posthoc:
-            found = Estimate(
-                estimate=-ranks.difference,
-                participants=ranks.n,
-                reason=ranks.reason or NO_RANK_INTERVAL,
-            )
-            pairs.append(("mean_rank", ranks, found, ranks.conover_holm < SIGNIFICANT))
+    match report.results:
+        case RatingResults(contrasts=contrasts):
+            for one in contrasts:
+                found: Estimate = one.difference
+                decided = found.has_interval and not found.covers(0.0)
+                pairs.append(("mean_rating", one, found, decided))
+        case RankingResults(posthoc=posthoc):
+            for ranks in posthoc:
+                found = Estimate(
+                    estimate=-ranks.difference,
+                    participants=ranks.n,
+                    reason=ranks.reason or NO_RANK_INTERVAL,
+                )
+                pairs.append(("mean_rank", ranks, found, ranks.conover_holm < SIGNIFICANT))
     for measure, pair, found, decided in pairs:
-        values = [truth(measure, pair.set, pair.question, name) for name in (pair.a, pair.b)]
+        values = [truth(measure, pair.set, pair.question, name) for name in pair.names]
         # The smaller a rank, the better.
         sign = -1 if measure == "mean_rank" else 1
         yield KnownDifference(
