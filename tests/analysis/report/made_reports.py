@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from analysis.report.subject import Excerpt, Subject
-from analysis.results.report import TableReport, analyse_table
-
-
-def report_of(table: pd.DataFrame, protocol: str, folder: Path, **settings: Any) -> TableReport:
-    """Analyse a table as the command line does."""
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    return analyse_table(path, protocol, **settings)
+from analysis.results.report import TableReport
 
 
 def subject_of(report: TableReport, **changes: Any) -> Subject:

@@ -10,8 +10,8 @@ from playwright.sync_api import Browser, Page
 
 from analysis.report import write_report
 from analysis.report.figures import ink
-from tests.analysis.report.made_reports import report_of, subject_of
-from tests.analysis.results.made_tables import pairwise_table
+from tests.analysis.report.made_reports import subject_of
+from tests.analysis.results.made_tables import pairwise_table, report_of
 from tests.functional.browsing import IN_A_BROWSER, launched
 
 pytestmark = IN_A_BROWSER

@@ -12,8 +12,8 @@ from analysis.report.sections.answer import answer
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import Strengths
-from tests.analysis.report.made_reports import report_of, subject_of
-from tests.analysis.results.made_tables import THRESHOLDS
+from tests.analysis.report.made_reports import subject_of
+from tests.analysis.results.made_tables import THRESHOLDS, report_of
 
 SYSTEMS = 8
 PAIRS = SYSTEMS * (SYSTEMS - 1) // 2

@@ -17,8 +17,8 @@ from analysis.report.content import Cell, Page, Section, Table
 from analysis.report.figures import ink
 from analysis.report.writing import as_frame, write_page_files
 from studyapp.results.report import report_table
-from tests.analysis.report.made_reports import report_of, subject_of
-from tests.analysis.results.made_tables import TABLES, pairwise_table
+from tests.analysis.report.made_reports import subject_of
+from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
 
 HOSTILE = '<script>alert("x")</script> & $\\frac{1}{2}$ #_%'
 

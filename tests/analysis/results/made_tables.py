@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+
+from analysis.results.report import TableReport, analyse_table
 
 THRESHOLDS = (-1.6, -0.45, 0.45, 1.6)
 
@@ -136,3 +140,10 @@ TABLES = {
     "ranking": ranking_table,
     "mismatch": mismatch_table,
 }
+
+
+def report_of(table: pd.DataFrame, protocol: str, folder: Path, **settings: Any) -> TableReport:
+    """Analyse a table as the command line does."""
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return analyse_table(path, protocol, **settings)

@@ -12,8 +12,7 @@ import pandas as pd
 import pytest
 
 from analysis.results.plain import as_json, plain
-from analysis.results.report import analyse_table
-from tests.analysis.results.made_tables import TABLES
+from tests.analysis.results.made_tables import TABLES, report_of
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
@@ -125,12 +124,10 @@ CHANGES: dict[str, Change] = {
 def test_whatever_was_answered_no_number_is_missing_without_a_reason(
     protocol: str, change: str, tmp_path: Path
 ) -> None:
-    path = tmp_path / "answers.csv"
-    CHANGES[change](TABLES[protocol](participants=4, segments=4)).to_csv(path, index=False)
+    table = CHANGES[change](TABLES[protocol](participants=4, segments=4))
+    margin = 0.1 if protocol in ("pairwise", "rating") else None
 
-    report = analyse_table(
-        path, protocol, margin=0.1 if protocol in ("pairwise", "rating") else None
-    )
+    report = report_of(table, protocol, tmp_path, margin=margin)
     text = as_json(report.keys())
 
     assert "NaN" not in text

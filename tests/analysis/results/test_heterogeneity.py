@@ -7,15 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.report import analyse_table
 from analysis.stats.holm import holm
-from tests.analysis.results.made_tables import TABLES
+from tests.analysis.results.made_tables import TABLES, report_of
 
 
 def apart(folder: Path, table: pd.DataFrame, protocol: str) -> list[Any]:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    return list(analyse_table(path, protocol).results.heterogeneity)
+    return list(report_of(table, protocol, folder).results.heterogeneity)
 
 
 def with_emotions(table: pd.DataFrame) -> pd.DataFrame:
@@ -62,9 +59,7 @@ def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Pa
 
 def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:
     table = with_emotions(TABLES["pairwise"](participants=8))
-    path = tmp_path / "answers.csv"
-    table.to_csv(path, index=False)
-    results: Any = analyse_table(path, "pairwise").results
+    results: Any = report_of(table, "pairwise", tmp_path).results
 
     for whole in results.comparisons:
         for one in results.heterogeneity:

@@ -8,15 +8,12 @@ import pytest
 
 from analysis.results.agreement import retest_of
 from analysis.results.mismatch import MismatchResults
-from analysis.results.report import analyse_table
-from tests.analysis.results.made_tables import mismatch_table
+from tests.analysis.results.made_tables import mismatch_table, report_of
 
 
 def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> None:
     table = mismatch_table()
-    path = tmp_path / "answers.csv"
-    table.to_csv(path, index=False)
-    found = analyse_table(path, "mismatch").results
+    found = report_of(table, "mismatch", tmp_path).results
     assert isinstance(found, MismatchResults)
 
     truth, static = found.conditions

@@ -9,23 +9,16 @@ import pandas as pd
 import pytest
 
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.report import TableReport, analyse_table
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.clustered_variance import ONE_SEGMENT
 from analysis.stats.holm import holm
 from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from motion.errors import InputError
-from tests.analysis.results.made_tables import catch_rows, pairwise_table
-
-
-def analyse(folder: Path, table: pd.DataFrame, **options: Any) -> TableReport:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    return analyse_table(path, "pairwise", **options)
+from tests.analysis.results.made_tables import catch_rows, pairwise_table, report_of
 
 
 def results(folder: Path, table: pd.DataFrame, **options: Any) -> PairwiseResults:
-    found = analyse(folder, table, **options).results
+    found = report_of(table, "pairwise", folder, **options).results
     assert isinstance(found, PairwiseResults)
     return found
 
@@ -105,7 +98,7 @@ def test_practice_is_dropped_and_its_repetition_analysed(tmp_path: Path) -> None
 
 def test_who_is_left_out_is_counted_and_not_analysed(tmp_path: Path) -> None:
     table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=4, segments=3)
-    found = analyse(tmp_path, pd.concat([table, catch_rows("p01", "lr", (3, 3))]))
+    found = report_of(pd.concat([table, catch_rows("p01", "lr", (3, 3))]), "pairwise", tmp_path)
     [one] = found.results.comparisons  # type: ignore[union-attr]
     assert (one.recruited, one.attentive) == (4, 3)
     assert one.n == 3 * 3

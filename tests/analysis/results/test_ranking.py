@@ -6,14 +6,11 @@ import pandas as pd
 import pytest
 
 from analysis.results.ranking import RankingResults
-from analysis.results.report import analyse_table
-from tests.analysis.results.made_tables import ranking_table
+from tests.analysis.results.made_tables import ranking_table, report_of
 
 
 def results(folder: Path, table: pd.DataFrame) -> RankingResults:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    found = analyse_table(path, "ranking").results
+    found = report_of(table, "ranking", folder).results
     assert isinstance(found, RankingResults)
     return found
 

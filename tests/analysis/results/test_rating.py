@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
@@ -10,27 +9,21 @@ import pytest
 
 from analysis.results.plain import plain
 from analysis.results.rating import RatingResults
-from analysis.results.report import analyse_table
 from analysis.stats.holm import holm
-from tests.analysis.results.made_tables import rating_table
-
-REFERENCE = Path(__file__).parents[4] / "shared" / "reference" / "stats"
+from tests.analysis.reference import reference_ratings, with_reference
+from tests.analysis.results.made_tables import rating_table, report_of
 
 
 def results(folder: Path, table: pd.DataFrame, margin: float | None = None) -> RatingResults:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    found = analyse_table(path, "rating", margin=margin).results
+    found = report_of(table, "rating", folder, margin=margin).results
     assert isinstance(found, RatingResults)
     return found
 
 
-@pytest.mark.skipif(not REFERENCE.exists(), reason="the reference results are not here")
+@with_reference
 def test_it_agrees_with_r(tmp_path: Path) -> None:
-    table = pd.read_csv(REFERENCE / "ratings.csv").rename(
-        columns={"item": "segment", "method": "condition", "rating": "response"}
-    )
-    expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
+    ratings, expected = reference_ratings()
+    table = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "response"})
     found = results(tmp_path, table.assign(question="match"), margin=0.3)
 
     for one in found.conditions:
@@ -63,9 +56,7 @@ def test_one_family_of_tests_holds_all_questions(tmp_path: Path) -> None:
 
 def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=8, segments=4)
-    path = tmp_path / "answers.csv"
-    table.to_csv(path, index=False)
-    written = plain(analyse_table(path, "rating").keys())
+    written = plain(report_of(table, "rating", tmp_path).keys())
     assert isinstance(written, dict)
     [contrast] = written["contrasts"]  # type: ignore[misc]
     assert not {"p_value", "p_holm", "z", "standard_error", "low"} & set(contrast)  # type: ignore[arg-type]
@@ -119,11 +110,10 @@ def test_equivalence_is_tested_with_segments_as_a_sample_too(tmp_path: Path) -> 
 
 def test_intervals_are_cut_at_the_ends_of_a_stated_scale_and_nowhere_else(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=3, segments=3)
-    path = tmp_path / "answers.csv"
-    table.assign(response=[5, 5, 4] * 6).to_csv(path, index=False)
+    table["response"] = [5, 5, 4] * 6
 
     def highest(scale: tuple[int, int] | None) -> float:
-        found = analyse_table(path, "rating", scale=scale).results
+        found = report_of(table, "rating", tmp_path, scale=scale).results
         assert isinstance(found, RatingResults)
         return max(one.high for one in found.conditions)
 

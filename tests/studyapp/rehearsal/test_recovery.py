@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.cells import Cells
-from analysis.answers.layouts import PAIRWISE
+from analysis.answers.columns import PAIRWISE
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out

@@ -11,13 +11,14 @@ import pytest
 from analysis.report.content import Section
 from analysis.report.page import headline_sections
 from analysis.report.subject import Subject
-from analysis.results.report import TableReport, analyse_table
+from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import SCALE
 from tests.analysis.results.made_tables import (
     mismatch_table,
     pairwise_table,
     ranking_table,
     rating_table,
+    report_of,
 )
 
 Analyse = Callable[[str, pd.DataFrame], TableReport]
@@ -28,12 +29,7 @@ def analyse(tmp_path_factory: pytest.TempPathFactory) -> Analyse:
     """Return an analysis of a table by its protocol."""
     folder: Path = tmp_path_factory.mktemp("tables")
 
-    def results(protocol: str, table: pd.DataFrame) -> TableReport:
-        path = folder / "answers.csv"
-        table.to_csv(path, index=False)
-        return analyse_table(path, protocol)
-
-    return results
+    return lambda protocol, table: report_of(table, protocol, folder)
 
 
 @pytest.fixture(scope="session")

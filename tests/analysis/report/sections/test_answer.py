@@ -10,7 +10,7 @@ from analysis.report.sections.answer import answer
 from analysis.report.sections.flow import flow_line, flow_section
 from analysis.results.flow import Flow
 from analysis.results.pairwise import PairwiseResults
-from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.report.made_reports import subject_of
 from tests.analysis.results.made_tables import (
     TABLES,
     catch_rows,
@@ -18,6 +18,7 @@ from tests.analysis.results.made_tables import (
     pairwise_table,
     ranking_table,
     rating_table,
+    report_of,
 )
 
 

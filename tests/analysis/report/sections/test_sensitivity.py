@@ -10,26 +10,16 @@ import pytest
 from analysis.answers.exclusion_rules import watched_less
 from analysis.report.content import Section
 from analysis.report.sections.sensitivity import sensitivity_section
-from analysis.report.subject import Subject
-from analysis.results.report import analyse_table
-from tests.analysis.report.made_reports import report_of, subject_of
-from tests.analysis.results.made_tables import TABLES, pairwise_table
+from tests.analysis.report.made_reports import subject_of
+from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
 
 
 def section(folder: Path, protocol: str, *, below: float = 0.9) -> Section | None:
     """Return the section on a table where p01 watched half, which an exploratory rule minds."""
-    path = folder / "answers.csv"
     table = TABLES[protocol](participants=5, segments=4)
-    table.assign(watched=np.where(table["participant"] == "p01", 0.5, 1)).to_csv(path, index=False)
-    report = analyse_table(path, protocol, exclude=[watched_less(below)])
-    subject = Subject(
-        title="T",
-        origin="table",
-        protocol=protocol,
-        conditions=report.conditions_shown,
-        questions=dict.fromkeys(report.questions, ""),
-    )
-    return sensitivity_section(report, subject)
+    table["watched"] = np.where(table["participant"] == "p01", 0.5, 1)
+    report = report_of(table, protocol, folder, exclude=[watched_less(below)])
+    return sensitivity_section(report, subject_of(report))
 
 
 @pytest.mark.parametrize("protocol", list(TABLES))
@@ -51,18 +41,9 @@ def test_there_is_no_section_where_nobody_is_left_out(tmp_path: Path) -> None:
 
 
 def test_as_planned_is_not_shown_where_it_is_what_is_analysed(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
     table = TABLES["ranking"](participants=5, segments=4)
-    table.assign(excluded=table["participant"] == "p01").to_csv(path, index=False)
-    report = analyse_table(path, "ranking")
-    subject = Subject(
-        title="T",
-        origin="table",
-        protocol="ranking",
-        conditions=report.conditions_shown,
-        questions={},
-    )
-    found = sensitivity_section(report, subject)
+    report = report_of(table.assign(excluded=table["participant"] == "p01"), "ranking", tmp_path)
+    found = sensitivity_section(report, subject_of(report))
     assert found is not None
     assert [name for name, _ in found.tables[0].groups[1:]] == ["analysed", "nobody excluded"]
 

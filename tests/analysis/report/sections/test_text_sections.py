@@ -18,8 +18,8 @@ from analysis.report.sections.truth import truth_section
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
 from analysis.results.looks import Look, looks_before
-from tests.analysis.report.made_reports import report_of, subject_of
-from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
+from tests.analysis.report.made_reports import subject_of
+from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
 SENTENCE = "Results were looked at 2 times before these answers were complete, at 2 and 4 finished"
 
