@@ -23,8 +23,8 @@ from analysis.answers.facts_of_participants import KnownFacts
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.known_values import KnownValue
-from analysis.results.left_out import LeftOut, leave_out
 from analysis.results.net_preference import sided
+from analysis.results.participants import LeftOut, leave_out
 from analysis.results.preference import win_share
 from motion.files import write_text
 from motion.segment import EMOTIONS, Segment

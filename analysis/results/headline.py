@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement
 from analysis.results.grouping import codes, parts, set_name
-from analysis.results.left_out import LeftOut
 from analysis.results.mismatch import mismatch_agreement, mismatch_retest, own_on_right
 from analysis.results.net_preference import sided
 from analysis.results.pairwise import pairwise_agreement, pairwise_retest
+from analysis.results.participants import LeftOut
 from analysis.results.preference import win_share
 from analysis.results.ranking import concordance, placements_of
 from analysis.results.rating import limits_of, rating_agreement, rating_retest

@@ -20,8 +20,8 @@ from analysis.results.grouping import (
     set_name,
 )
 from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.left_out import LeftOut
 from analysis.results.net_preference import sided
+from analysis.results.participants import LeftOut
 from analysis.results.preference import MatchedCondition, left_share, preference, with_holm
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.retest import Retest

@@ -24,8 +24,8 @@ from analysis.results.grouping import (
     set_name,
 )
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.left_out import LeftOut
 from analysis.results.net_preference import sided
+from analysis.results.participants import LeftOut
 from analysis.results.preference import Comparison, left_share, preference, with_holm
 from analysis.results.strengths import (
     StrengthContrast,

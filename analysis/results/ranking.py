@@ -20,7 +20,7 @@ from analysis.results.grouping import (
     shown_conditions,
 )
 from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.left_out import LeftOut
+from analysis.results.participants import LeftOut
 from analysis.results.strengths import (
     RANKING,
     StrengthContrast,

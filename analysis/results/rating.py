@@ -24,7 +24,7 @@ from analysis.results.grouping import (
     set_name,
 )
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.left_out import LeftOut
+from analysis.results.participants import LeftOut
 from analysis.results.rating_contrasts import (
     RatingContrast,
     rated_cells_of,

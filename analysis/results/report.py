@@ -20,13 +20,20 @@ from analysis.measurement.scores import StudyMetrics
 from analysis.results.against_people.against_people import metrics_against_people
 from analysis.results.against_people.result import AgainstPeople
 from analysis.results.family import EVERYTHING, Family, read_family
-from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.grouping import ByQuestion
 from analysis.results.headline import Sensitivity, sensitivity
-from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
+from analysis.results.participants import (
+    MAX_CATCH_FAILURES,
+    ArmState,
+    Flow,
+    LeftOut,
+    leave_out,
+    participant_flow,
+    table_rules,
+)
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
 from motion.errors import InputError

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from analysis.answers.columns import LAYOUTS
-from analysis.results.left_out import MAX_CATCH_FAILURES
+from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder
 from studyapp.researchers.audit import reason_given

@@ -14,7 +14,7 @@ from analysis.answers.reading import answers_in, read_answers
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
-from analysis.results.left_out import LeftOut, leave_out, table_rules
+from analysis.results.participants import LeftOut, leave_out, table_rules
 from motion.errors import InputError
 from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import answers_to_report

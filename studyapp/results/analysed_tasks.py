@@ -13,7 +13,7 @@ from analysis.answers.cells import Cells
 from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
-from analysis.results.left_out import LeftOut, leave_out
+from analysis.results.participants import LeftOut, leave_out
 from studyapp.results.answer_table import empty_answers, study_answers
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions

@@ -12,7 +12,7 @@ from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
-from analysis.results.left_out import LeftOut
+from analysis.results.participants import LeftOut
 from analysis.results.report import Settings, TableReport, analyse_table
 from motion.files import replacing
 from motion.segment import Segment

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.flow import EVERYBODY, ArmState
+from analysis.results.participants import EVERYBODY, ArmState
 from studyapp.results.stored_answers import StoredAnswers
 from studyapp.study.settings.study import Study
 

@@ -43,7 +43,7 @@ def study_of(definition: str | None, version: int) -> Study | None:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyExclusions:
-    """The rules of a study, for `analysis.results.left_out.leave_out`.
+    """The rules of a study, for `analysis.results.participants.leave_out`.
 
     Attributes
     ----------

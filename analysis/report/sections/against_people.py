@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import chain
 from typing import Final
 
 from analysis.measurement.paper_tables import PAPER_TABLES
 from analysis.report import wording
 from analysis.report.by_question import each_question, question_name
-from analysis.report.content import Cell, Picture, Section, Table
+from analysis.report.content import Cell, Picture, Section, Table, table_of
 from analysis.report.figures.agreement_figure import MOST, agreement_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
@@ -284,54 +286,53 @@ def _correlation(value: float) -> str:
 
 def _table(asked: Sequence[_Question], protocol: str) -> Table:
     reasons: dict[str, int] = {}
-    rows = []
-    for one in asked:
-        for metric in one.metrics:
-            arrow = ARROWS[metric.better]
-            rows.append(
-                (
-                    Cell(text=one.name),
-                    Cell(text=f"{metric.metric}{f' {arrow}' if arrow else ''}"),
-                    count_cell(metric.conditions),
-                    *_cells(metric.kendall, reasons),
-                    *_cells(metric.spearman, reasons),
-                    *_cells(metric.within, reasons),
-                    count_cell(metric.within.cells),
-                )
+    correlations = {"Kendall's τ-b": "kendall", "Spearman's ρ": "spearman", "r": "within"}
+    return table_of(
+        [(one, metric) for one in asked for metric in one.metrics],
+        ("question", lambda row: row[0].name),
+        ("metric", lambda row: f"{row[1].metric} {ARROWS[row[1].better]}".rstrip()),
+        ("conditions", lambda row: count_cell(row[1].conditions)),
+        *(
+            column
+            for heading, which in correlations.items()
+            for column in (
+                (heading, partial(_estimate, which)),
+                ("95 % interval", partial(_interval, which, reasons)),
             )
-    return Table(
+        ),
+        (
+            "pairs of clips" if protocol == "pairwise" else "clips",
+            lambda row: count_cell(row[1].within.cells),
+        ),
         caption="Correlation of automatic metrics with people's preference, signed by the metric's "
         "own direction.",
         groups=(("", 3), ("over conditions", 4), ("within conditions", 3)),
-        header=(
-            *("question", "metric", "conditions"),
-            *("Kendall's τ-b", "95 % interval", "Spearman's ρ", "95 % interval"),
-            *("r", "95 % interval", "pairs of clips" if protocol == "pairwise" else "clips"),
-        ),
-        rows=tuple(rows),
-        text_columns=2,
-        notes=(
-            *(f"({number}) {_sentence(reason)}" for reason, number in reasons.items()),
-            *_left_out(asked),
-            *_resampling(asked),
+        # The reasons are numbered while the rows are written.
+        notes=chain(
+            (f"({number}) {_sentence(reason)}" for reason, number in reasons.items()),
+            _left_out(asked),
+            _resampling(asked),
         ),
         name="metrics-against-people",
         data=_FILE,
     )
 
 
-def _cells(
-    found: RankCorrelation | WithinCorrelation, reasons: dict[str, int]
-) -> tuple[Cell, Cell]:
-    note = ""
-    if found.reason:
-        note = f"({reasons.setdefault(found.reason, len(reasons) + 1)})"
-    if math.isnan(found.estimate):
-        return Cell(text="–"), Cell(text=f"–{wording.NO_BREAK}{note}")
-    estimate = Cell(text=_correlation(found.estimate), value=found.estimate)
-    if math.isnan(found.low):
-        return estimate, Cell(text=f"–{wording.NO_BREAK}{note}")
-    return estimate, Cell(text=_interval_words(found))
+def _estimate(which: str, row: tuple[_Question, MetricAgainstPeople]) -> Cell:
+    estimate = getattr(row[1], which).estimate
+    if math.isnan(estimate):
+        return Cell(text="–")
+    return Cell(text=_correlation(estimate), value=estimate)
+
+
+def _interval(
+    which: str, reasons: dict[str, int], row: tuple[_Question, MetricAgainstPeople]
+) -> Cell:
+    found: RankCorrelation | WithinCorrelation = getattr(row[1], which)
+    number = reasons.setdefault(found.reason, len(reasons) + 1) if found.reason else None
+    if not math.isnan(found.estimate) and not math.isnan(found.low):
+        return Cell(text=_interval_words(found))
+    return Cell(text=f"–{wording.NO_BREAK}" + ("" if number is None else f"({number})"))
 
 
 def _left_out(asked: Sequence[_Question]) -> Iterator[str]:

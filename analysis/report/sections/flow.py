@@ -9,7 +9,7 @@ from analysis.report import wording
 from analysis.report.content import Cell, Section, Table, table_of
 from analysis.report.headline.words import count_cell
 from analysis.report.subject import Subject
-from analysis.results.flow import Flow
+from analysis.results.participants import Flow
 from analysis.results.report import TableReport
 
 _STAGES = (

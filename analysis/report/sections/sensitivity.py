@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from analysis.report import wording
 from analysis.report.by_question import question_name
-from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.content import Cell, Section, Table, table_of
 from analysis.report.headline.preference_rows import reference_of
 from analysis.report.headline.words import between, count_cell, counted, number
 from analysis.report.subject import Subject
@@ -78,38 +79,29 @@ def _turned(one: Sensitivity) -> Sensitivity:
 def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Table:
     groups = ("analysed", *(() if is_planned else ("as planned",)), "nobody excluded")
     measure = _MEASURES[protocol]
-    return Table(
+    return table_of(
+        shown,
+        ("question", lambda one: question_name(one.set or "", one.question)),
+        ("condition" if len(shown[0].conditions) == 1 else "pair", _of),
+        *(
+            column
+            for place in range(len(groups))
+            for column in (
+                ("participants", partial(_people, is_planned, place)),
+                (measure, partial(_number, is_planned, place)),
+            )
+        ),
         caption=f"{wording.heading(measure)}, with its 95 % interval, clustered by participant "
         "and segment.",
         groups=(("", 2), *((group, 2) for group in groups)),
-        header=(
-            *("question", "condition" if len(shown[0].conditions) == 1 else "pair"),
-            *(heading for _ in groups for heading in ("participants", measure)),
-        ),
-        rows=tuple(_row(one, is_planned) for one in shown),
-        text_columns=2,
-        notes=tuple(
-            dict.fromkeys(
-                f"{_of(one)}, {question_name(one.set or '', one.question)}: {number.reason}."
-                for one in shown
-                for number in _shown(one, is_planned)
-                if number.reason
-            )
+        notes=dict.fromkeys(
+            f"{_of(one)}, {question_name(one.set or '', one.question)}: {number.reason}."
+            for one in shown
+            for number in _shown(one, is_planned)
+            if number.reason
         ),
         name="sensitivity_table",
         data="sensitivity.csv",
-    )
-
-
-def _row(one: Sensitivity, is_planned: bool) -> tuple[Cell, ...]:
-    words = wording.share if one.measure in ("win_share", "own_speech") else number
-    return (
-        *cells(question_name(one.set or "", one.question), _of(one)),
-        *(
-            cell
-            for number in _shown(one, is_planned)
-            for cell in (_people(number), _number(number, words))
-        ),
     )
 
 
@@ -123,11 +115,13 @@ def _of(one: Sensitivity) -> str:
     return " – ".join(map(wording.name, one.conditions))
 
 
-def _people(found: Estimate) -> Cell:
-    return count_cell(found.participants)
+def _people(is_planned: bool, place: int, one: Sensitivity) -> Cell:
+    return count_cell(_shown(one, is_planned)[place].participants)
 
 
-def _number(found: Estimate, words: Callable[[float], str]) -> Cell:
+def _number(is_planned: bool, place: int, one: Sensitivity) -> Cell:
+    words = wording.share if one.measure in ("win_share", "own_speech") else number
+    found = _shown(one, is_planned)[place]
     text = words(found.estimate)
     if not math.isnan(found.low):
         text = f"{text}{wording.NO_BREAK}{between(words(found.low), words(found.high))}"

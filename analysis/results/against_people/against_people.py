@@ -43,7 +43,7 @@ def metrics_against_people(
     table : AnswerTable
         The answers, of any protocol.
     analysed : DataFrame
-        Those of them that are analysed (`analysis.results.left_out.LeftOut`).
+        Those of them that are analysed (`analysis.results.participants.LeftOut`).
     metrics : StudyMetrics or None
         Automatic metrics by condition and clip; None where nothing was measured.
     recorded : str, optional

@@ -10,7 +10,7 @@ from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
-from analysis.results.left_out import leave_out
+from analysis.results.participants import leave_out
 from benchmarks.validity.studies import THRESHOLDS, Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
 

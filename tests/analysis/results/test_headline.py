@@ -11,7 +11,7 @@ from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
 from analysis.results.headline import agreed_so_far, headline_numbers
-from analysis.results.left_out import LeftOut, leave_out, table_rules
+from analysis.results.participants import LeftOut, leave_out, table_rules
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES
 

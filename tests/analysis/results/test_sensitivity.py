@@ -12,7 +12,7 @@ from analysis.answers.columns import LAYOUTS
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
 from analysis.answers.reading import read_answers
 from analysis.results.headline import Sensitivity, sensitivity
-from analysis.results.left_out import leave_out
+from analysis.results.participants import leave_out
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES, ranking_table
 

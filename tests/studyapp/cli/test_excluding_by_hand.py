@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.results.left_out import LeftOut
+from analysis.results.participants import LeftOut
 from motion.errors import InputError
 from studyapp.cli.exclude_command import decide_about
 from studyapp.database.engine import Database, sqlite_url

@@ -13,8 +13,8 @@ from analysis.answers.cells import Cells
 from analysis.answers.columns import PAIRWISE
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
-from analysis.results.left_out import LeftOut, leave_out
 from analysis.results.net_preference import sided
+from analysis.results.participants import LeftOut, leave_out
 from analysis.results.preference import win_share
 from analysis.stats.clustered_mean import Estimate
 from motion.segment import EMOTIONS, Segment

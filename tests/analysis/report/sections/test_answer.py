@@ -8,8 +8,8 @@ import pytest
 
 from analysis.report.sections.answer import answer
 from analysis.report.sections.flow import flow_line, flow_section
-from analysis.results.flow import Flow
 from analysis.results.pairwise import PairwiseResults
+from analysis.results.participants import Flow
 from tests.analysis.report.made_reports import subject_of
 from tests.analysis.results.made_tables import (
     TABLES,

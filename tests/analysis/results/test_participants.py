@@ -8,7 +8,7 @@ import pytest
 
 from analysis.answers.columns import PAIRWISE
 from analysis.answers.reading import read_answers
-from analysis.results.left_out import LeftOut, leave_out, table_rules
+from analysis.results.participants import LeftOut, leave_out, table_rules
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
 
 
