@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
 from typing import Final
 
 from analysis.measurement.paper_tables import PAPER_TABLES
@@ -287,7 +286,7 @@ def _correlation(value: float) -> str:
 def _table(asked: Sequence[_Question], protocol: str) -> Table:
     reasons: dict[str, int] = {}
     correlations = {"Kendall's τ-b": "kendall", "Spearman's ρ": "spearman", "r": "within"}
-    return table_of(
+    table = table_of(
         [(one, metric) for one in asked for metric in one.metrics],
         ("question", lambda row: row[0].name),
         ("metric", lambda row: f"{row[1].metric} {ARROWS[row[1].better]}".rstrip()),
@@ -307,15 +306,12 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
         caption="Correlation of automatic metrics with people's preference, signed by the metric's "
         "own direction.",
         groups=(("", 3), ("over conditions", 4), ("within conditions", 3)),
-        # The reasons are numbered while the rows are written.
-        notes=chain(
-            (f"({number}) {_sentence(reason)}" for reason, number in reasons.items()),
-            _left_out(asked),
-            _resampling(asked),
-        ),
         name="metrics-against-people",
         data=_FILE,
     )
+    # The reasons were numbered while the rows were written.
+    numbered = (f"({number}) {_sentence(reason)}" for reason, number in reasons.items())
+    return replace(table, notes=(*numbered, *_left_out(asked), *_resampling(asked)))
 
 
 def _estimate(which: str, row: tuple[_Question, MetricAgainstPeople]) -> Cell:
