@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from generators.amuse.config import SPEECH_PRESETS
+from generators.amuse.config import LABELS, SPEECH_PRESETS
 from generators.amuse.losses import SpeechLosses
 from generators.amuse.network_file import load_speech_network
 from generators.amuse.train_speech import SpeechTask
@@ -35,7 +35,6 @@ def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, f
         training=training,
         held_out=test,
         fours=np.empty((0, 4), dtype=np.int64),
-        emotions=tuple(speech.latents["emotion"]),
-        speakers=tuple(speech.latents["style"]),
+        labels={part: tuple(speech.latents[part]) for part in LABELS},
     )
     return task.validation(speech.model)

@@ -23,6 +23,9 @@ STEPS: Final = 50
 Part = Literal["content", "emotion", "style"]
 PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
 
+LABELS: Final[Mapping[Part, str]] = MappingProxyType({"emotion": "emotion", "style": "speaker"})
+"""What of a take names its emotion and its style."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MotionConfig:

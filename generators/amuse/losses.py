@@ -168,8 +168,7 @@ def speech_losses(
     model: SpeechModel,
     heard: Tensor,
     target: Tensor,
-    emotions: Tensor,
-    styles: Tensor,
+    classes: Tensor,
     counted: SpeechLosses,
 ) -> dict[str, Tensor]:
     """Return the loss of quadruples, and its parts.
@@ -181,8 +180,8 @@ def speech_losses(
     heard, target : Tensor
         (batch, 4, frames, bands), in the order of `training.data.quadruples`: what the encoders
         are given, and what the decoder is to give.
-    emotions, styles : Tensor
-        (batch, 4) classes.
+    classes : Tensor
+        (2, batch, 4), the numbers of emotions and of speakers.
     counted : SpeechLosses
         What is left out.
 
@@ -209,9 +208,9 @@ def speech_losses(
         ),
     }
     if counted.emotion:
-        parts["emo"] = functional.cross_entropy(emotion_logits, emotions.flatten())
+        parts["emo"] = functional.cross_entropy(emotion_logits, classes[0].flatten())
     if counted.style:
-        parts["sty"] = functional.cross_entropy(style_logits, styles.flatten())
+        parts["sty"] = functional.cross_entropy(style_logits, classes[1].flatten())
     return {"loss": torch.stack(list(parts.values())).sum(), **parts}
 
 

@@ -12,15 +12,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.amuse.config import FRAME_RATE, MOTION_PRESETS, PARTS, MotionConfig, Part
+from generators.amuse.config import FRAME_RATE, LABELS, MOTION_PRESETS, PARTS, MotionConfig
 from generators.amuse.generate import heard_windows
 from generators.amuse.initialisation import hear, set_out
-from generators.amuse.losses import (
-    OF_ALIGNMENT,
-    OF_PRIOR,
-    LossWeights,
-    motion_losses,
-)
+from generators.amuse.losses import OF_ALIGNMENT, OF_PRIOR, LossWeights, motion_losses
 from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import (
     MotionNetworks,
@@ -139,8 +134,7 @@ class MotionTask(WindowTask):
     def _by_name(self, heard: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
         """Return latents (batch, 1, width), some of them the mean of their label where known."""
         told = dict(zip(PARTS, heard, strict=False))
-        labels: tuple[tuple[Part, str], ...] = (("emotion", "emotion"), ("style", "speaker"))
-        for part, of in labels:
+        for part, of in LABELS.items():
             if part in self.means:
                 known, by_name = self.means[part], torch.rand(len(takes), 1, 1) < self.named
                 means = [
@@ -185,11 +179,8 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     if ablation == "without_prior":
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
-    features = (
-        whole_body(FRAME_RATE),
-        speech_latents(speech, identity, config.frames, preset.stride),
-    )
-    prepared = prepared_takes(request, features, FRAME_RATE)
+    told = speech_latents(speech, identity, config.frames, preset.stride)
+    prepared = prepared_takes(request, (whole_body(FRAME_RATE), told), FRAME_RATE)
     weights = LossWeights(**preset.weights).without(*LEFT_OUT.get(str(ablation), ()))
     task = MotionTask(
         config=config,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
+from generators.amuse.config import LABELS, SPEECH_PRESETS, Part, SpeechConfig
 from generators.amuse.initialisation import listen
 from generators.amuse.losses import (
     SpeechLosses,
@@ -79,8 +79,8 @@ class SpeechTask(WindowTask):
         Of the feature ``filterbank``.
     fours : ndarray, shape (quadruples, 4)
         Rows of `training`.
-    emotions, speakers : tuple of str
-        The classes.
+    labels : mapping of str to tuple of str
+        The classes: of ``emotion``, and of ``style`` the speakers.
     encoder_weights : mapping of str to Tensor
         What each encoder's transformer sets out from; empty where that is chance.
     """
@@ -88,8 +88,7 @@ class SpeechTask(WindowTask):
     config: SpeechConfig
     weights: SpeechLosses
     fours: NDArray[np.int64]
-    emotions: tuple[str, ...]
-    speakers: tuple[str, ...]
+    labels: Mapping[Part, tuple[str, ...]]
     encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
@@ -117,12 +116,13 @@ class SpeechTask(WindowTask):
         chosen = self.fours[rows].ravel()
         if isinstance(network, SpeechAutoencoder):
             return {"loss": network.missed(self._filterbanks(self.training, chosen))}
-        shape = (len(rows), 4, self.config.frames, self.config.bands)
-        heard, target = augmented(self._filterbanks(self.training, chosen))
-        emotions, styles = (one.view(len(rows), 4) for one in self._classes(self.training, chosen))
-        return speech_losses(
-            network, heard.view(shape), target.view(shape), emotions, styles, self.weights
+        four = (len(rows), 4)
+        heard, target = (
+            one.view(*four, *one.shape[1:])
+            for one in augmented(self._filterbanks(self.training, chosen))
         )
+        classes = self._classes(self.training, chosen).view(2, *four)
+        return speech_losses(network, heard, target, classes, self.weights)
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
         """Return what is measured of held-out windows.
@@ -138,8 +138,9 @@ class SpeechTask(WindowTask):
         found = {"self": float(functional.l1_loss(heard.reconstruction, filterbanks))}
         scores = {}
         classes = self._classes(self.held_out, rows)
-        for short, kind, true in zip(("emo", "sty"), ("emotion", "style"), classes, strict=True):
-            logits: Tensor = getattr(heard, f"{kind}_logits")
+        for short, kind, logits, true in zip(
+            ("emo", "sty"), LABELS, (heard.emotion_logits, heard.style_logits), classes, strict=True
+        ):
             found[short] = float(functional.cross_entropy(logits, true))
             told, named = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
             scores[f"{kind} accuracy"] = float((told == named).mean())
@@ -176,25 +177,25 @@ class SpeechTask(WindowTask):
         if isinstance(model, SpeechAutoencoder):
             return {}
         rows = self.known(self.training)
-        names = {"emotion": self.emotions, "style": self.speakers}
-        latents: dict[str, list[Tensor]] = {part: [] for part in names}
-        for first in range(0, len(rows), _AT_ONCE):
-            heard = self._filterbanks(self.training, rows[first : first + _AT_ONCE])
-            for part, found in latents.items():
-                found.append(getattr(model, part)(heard)[0])
-        return {
-            part: {
-                name: torch.cat(latents[part])[classes == number].mean(dim=0).cpu()
-                for number, name in enumerate(names[part])
+        means: dict[str, dict[str, Tensor]] = {}
+        for part, classes in zip(LABELS, self._classes(self.training, rows), strict=True):
+            starts = range(0, len(rows), _AT_ONCE)
+            heard = (self._filterbanks(self.training, rows[at : at + _AT_ONCE]) for at in starts)
+            latents = torch.cat([model.latent(part, one) for one in heard])
+            means[part] = {
+                name: latents[classes == number].mean(dim=0).cpu()
+                for number, name in enumerate(self.labels[part])
                 if bool((classes == number).any())
             }
-            for part, classes in zip(names, self._classes(self.training, rows), strict=True)
-        }
+        return means
 
     def known(self, windows: Windows) -> NDArray[np.int64]:
         """Return the rows of windows whose emotion and speaker are among the classes."""
         takes = [windows.take_of(row) for row in range(len(windows))]
-        fits = [take.emotion in self.emotions and take.speaker in self.speakers for take in takes]
+        fits = [
+            all(getattr(take, of) in self.labels[part] for part, of in LABELS.items())
+            for take in takes
+        ]
         return np.flatnonzero(fits)
 
     def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
@@ -203,21 +204,22 @@ class SpeechTask(WindowTask):
         short = self.config.frames - values.shape[1]
         return functional.pad(values, (0, 0, 0, short)).to(self.device)
 
-    def _classes(self, windows: Windows, rows: NDArray[np.int64]) -> tuple[Tensor, Tensor]:
-        """Return the numbers of emotions and of speakers, (rows,) each."""
+    def _classes(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
+        """Return the numbers of emotions and of speakers, (2, rows)."""
         takes = [windows.take_of(int(row)) for row in rows]
-        emotions = [self.emotions.index(take.emotion) for take in takes]
-        styles = [self.speakers.index(take.speaker) for take in takes]
-        classes = torch.tensor([emotions, styles], device=self.device)
-        return classes[0], classes[1]
+        classes = [
+            [self.labels[part].index(getattr(take, of)) for take in takes]
+            for part, of in LABELS.items()
+        ]
+        return torch.tensor(classes, device=self.device)
 
 
 def macro_f1(told: NDArray[np.int64], true: NDArray[np.int64]) -> float:
     """Return the mean over classes of the harmonic mean of precision and recall."""
-    scores = []
-    for one in np.unique(true):
-        right = np.sum((told == one) & (true == one))
-        scores.append(2 * right / (np.sum(told == one) + np.sum(true == one)))
+    scores = [
+        2 * np.sum((told == one) & (true == one)) / (np.sum(told == one) + np.sum(true == one))
+        for one in np.unique(true)
+    ]
     return float(np.mean(scores))
 
 
@@ -238,8 +240,11 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
             remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
         )
     learned = [training.take_of(row) for row in range(len(training))]
-    emotions = tuple(sorted({take.emotion for take in learned if take.emotion}))
-    speakers = tuple(sorted({take.speaker for take in learned}))
+    labels = {
+        part: tuple(sorted({getattr(take, of) for take in learned} - {""}))
+        for part, of in LABELS.items()
+    }
+    emotions, speakers = labels["emotion"], labels["style"]
     task = SpeechTask(
         config=replace(
             preset.network,
@@ -250,8 +255,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
         weights=SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only"),
         **cut,
         fours=fours,
-        emotions=emotions,
-        speakers=speakers,
+        labels=labels,
         further={"emotions": list(emotions), "speakers": list(speakers), **origin},
         device=request.device,
         encoder_weights=weights,
@@ -313,10 +317,11 @@ def _measured_said(task: SpeechTask, found: Mapping[str, float]) -> str:
     heard = f"{len(task.measured)} held-out windows"
     if task.config.mfcc:
         return f"It misses the coefficients of {heard} by {found['loss']:.3f}."
+    emotions, speakers = (f"(chance {1 / len(names):.0%})" for names in task.labels.values())
     said = (
-        f"Of {heard} it tells the emotion of {found['emotion accuracy']:.0%} (chance "
-        f"{1 / len(task.emotions):.0%}) and the speaker of {found['style accuracy']:.0%} (chance "
-        f"{1 / len(task.speakers):.0%}); its filterbanks miss theirs by {found['self']:.3f}."
+        f"Of {heard} it tells the emotion of {found['emotion accuracy']:.0%} {emotions} and the "
+        f"speaker of {found['style accuracy']:.0%} {speakers}; its filterbanks miss theirs by "
+        f"{found['self']:.3f}."
     )
     if SELF not in found:
         return (

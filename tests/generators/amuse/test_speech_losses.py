@@ -21,8 +21,8 @@ from tests.generators.amuse.test_speech import SMALL
 def _losses(counted: SpeechLosses, heard: torch.Tensor) -> dict[str, float]:
     torch.manual_seed(1)
     model = SpeechModel(SMALL).eval()
-    classes = torch.tensor([[0, 0, 0, 0]]), torch.tensor([[0, 0, 1, 1]])
-    losses = speech_losses(model, heard, heard, *classes, counted)
+    classes = torch.tensor([[[0, 0, 0, 0]], [[0, 0, 1, 1]]])
+    losses = speech_losses(model, heard, heard, classes, counted)
     return {name: float(value.detach()) for name, value in losses.items()}
 
 
@@ -64,10 +64,10 @@ def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
 def test_contents_gain_nothing_by_all_coming_nearer() -> None:
     torch.manual_seed(1)
     model = SpeechModel(SMALL).eval()
-    classes = torch.tensor([[0, 0, 0, 0]]), torch.tensor([[0, 0, 1, 1]])
+    classes = torch.tensor([[[0, 0, 0, 0]], [[0, 0, 1, 1]]])
     found = []
     for _ in range(2):
-        losses = speech_losses(model, _four(), _four(), *classes, SpeechLosses())
+        losses = speech_losses(model, _four(), _four(), classes, SpeechLosses())
         found.append(float(losses["con"].detach()))
         linear = model.content.feature_head[1]
         with torch.no_grad():
