@@ -7,19 +7,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from benchmarks.seams import windows_of
 from generators.amuse.generate import Amuse
-from generators.amuse.network_file import load_motion_networks, write_motion_networks
+from generators.amuse.model import MotionModel
+from generators.amuse.network_file import (
+    MotionNetworks,
+    SpeechNetwork,
+    load_motion_networks,
+    write_motion_networks,
+    write_speech_network,
+)
 from generators.amuse.settings import AmuseSettings
+from generators.amuse.speech import SpeechAutoencoder
 from generators.interface import SpeechSegment
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.segment import Segment
-from tests.generators.amuse.small_networks import written_networks
+from tests.generators.amuse.small_networks import MOTION, SPEECH, written_networks
 
 
 @pytest.fixture(name="settings", scope="module")
@@ -120,44 +127,33 @@ def test_an_emotion_is_named_by_a_label_that_the_speech_model_learned(
     assert not np.allclose(happy.poses, afraid.poses, atol=1e-4)
 
 
-def test_motion_goes_from_the_speechs_own_emotion_to_the_one_that_is_named(
+@pytest.mark.parametrize(
+    ("begin", "end", "left"),
+    [
+        ({}, {"emotion": "fear"}, {}),
+        ({"emotion": "happiness"}, {"emotion": "fear"}, {"from_emotion": "happiness"}),
+        ({"style": "anna"}, {"style": "520.wav"}, {"from_style": "anna"}),
+    ],
+)
+def test_motion_goes_from_the_speechs_own_or_what_is_named_to_what_is_named(
     settings: AmuseSettings,
+    begin: dict[str, str],
+    end: dict[str, str],
+    left: dict[str, str],
+    tmp_path: Path,
 ) -> None:
-    own, none, half, full = (
-        _clip(settings.model_copy(update=changes), _speech(3.0)).poses
-        for changes in (
-            {},
-            {"emotion": "fear", "strength": 0.0},
-            {"emotion": "fear", "strength": 0.5},
-            {"emotion": "fear"},
-        )
-    )
-    assert np.abs(own - none).max() < 1e-5
-    assert 0 < np.linalg.norm(half - own) < np.linalg.norm(full - own)
+    _recording(tmp_path, 520)
 
+    def moved(**changes: object) -> MotionClip:
+        return _clip(settings.model_copy(update=changes).within(tmp_path), _speech(3.0))
 
-def test_motion_goes_from_one_named_emotion_to_another(settings: AmuseSettings) -> None:
-    def moved(**changes: str | float) -> NDArray[np.float64]:
-        return _clip(settings.model_copy(update=changes), _speech(3.0)).poses
-
-    happy, afraid = (moved(emotion=name) for name in ("happiness", "fear"))
-    none, half, full = (
-        moved(from_emotion="happiness", emotion="fear", strength=share) for share in (0.0, 0.5, 1.0)
-    )
-    assert np.abs(happy - none).max() < 1e-5
-    assert np.abs(afraid - full).max() < 1e-5
-    assert 0 < np.linalg.norm(half - happy) < np.linalg.norm(full - happy)
-
-
-def test_motion_goes_from_a_style_that_is_named_to_one_that_is_heard(
-    settings: AmuseSettings, tmp_path: Path
-) -> None:
-    anna = settings.model_copy(update={"style": "anna"})
-    ends = {"from_style": "anna", "style": _recording(tmp_path, 520)}
-    none = settings.model_copy(update={**ends, "strength": 0.0})
-    clip = _clip(none, _speech(3.0))
-    assert np.abs(_clip(anna, _speech(3.0)).poses - clip.poses).max() < 1e-5
-    assert clip.provenance["from_style"] == "anna"
+    first, last = (moved(**named).poses for named in (begin, end))
+    clips = [moved(**end, **left, strength=share) for share in (0.0, 0.5, 1.0)]
+    none, half, full = (clip.poses for clip in clips)
+    assert np.abs(first - none).max() < 1e-5
+    assert np.abs(last - full).max() < 1e-5
+    assert 0 < np.linalg.norm(half - first) < np.linalg.norm(full - first)
+    assert clips[1].provenance.items() >= left.items()
 
 
 def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> None:
@@ -229,3 +225,39 @@ def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_pat
     assert edited.style == "anna"
     with pytest.raises(InputError, match="no such recording of emotion"):
         settings.model_copy(update={"emotion": "missing.wav"}).within(tmp_path)
+
+
+def test_without_a_prior_the_denoiser_tells_the_frames_themselves(tmp_path: Path) -> None:
+    settings = written_networks(tmp_path)
+    model = MotionModel(replace(MOTION, frames=60, prior=False))
+    write_motion_networks(settings.checkpoint, MotionNetworks(model=model))
+    clips = [_clip(settings, _speech(2.0, hertz)) for hertz in (200, 200, 2000)]
+    assert len(clips[0]) == 60
+    assert (clips[0].poses == clips[1].poses).all()
+    assert (clips[0].poses != clips[2].poses).any()
+
+
+@pytest.fixture(name="whole")
+def _whole(tmp_path: Path) -> AmuseSettings:
+    """Networks of which the denoiser is told one latent of all that is heard."""
+    settings = written_networks(tmp_path)
+    speech = SpeechAutoencoder(replace(SPEECH, mfcc=4))
+    motion = MotionModel(replace(MOTION, conditions=1, prior=False, frames=60))
+    write_speech_network(settings.speech_model, SpeechNetwork(model=speech))
+    write_motion_networks(settings.checkpoint, MotionNetworks(model=motion))
+    return settings
+
+
+def test_speech_that_is_not_taken_apart_moves_as_a_whole(whole: AmuseSettings) -> None:
+    low, high = (_clip(whole, _speech(2.0, hertz)) for hertz in (200, 2000))
+    assert (low.poses != high.poses).any()
+    with pytest.raises(InputError, match=r"does not take speech apart, so emotion .*Leave out"):
+        _clip(whole.model_copy(update={"emotion": "happiness"}), _speech(2.0))
+
+
+def test_a_denoiser_of_another_number_of_latents_is_refused(
+    whole: AmuseSettings, settings: AmuseSettings
+) -> None:
+    mixed = whole.model_copy(update={"checkpoint": settings.checkpoint})
+    with pytest.raises(InputError, match="trained with another speech model"):
+        _clip(mixed, _speech(2.0))

@@ -16,6 +16,11 @@ from generators.amuse.speech import SpeechEncoder
 CONFIG = MOTION_PRESETS["tiny"].network
 
 
+@pytest.fixture(autouse=True)
+def _seeded() -> None:
+    torch.manual_seed(3)
+
+
 @pytest.fixture(name="motion")
 def _motion() -> Tensor:
     """Windows of motion that has twelve ways to go, around a mean."""
@@ -59,7 +64,6 @@ def test_the_tiny_latent_begins_with_little_noise(motion: Tensor) -> None:
 
 
 def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
-    torch.manual_seed(3)
     config = SPEECH_PRESETS["tiny"].network
     encoder = SpeechEncoder(config).eval()
     early = torch.zeros(1, config.frames, config.bands)
@@ -74,7 +78,6 @@ def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
 
 
 def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud_ones() -> None:
-    torch.manual_seed(3)
     config = SPEECH_PRESETS["tiny"].network
     encoder = SpeechEncoder(config).eval()
     loud, soft = torch.randn(2, 16, 16)
@@ -91,7 +94,6 @@ def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud
 
 
 def test_a_denoiser_hears_parts_of_the_speech_alike_however_far_they_spread() -> None:
-    torch.manual_seed(3)
     denoiser = Denoiser(replace(CONFIG, condition_width=8))
     latents = [0.3 + spread * torch.randn(500, 8) for spread in (1e-2, 1.0, 30.0)]
     hear(denoiser, latents)

@@ -1,4 +1,4 @@
-"""What AMUSE's motion networks learn by."""
+"""What AMUSE's networks learn by."""
 
 from __future__ import annotations
 
@@ -9,13 +9,22 @@ import pytest
 import torch
 
 from generators.amuse.losses import (
+    MASKED_BANDS,
+    MASKED_ROWS,
     OF_ALIGNMENT,
     OF_PRIOR,
+    OTHER_CONTENT,
+    OTHER_STYLE,
     LossWeights,
+    SpeechLosses,
+    augmented,
     motion_losses,
+    speech_losses,
 )
 from generators.amuse.model import MotionModel
+from generators.amuse.speech import SpeechModel
 from tests.generators.amuse.small_networks import MOTION
+from tests.generators.amuse.test_speech import SMALL as SPEECH
 
 SMALL = replace(MOTION, frames=12)
 DENOISER_ALONE = LossWeights().without(*OF_PRIOR, *OF_ALIGNMENT)
@@ -27,12 +36,15 @@ def _model() -> MotionModel:
     return MotionModel(SMALL).eval()
 
 
-def _losses(model: MotionModel, weights: LossWeights) -> dict[str, torch.Tensor]:
+def _losses(
+    model: MotionModel, weights: LossWeights, draws: tuple[int, ...] = (0, 1)
+) -> dict[str, torch.Tensor]:
     random = torch.Generator().manual_seed(2)
     motion = torch.randn(2, 12, 333, generator=random)
     latents = [torch.randn(2, 1, 8, generator=random) for _ in range(3)]
-    noise = torch.randn(4, 2, 1, SMALL.width, generator=random)
-    return motion_losses(model, motion, latents, noise, torch.tensor([[3, 700], [0, 500]]), weights)
+    noise = torch.randn(4, 2, 1, MOTION.width, generator=random)[[0, 1, *(2 + n for n in draws)]]
+    steps = torch.tensor([[3, 700], [0, 500]])[list(draws)]
+    return motion_losses(model, motion, latents, noise, steps, weights)
 
 
 def _taught(model: MotionModel, weights: LossWeights) -> set[str]:
@@ -103,16 +115,78 @@ def test_losses_that_count_nothing_are_not_computed(model: MotionModel) -> None:
 def test_each_draw_of_noise_counts_alike(predicts: Literal["eps", "v"]) -> None:
     torch.manual_seed(5)
     model = MotionModel(replace(SMALL, predicts=predicts)).eval()
-    random = torch.Generator().manual_seed(2)
-    motion = torch.randn(2, 12, 333, generator=random)
-    latents = [torch.randn(2, 1, 8, generator=random) for _ in range(3)]
-    noise = torch.randn(4, 2, 1, SMALL.width, generator=random)
-    steps = torch.tensor([[3, 700], [0, 500]])
-    alone = [
-        motion_losses(
-            model, motion, latents, noise[[0, 1, draw + 2]], steps[[draw]], DENOISER_ALONE
-        )
-        for draw in range(2)
-    ]
-    together = motion_losses(model, motion, latents, noise, steps, DENOISER_ALONE)
-    assert float(together["ld"]) == pytest.approx(sum(float(one["ld"]) for one in alone) / 2)
+    alone = [_losses(model, DENOISER_ALONE, draws=(draw,))["ld"] for draw in range(2)]
+    together = _losses(model, DENOISER_ALONE)["ld"]
+    assert float(together) == pytest.approx(float(sum(alone)) / 2)
+
+
+def _speech_losses(counted: SpeechLosses, heard: torch.Tensor) -> dict[str, float]:
+    torch.manual_seed(1)
+    model = SpeechModel(SPEECH).eval()
+    classes = torch.tensor([[[0, 0, 0, 0]], [[0, 0, 1, 1]]])
+    losses = speech_losses(model, heard, heard, classes, counted)
+    return {name: float(value.detach()) for name, value in losses.items()}
+
+
+def _four() -> torch.Tensor:
+    return torch.randn(1, 4, 64, 32, generator=torch.Generator().manual_seed(3))
+
+
+def test_the_index_maps_are_those_printed_in_the_paper() -> None:
+    assert tuple((6 - k) % 4 for k in range(1, 5)) == OTHER_CONTENT
+    assert tuple((1 + k) % 4 for k in range(1, 5)) == OTHER_STYLE
+
+
+def test_the_loss_of_speech_is_the_sum_of_seven() -> None:
+    losses = _speech_losses(SpeechLosses(), _four())
+    parts = {name: value for name, value in losses.items() if name != "loss"}
+    assert set(parts) == {"self", "con", "xcon", "emo", "xemo", "sty", "xsty"}
+    assert losses["loss"] == pytest.approx(sum(parts.values()), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("counted", "left_out"),
+    [
+        (SpeechLosses(style=False), {"sty", "xsty"}),
+        (SpeechLosses(emotion=False), {"emo", "xemo"}),
+    ],
+)
+def test_an_ablation_drops_two_speech_losses(counted: SpeechLosses, left_out: set[str]) -> None:
+    full, fewer = (_speech_losses(one, _four()) for one in (SpeechLosses(), counted))
+    assert set(full) - set(fewer) == left_out
+
+
+def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
+    losses = _speech_losses(SpeechLosses(), _four()[:, :1].expand(-1, 4, -1, -1))
+    assert losses["con"] == pytest.approx(0, abs=1e-6)
+    for name in ("xcon", "xemo", "xsty"):
+        assert losses[name] == pytest.approx(losses["self"], rel=1e-5)
+
+
+def test_contents_gain_nothing_by_all_coming_nearer() -> None:
+    torch.manual_seed(1)
+    model = SpeechModel(SPEECH).eval()
+    classes = torch.tensor([[[0, 0, 0, 0]], [[0, 0, 1, 1]]])
+    found = []
+    for _ in range(2):
+        losses = speech_losses(model, _four(), _four(), classes, SpeechLosses())
+        found.append(float(losses["con"].detach()))
+        linear = model.content.feature_head[1]
+        with torch.no_grad():
+            linear.weight *= 10
+    assert found[0] == pytest.approx(found[1], rel=0.1)
+
+
+def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
+    torch.manual_seed(2)
+    filterbanks = torch.ones(40, 1024, 128)
+    heard, target = augmented(filterbanks)
+    hidden = target == 0
+    rows, bands = hidden.all(dim=2).sum(dim=1), hidden.all(dim=1).sum(dim=1)
+    assert int(rows.max()) <= round(MASKED_ROWS * 1024)
+    assert int(bands.max()) <= round(MASKED_BANDS * 128)
+    assert int(rows.max()) > 0
+    assert int(bands.max()) > 0
+    # What is heard is noisy by a tenth at most, and shifted.
+    assert float((heard.sum() - target.sum()) / heard.numel()) < 0.1
+    assert float(heard.max()) <= 1.1

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from generators.amuse.config import SpeechConfig
-from generators.amuse.speech import SpeechEncoder, SpeechModel
+from generators.amuse.speech import SpeechAutoencoder, SpeechEncoder, SpeechModel
 
 SMALL = SpeechConfig(
     frames=64,
@@ -73,3 +73,12 @@ def test_what_names_the_emotion_is_the_latent_itself_where_that_is_wanted(
     logits.sum().backward()
     weight = encoder.feature_head[1].weight
     assert (weight.grad is not None) == (classified == "latent")
+
+
+def test_the_autoencoder_hears_what_the_discrete_cosine_transform_tells() -> None:
+    model = SpeechAutoencoder(replace(SMALL, mfcc=3))
+    rows = torch.ones(1, 64, 32)
+    found = model.coefficients(rows).view(64, 3)
+    assert torch.allclose(found[:, 0], torch.full((64,), 32**0.5), rtol=1e-5)
+    assert float(found[:, 1:].abs().max()) < 1e-4
+    assert sum(isinstance(one, torch.nn.Linear) for one in model.modules()) == 8

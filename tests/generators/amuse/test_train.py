@@ -125,23 +125,25 @@ def test_the_denoiser_learns_on_alone_after_both_or_after_the_prior(
     assert load_motion_networks(out).training["ablation"] == ablation
 
 
-def test_a_network_without_alignment_is_measured_by_all_losses(
-    learn: Learn, tmp_path: Path
+@pytest.mark.parametrize(
+    ("ablation", "measured"),
+    [
+        ("without_alignment", {"loss", "kl", "rec", "vrec", "ld", "align", "valign"}),
+        ("without_prior", {"loss", "ld", "align", "valign"}),
+    ],
+)
+def test_an_ablation_learns_without_alignment_and_is_measured_by_all_losses(
+    learn: Learn, tmp_path: Path, ablation: str, measured: set[str]
 ) -> None:
     out = tmp_path / "out.safetensors"
-    learn(2, out, ablation="without_alignment")
+    said = learn(2, out, ablation=ablation)
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert "align" not in json.loads(log[0])
-    assert "align" in load_motion_networks(out).training["held_out"]
-
-
-def test_without_a_prior_the_denoiser_learns_alone(learn: Learn, tmp_path: Path) -> None:
-    out = tmp_path / "out.safetensors"
-    said = learn(2, out, ablation="without_prior")
     found = load_motion_networks(out)
-    assert found.model.prior.latent_shape == (FRAMES, 333)
-    assert set(found.training["held_out"]) == {"loss", "ld", "align", "valign"}
-    assert "reconstruction" not in said.sentences[1]
+    assert set(found.training["held_out"]) == measured
+    alone = ablation == "without_prior"
+    assert found.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
+    assert ("reconstruction" in said.sentences[1]) != alone
 
 
 def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
