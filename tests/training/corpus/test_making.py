@@ -17,7 +17,8 @@ from motion.formats.transcript import read_transcript
 from training.corpus.__main__ import tables
 from training.corpus.description import read_request
 from training.corpus.making import make_corpus
-from training.corpus.measuring import decided, minutes, read_measured
+from training.corpus.measuring import BEAT, FRAME_RATE, decided, minutes, paces, read_measured
+from training.corpus.motion_curves import wrist_positions
 from training.corpus.plan import planned_takes
 from training.corpus.process import drive
 from training.corpus.recording import RecordingFiles
@@ -158,3 +159,22 @@ def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
     assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
     assert "there is no such take" in page
     assert "nan" not in page
+
+
+def test_speed_and_acceleration_are_those_of_the_wrists() -> None:
+    seconds = np.arange(31) / FRAME_RATE
+    wrists = np.zeros((31, 2, 3))
+    wrists[:, 0, 0] = 0.5 * seconds
+    wrists[:, 1, 1] = seconds**2
+    speed, acceleration = paces([wrists])
+    assert speed.mean == pytest.approx((0.5 + 2.0) / 2, rel=0.02)
+    assert acceleration.high == pytest.approx(2.0, rel=1e-6)
+    assert acceleration.median < 2.0
+
+
+def test_beats_pace_is_that_of_its_recording(shared_data: Path) -> None:
+    motion = read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=FRAME_RATE)
+    for found, stated in zip(paces([wrist_positions(body_values(motion))]), BEAT, strict=True):
+        assert found.quantity == stated.quantity
+        for name in ("mean", "median", "high"):
+            assert getattr(found, name) == pytest.approx(getattr(stated, name), rel=0.02)

@@ -6,7 +6,7 @@ import pytest
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from training.corpus.plan import planned_takes
+from training.corpus.plan import SENTENCES, UNHEARD, passage, planned_takes
 from training.corpus.request import MOST_RECORDINGS, CorpusRequest
 from training.data.beat_names import BeatName
 
@@ -125,3 +125,30 @@ def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> Non
     }  # fmt: skip
     assert all(take.unheard == (take.split == "test") for take in known)
     assert {take.split for take in takes if take.held_out_speaker} == {"test"}
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_every_sentence_exists_once(emotion: str) -> None:
+    sentences = [text for part in SENTENCES[emotion].values() for text in part]
+    assert len(set(sentences)) == len(sentences) == 24
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_81_passages_differ_and_the_first_nine_share_no_sentence(emotion: str) -> None:
+    assert len({passage(emotion, number) for number in range(81)}) == 81
+    assert passage(emotion, 81) == passage(emotion, 0)
+    told = "".join(passage(emotion, number) for number in range(9))
+    assert all(
+        told.count(text) <= 1
+        for text in (text for part in SENTENCES[emotion].values() for text in part)
+    )
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_what_is_kept_for_testing_is_heard_in_no_other_passage(emotion: str) -> None:
+    kept = [text for part in SENTENCES[emotion].values() for text in part[-UNHEARD:]]
+    told = "".join(passage(emotion, number) for number in range(81))
+    assert not any(text in told for text in kept)
+    unheard = {passage(emotion, number, unheard=True) for number in range(UNHEARD**2)}
+    assert len(unheard) == UNHEARD**2
+    assert all(any(text in one for text in kept) for one in unheard)

@@ -11,7 +11,7 @@ import pytest
 from motion.errors import InputError
 from tests.training.data.recordings import write_clicks, write_show, write_smplx, write_ted
 from training.data.any_folder import read_takes
-from training.data.take import TakeFolder
+from training.data.take import Take, TakeFolder
 
 
 def touch(*paths: Path) -> None:
@@ -253,3 +253,27 @@ def test_transcripts_are_found_beside_the_motion(tmp_path: Path) -> None:
     assert found["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
     assert found["2_scott_0_10_10"] is None
     assert found["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"
+
+
+def take(**changes: object) -> Take:
+    facts: dict[str, object] = {
+        "name": "2_scott_0_9_9",
+        "speaker": "scott",
+        "emotion": "",
+        "split": "train",
+        "speech": Path("a.wav"),
+        "motion": Path("a.bvh"),
+    }
+    return Take(**{**facts, **changes})  # type: ignore[arg-type]
+
+
+def test_its_files_are_those_it_has() -> None:
+    assert take().files == (Path("a.wav"), Path("a.bvh"))
+    face = take(face=Path("a.json"), semantic=Path("a.txt"))
+    assert face.files[2:] == (Path("a.json"), Path("a.txt"))
+
+
+@pytest.mark.parametrize("changes", [{"name": "a/b"}, {"name": ""}, {"emotion": "boredom"}])
+def test_unusable_names_and_emotions_are_refused(changes: dict[str, str]) -> None:
+    with pytest.raises(InputError, match=r"no usable take name|unknown emotion 'boredom'"):
+        take(**changes)

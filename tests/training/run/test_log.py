@@ -4,9 +4,15 @@ import json
 from pathlib import Path
 
 import pytest
+import torch
+from torch import nn
 
 from motion.errors import InputError
+from training.config import TrainingConfig
+from training.run.checkpoint import Best
+from training.run.facts import package_versions, run_facts
 from training.run.log import RunLog
+from training.run.loop import Trained
 
 
 def grown(path: Path, upto: int) -> RunLog:
@@ -55,3 +61,16 @@ def test_a_log_of_too_few_steps_is_refused(tmp_path: Path) -> None:
         RunLog(tmp_path / "log.jsonl", steps=5)
     with pytest.raises(InputError, match="tells of 0 of the 1 steps"):
         RunLog(tmp_path / "none.jsonl", steps=1)
+
+
+def test_a_run_tells_its_config_its_best_step_its_data_and_versions() -> None:
+    config = TrainingConfig(steps=7, batch_size=2, learning_rate=0.1)
+    best = Best(step=5, measured={"loss": 0.25})
+    trained = Trained(network=nn.Linear(1, 1), best=best, steps=7, last_loss=0.5)
+    facts = run_facts(config, trained, "beat", "c" * 64, ("transformers",))
+    assert TrainingConfig.from_facts(facts["config"]) == config
+    assert (facts["best_step"], facts["held_out"]) == (5, {"loss": 0.25})
+    assert facts["data"] == {"kind": "beat", "sha256": "c" * 64}
+    assert facts["versions"]["torch"] == torch.__version__
+    assert facts["versions"].keys() - package_versions() == {"transformers"}
+    assert json.loads(json.dumps(facts)) == facts

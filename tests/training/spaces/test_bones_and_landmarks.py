@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import torch
 from scipy.spatial.transform import Rotation
 
 from motion.body.face_landmarks import FaceLandmarks
@@ -14,6 +15,8 @@ from motion.formats.ted_npz import BONES, JOINT_NAMES
 from motion.points.clip_from_points import clip_from_points
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from training.spaces.bone_tensors import joints_of as joint_tensors_of
+from training.spaces.bone_tensors import split_motion, with_units
 from training.spaces.bones_and_landmarks import (
     BONE_LENGTHS,
     BONE_VALUES,
@@ -76,3 +79,26 @@ def test_the_clip_of_values_has_the_same_values() -> None:
 def test_a_bone_without_length_is_refused() -> None:
     with pytest.raises(InputError, match="no length"):
         directions_of(np.zeros((1, 10, 3)))
+
+
+def test_joints_are_those_of_equation_2() -> None:
+    directions = torch.randn(4, 9, 3)
+    joints = joint_tensors_of(directions)
+    wanted = joints_of(directions.double().numpy())
+    torch.testing.assert_close(joints, torch.from_numpy(wanted).float())
+    lengths = (joints[:, 5] - joints[:, 4]).norm(dim=-1)
+    torch.testing.assert_close(lengths, torch.full((4,), float(BONE_LENGTHS[4])))
+
+
+def test_motion_is_split_into_nine_bones_and_the_landmarks() -> None:
+    values = torch.arange(2 * 3 * 33.0).reshape(2, 3, 33)
+    parts = split_motion(values)
+    assert parts["pose"].shape == (2, 3, 9, 3)
+    torch.testing.assert_close(parts["face"][:, :, 1], values[..., 30:])
+
+
+def test_directions_get_length_1_and_landmarks_stay() -> None:
+    values = torch.randn(4, 33)
+    units = with_units(values)
+    torch.testing.assert_close(units[:, :27].reshape(4, 9, 3).norm(dim=-1), torch.ones(4, 9))
+    torch.testing.assert_close(units[:, 27:], values[:, 27:])

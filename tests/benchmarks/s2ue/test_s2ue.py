@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from benchmarks.s2ue.draws import alike
 from benchmarks.s2ue.synchrony import FaceBodySynchrony
 
 LANDMARKS = 5
@@ -56,3 +57,12 @@ def test_being_late_costs(synchrony: FaceBodySynchrony) -> None:
     seen = recordings(2)
     late = np.roll(seen, 6, axis=1)
     assert synchrony(seen, late) < 0.5 * synchrony(seen)
+
+
+def test_draws_that_change_both_alike_score_one_and_others_none() -> None:
+    chance = np.random.default_rng(1)
+    body = chance.normal(size=(12, 40))
+    turned = body @ np.linalg.qr(chance.normal(size=(40, 40)))[0]
+    other = chance.normal(size=(12, 40))
+    assert alike(body, 3 * turned) == pytest.approx(1)
+    assert alike(body, other) == pytest.approx(0, abs=0.15)

@@ -1,0 +1,105 @@
+"""A whole body as continuous numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from generators.diffsheg.config import SHOW
+from motion.clip import MotionClip
+from motion.hands import FINGERS, RELAXED_HANDS
+from motion.placement import place
+from motion.skeleton import JOINT_NAMES, joint_index
+from training.spaces.normalisation import Normalisation
+from training.spaces.show import TOLD_JOINTS, show_clip, show_values
+from training.spaces.smplx_6d import WIDTH, smplx_6d_clip, smplx_6d_values
+
+
+def _clip() -> MotionClip:
+    random = np.random.default_rng(5)
+    poses = 0.4 * random.standard_normal((6, 55, 3))
+    poses[:, 0] = 0
+    clip = MotionClip(
+        poses=poses.astype(np.float32), trans=np.zeros((6, 3), np.float32), frame_rate=30
+    )
+    return place(clip)[0]
+
+
+def _turns(clip: MotionClip) -> Rotation:
+    return Rotation.from_rotvec(clip.poses.reshape(-1, 3))
+
+
+def test_a_clip_comes_back_from_its_values() -> None:
+    clip = _clip()
+    values = smplx_6d_values(clip)
+    back = smplx_6d_clip(values, 30)
+    assert values.shape == (6, WIDTH)
+    assert (_turns(clip).inv() * _turns(back)).magnitude().max() < 1e-5
+    assert back.trans == pytest.approx(clip.trans, abs=1e-5)
+
+
+def test_values_that_are_no_rotation_give_the_nearest_whose_first_row_is_theirs() -> None:
+    clip = _clip()
+    values = smplx_6d_values(clip)
+    stretched = values.copy()
+    rows = stretched[:, :330].reshape(6, 55, 2, 3)
+    rows[..., 1, :] += 0.3 * rows[..., 0, :]
+    rows *= 1.7
+    back = smplx_6d_clip(stretched, 30)
+    assert (_turns(clip).inv() * _turns(back)).magnitude().max() < 1e-5
+
+
+def test_the_first_two_rows_of_a_rotation_matrix_are_kept() -> None:
+    clip = _clip()
+    matrix = Rotation.from_rotvec(clip.poses[2, 16]).as_matrix()
+    assert smplx_6d_values(clip)[2, 6 * 16 : 6 * 17] == pytest.approx(matrix[:2].ravel())
+
+
+RNG = np.random.default_rng(8)
+
+
+def test_body_hands_jaw_and_expressions_are_as_wide_as_the_network() -> None:
+    assert 3 * len(TOLD_JOINTS) == SHOW.gesture_width
+    assert len(set(TOLD_JOINTS)) == 43
+    assert show_values(show_clip(np.zeros((2, 232)), 30)).shape == (2, SHOW.motion_width)
+
+
+def test_values_come_back_with_the_relaxed_hands_added() -> None:
+    values = RNG.normal(0, 0.2, (5, 232))
+    expected = values.copy()
+    expected[:, 39:129] += RELAXED_HANDS.reshape(-1)
+    np.testing.assert_allclose(show_values(show_clip(values, 30)), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("column", "joint"),
+    [(0, "spine1"), (9, "neck"), (18, "head"), (27, "left_elbow"), (36, "right_wrist"),
+     (129, "jaw")],
+)  # fmt: skip
+def test_each_value_turns_its_joint_and_no_other(column: int, joint: str) -> None:
+    values = np.zeros((1, 232))
+    values[0, column] = 0.5
+    clip, still = show_clip(values, 30), show_clip(np.zeros((1, 232)), 30)
+    changed = np.flatnonzero((clip.poses != still.poses).any(axis=(0, 2)))
+    assert [JOINT_NAMES[index] for index in changed] == [joint]
+
+
+def test_a_still_clip_stands_upright_with_relaxed_hands_and_a_neutral_face() -> None:
+    clip = show_clip(np.zeros((1, 232)), 30)
+    np.testing.assert_allclose(clip.poses[0, FINGERS], RELAXED_HANDS, atol=1e-6)
+    others = [i for i in range(len(JOINT_NAMES)) if not FINGERS.start <= i < FINGERS.stop]
+    assert (clip.poses[0, others] == 0).all()
+    assert clip.expressions is not None
+    assert not clip.expressions.any()
+    assert clip.poses[0, joint_index("jaw")].tolist() == [0, 0, 0]
+
+
+def test_what_is_normalised_is_restored() -> None:
+    rng = np.random.default_rng(1)
+    motion = rng.normal(3, 2, (50, 4))
+    known = Normalisation(motion.mean(axis=0), motion.std(axis=0))
+    normalised = known.normalised(motion)
+    assert normalised.mean(axis=0) == pytest.approx(0, abs=1e-9)
+    assert normalised.std(axis=0) == pytest.approx(1)
+    np.testing.assert_allclose(known.restored(normalised), motion)
