@@ -47,27 +47,6 @@ DRAWS: Final = 4
 """Draws per size, whose mean enters the line."""
 
 
-def frechet_of_normals(
-    mean1: FloatArray, covariance1: FloatArray, mean2: FloatArray, covariance2: FloatArray
-) -> float:
-    """Return the Fréchet distance of two normal distributions.
-
-    Parameters
-    ----------
-    mean1, mean2 : ndarray, shape (d,)
-        Means.
-    covariance1, covariance2 : ndarray, shape (d, d)
-        Symmetric, positive semi-definite; they may be singular.
-
-    Returns
-    -------
-    float
-        In squared units of the embeddings, at least 0 (rounding below is cut off).
-    """
-    factors = _root(np.asarray(covariance1, float)), _root(np.asarray(covariance2, float))
-    return _distance(np.asarray(mean1, float) - np.asarray(mean2, float), *factors)
-
-
 def frechet_of_samples(one: FloatArray, other: FloatArray) -> float:
     """Return the Fréchet distance of the normal distributions fitted to two samples.
 

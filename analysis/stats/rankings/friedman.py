@@ -8,20 +8,18 @@ differences that are not there.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
-from analysis.stats.rankings.placements import Placements, condition_columns
-from analysis.stats.values import finite, tied_ranks
+from analysis.stats.rankings.placements import Placements
+from analysis.stats.values import tied_ranks
 from analysis.stats.wilcoxon import signed_rank
 
 Floats = NDArray[np.float64]
@@ -121,27 +119,21 @@ class PairwiseRanks:
     reason: str = ""
 
 
-def blocks_of_ratings(answers: pd.DataFrame, conditions: Sequence[str]) -> Blocks:
-    """Return each participant's mean rating of each condition.
-
-    Parameters
-    ----------
-    answers : DataFrame
-        Columns `participant`, `condition` and `value`.
-    conditions : sequence of str
-        In the order wanted.
-    """
-    columns = condition_columns(answers["condition"], conditions)
-    own = columns >= 0
-    people = pd.factorize(answers["participant"])[0][own]
-    return _blocks(conditions, people, columns[own], finite(answers["value"].to_numpy()[own]))
-
-
 def blocks_of_rankings(rankings: Placements) -> Blocks:
     """Return each participant's mean rank of each condition, turned so that more is better."""
     rows, columns = np.nonzero(~np.isnan(rankings.given))
-    places = len(rankings.conditions) + 1 - rankings.ranks[rows, columns]
-    return _blocks(rankings.conditions, rankings.participants[rows], columns, places)
+    width, people = len(rankings.conditions), rankings.participants[rows]
+    count = int(people.max(initial=-1)) + 1
+    cells = people * width + columns
+    places = width + 1 - rankings.ranks[rows, columns]
+    sums = np.bincount(cells, weights=places, minlength=count * width)
+    counts = np.bincount(cells, minlength=count * width).reshape(count, width)
+    complete = (counts > 0).all(axis=1)
+    return Blocks(
+        conditions=rankings.conditions,
+        means=sums.reshape(count, width)[complete] / counts[complete],
+        incomplete=int((counts.any(axis=1) & ~complete).sum()),
+    )
 
 
 def friedman(blocks: Blocks) -> Friedman:
@@ -235,23 +227,4 @@ def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
         difference=difference,
         nemenyi_p=float(np.clip(stats.studentized_range.sf(ranged, width, np.inf), 0, 1)),
         conover_p=conover,
-    )
-
-
-def _blocks(
-    conditions: Sequence[str],
-    people: NDArray[np.intp],
-    columns: NDArray[np.intp],
-    values: Floats,
-) -> Blocks:
-    width = len(conditions)
-    count = int(people.max(initial=-1)) + 1
-    cells = people * width + columns
-    sums = np.bincount(cells, weights=values, minlength=count * width)
-    counts = np.bincount(cells, minlength=count * width).reshape(count, width)
-    complete = (counts > 0).all(axis=1)
-    return Blocks(
-        conditions=tuple(conditions),
-        means=sums.reshape(count, width)[complete] / counts[complete],
-        incomplete=int((counts.any(axis=1) & ~complete).sum()),
     )

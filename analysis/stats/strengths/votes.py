@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -97,30 +96,3 @@ class Votes:
     def participants(self) -> int:
         """How many have answered."""
         return int(np.count_nonzero(np.bincount(self.tallies[0])))
-
-
-def votes_of(
-    left: Sequence[str],
-    right: Sequence[str],
-    outcome: Sequence[int],
-    participant: Sequence[str],
-    *,
-    conditions: Sequence[str] = (),
-    segment: Sequence[str] | None = None,
-) -> Votes:
-    """Return named answers as numbers; conditions in order of appearance unless given."""
-    names = tuple(conditions) or tuple(
-        dict.fromkeys(name for pair in zip(left, right, strict=True) for name in pair)
-    )
-    number = {name: place for place, name in enumerate(names)}
-    people = np.unique(np.asarray(participant, str), return_inverse=True)[1]
-    return Votes(
-        conditions=names,
-        left=np.array([number[name] for name in left], np.intp),
-        right=np.array([number[name] for name in right], np.intp),
-        outcome=np.asarray(outcome, np.intp),
-        participant=people.astype(np.intp),
-        segment=None
-        if segment is None
-        else np.unique(np.asarray(segment, str), return_inverse=True)[1].astype(np.intp),
-    )

@@ -9,7 +9,6 @@ from scipy import stats
 from analysis.stats.rankings.friedman import (
     Blocks,
     blocks_of_rankings,
-    blocks_of_ratings,
     compare_pairs,
     friedman,
 )
@@ -23,13 +22,17 @@ def blocks(means):
     return Blocks(conditions=tuple("abcdef"[: table.shape[1]]), means=table)
 
 
+def participant_means(ratings, conditions):
+    means = ratings.pivot_table(index="participant", columns="method", values="rating")
+    return Blocks(conditions=tuple(conditions), means=means[conditions].to_numpy())
+
+
 @with_reference
 def test_it_agrees_with_r_on_participant_means():
     ratings, reference = reference_ratings()
     expected = reference["participants_friedman"]
-    tidy = ratings.rename(columns={"method": "condition", "rating": "value"})
 
-    found = friedman(blocks_of_ratings(tidy, list(expected["mean_rank"])))
+    found = friedman(participant_means(ratings, list(expected["mean_rank"])))
 
     assert (found.n, len(found.mean_ranks)) == (expected["n_blocks"], expected["k"])
     assert found.mean_ranks == pytest.approx(expected["mean_rank"])
@@ -95,9 +98,8 @@ def test_no_test_comes_with_its_reason(table, reason):
 def test_they_agree_with_r_on_participant_means():
     ratings, reference = reference_ratings()
     expected = reference["participants_friedman"]
-    tidy = ratings.rename(columns={"method": "condition", "rating": "value"})
 
-    found = compare_pairs(blocks_of_ratings(tidy, list(expected["mean_rank"])))
+    found = compare_pairs(participant_means(ratings, list(expected["mean_rank"])))
 
     assert [f"{pair.a}|{pair.b}" for pair in found] == list(expected["nemenyi_p"])
     for pair in found:

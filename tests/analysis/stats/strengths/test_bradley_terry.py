@@ -12,8 +12,9 @@ import pytest
 
 from analysis.stats.strengths.bradley_terry import BradleyTerry, bradley_terry
 from analysis.stats.strengths.rao_kupper import rao_kupper
-from analysis.stats.strengths.votes import Votes, votes_of
+from analysis.stats.strengths.votes import Votes
 from motion.errors import InputError
+from tests.analysis.stats.strengths.named_votes import votes_of
 
 REFERENCE = Path(__file__).parents[5] / "shared" / "reference" / "stats"
 CONDITIONS = ("GT", "A", "B", "C", "D", "E")

@@ -7,7 +7,8 @@ from scipy import stats
 from analysis.stats.strengths.bradley_terry import bradley_terry
 from analysis.stats.strengths.contrasts import omnibus, rank_intervals
 from analysis.stats.strengths.two_way import TwoWayErrors
-from analysis.stats.strengths.votes import Votes, votes_of
+from analysis.stats.strengths.votes import Votes
+from tests.analysis.stats.strengths.named_votes import votes_of
 from tests.analysis.stats.strengths.test_two_way import made_votes
 
 

@@ -6,8 +6,8 @@ import pytest
 
 from analysis.stats.strengths.bradley_terry import bradley_terry
 from analysis.stats.strengths.plackett_luce import plackett_luce
-from analysis.stats.strengths.votes import votes_of
 from motion.errors import InputError
+from tests.analysis.stats.strengths.named_votes import votes_of
 
 
 def rankings(rows: list[tuple[int, str, str, int]]) -> pd.DataFrame:
