@@ -8,7 +8,6 @@ from typing import Any, Final
 import tomlkit
 
 from motion.errors import InputError
-from studyapp.study.creation.commented_keys import Value
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.study import GROUND_TRUTH
 
@@ -130,14 +129,14 @@ def keys_for(
     *,
     reference: str | None,
     catch_videos: bool,
-) -> dict[str, Value]:
+) -> dict[str, str | bool]:
     """Return what such conditions need that the template of `protocol` has in a comment.
 
     Parameters
     ----------
     As of `put_conditions_into`.
     """
-    keys: dict[str, Value] = {}
+    keys: dict[str, str | bool] = {}
     names = list(conditions)
     if protocol == "pairwise" and any(condition.videos for condition in conditions.values()):
         # Finished videos cannot be composed.

@@ -16,7 +16,6 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.completion_codes import draw_code
-from studyapp.study.creation.commented_keys import stated
 from studyapp.study.creation.placed_conditions import (
     condition_table,
     keys_for,
@@ -107,19 +106,19 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
     file = _file_of(template)
-    text = _with_recruiting(template_text(file), wanted)
-    protocol = str(tomllib.loads(text)["protocol"])
+    protocol = str(tomllib.loads(template_text(file))["protocol"])
+    is_ranking = protocol == "ranking"
+    keys = _recruiting(wanted)
     if wanted.conditions:
-        keys = keys_for(
+        keys |= keys_for(
             protocol,
             wanted.conditions,
             reference=wanted.reference,
             catch_videos=wanted.catch_videos,
         )
-        text = stated(text, keys)
-    is_ranking = protocol == "ranking"
     if is_ranking and wanted.reference is not None:
-        text = stated(text, {"reference": check_name(wanted.reference, "condition")})
+        keys["reference"] = check_name(wanted.reference, "condition")
+    text = template_text(file, **keys)
     document = tomlkit.parse(text)
     put_into_language(document, file, wanted.language)
     document["name"] = check_name(wanted.name, "study")
@@ -140,7 +139,6 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         document[key] = value
     if wanted.trials is not None:
         document["practice"] = min(int(document["practice"]), max(wanted.trials // 2, 0))
-    _tell_participants(document, wanted)
     if wanted.conditions is not None:
         for name in wanted.conditions:
             check_name(name, "condition")
@@ -160,39 +158,26 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
     return said
 
 
-def _with_recruiting(text: str, wanted: WantedStudy) -> str:
-    """State what the template has in comments: pay, how long it takes, and what recruiters need."""
-    if wanted.minutes is not None:
-        text = stated(text, {"minutes": wanted.minutes})
+def _recruiting(wanted: WantedStudy) -> dict[str, Any]:
+    """Return what is stated of pay and of whom participants deal with."""
     pay = wanted.pay or Pay()
-    keys = {key: str(value) for key, value in pay.model_dump().items() if value}
     each = pay.each or Decimal(0)
-    if wanted.channel in ("prolific", "mturk"):
-        keys.pop("amount", None)
-    text = stated(text, keys, table="recruitment.pay")
+    is_paid_there = wanted.channel in ("prolific", "mturk")
+    stated: dict[str, Any] = {
+        "channel": wanted.channel,
+        "minutes": wanted.minutes,
+        "organisation": wanted.organisation,
+        "contact": wanted.contact,
+        "ethics": wanted.ethics,
+        "payment": money(each, pay.currency) if each else None,
+        "pay": pay.model_dump(exclude_defaults=True, exclude={"amount"} if is_paid_there else None),
+    }
     if wanted.channel == "prolific":
         codes = {key: draw_code() for key in Prolific().codes}
-        return stated(text, {"reward": int(each * 100), **codes}, table="recruitment.prolific")
+        stated["prolific"] = {"reward": int(each * 100), **codes}
     if wanted.channel == "mturk":
-        return stated(text, {"reward": f"{each:.2f}"}, table="recruitment.mturk")
-    return text
-
-
-def _tell_participants(document: tomlkit.TOMLDocument, wanted: WantedStudy) -> None:
-    """Fill in what participants read before they agree, and where they come from."""
-    page: Any = document["page"]
-    recruitment: Any = document["recruitment"]
-    each = wanted.pay.each if wanted.pay else None
-    for key, said in (
-        ("organisation", wanted.organisation),
-        ("contact", wanted.contact),
-        ("payment", money(each, wanted.pay.currency) if wanted.pay and each else None),
-        ("ethics", wanted.ethics),
-    ):
-        if said is not None:
-            page[key] = said
-    if wanted.channel is not None:
-        recruitment["channel"] = wanted.channel
+        stated["mturk"] = {"reward": f"{each:.2f}"}
+    return {key: value for key, value in stated.items() if value is not None}
 
 
 def _follow_reference(

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import tomlkit
-from jinja2 import Environment, PackageLoader
+from jinja2 import ChainableUndefined, Environment, PackageLoader, Undefined
 
 from studyapp.study.settings.study import Study
 
@@ -17,16 +17,32 @@ TEMPLATES_IN: Final = "en"
 
 _TEMPLATES: Final = Environment(
     loader=PackageLoader("studyapp.study"),
+    undefined=ChainableUndefined,
     trim_blocks=True,
     keep_trailing_newline=True,
     autoescape=False,  # noqa: S701  (study files are TOML, not HTML)
 )
 
 
-def template_text(file: str, language: str = TEMPLATES_IN) -> str:
-    """Return a template, or the texts that it has in another language."""
+def _key(name: str, example: object, value: object) -> str:
+    """Return a line of a study file, in a comment where nothing is stated."""
+    if isinstance(value, Undefined):
+        return f"# {name} = {example}"
+    return f"{name} = {_toml(value)}"
+
+
+def _toml(value: object) -> str:
+    return tomlkit.item(value).as_string()
+
+
+_TEMPLATES.globals["key"] = _key
+_TEMPLATES.filters["toml"] = _toml
+
+
+def template_text(file: str, language: str = TEMPLATES_IN, **stated: object) -> str:
+    """Return a template with what is stated in it, or its texts in another language."""
     name = file if language == TEMPLATES_IN else f"{language}/{file}"
-    return _TEMPLATES.get_template(name).render()
+    return _TEMPLATES.get_template(name).render(stated)
 
 
 def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) -> None:
