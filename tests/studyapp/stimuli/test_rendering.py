@@ -26,6 +26,7 @@ from tests.studyapp.takes import write_motion, write_speech
 pytestmark = pytest.mark.slow
 
 Disk = namedtuple("Disk", "total used free")
+FirstRun = tuple[StudyFolder, RenderCount, list[RenderProgress]]
 
 
 def own(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
@@ -59,9 +60,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 
 @pytest.fixture(scope="module")
-def first_run(
-    generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[StudyFolder, RenderCount, list[RenderProgress]]:
+def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> FirstRun:
     """The study rendered, what was counted, and what was told meanwhile."""
     folder = own(generated, tmp_path_factory.mktemp("rendered"))
     told: list[RenderProgress] = []
@@ -75,9 +74,7 @@ def study(generated: StudyFolder, tmp_path: Path) -> StudyFolder:
 
 
 @pytest.fixture
-def rendered(
-    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]], tmp_path: Path
-) -> StudyFolder:
+def rendered(first_run: FirstRun, tmp_path: Path) -> StudyFolder:
     """A copy of the study with its videos."""
     return own(first_run[0], tmp_path)
 
@@ -88,7 +85,7 @@ def videos_of(folder: StudyFolder) -> Iterator[Path]:
 
 
 def test_every_clip_and_both_orders_of_every_pair_are_rendered(
-    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]],
+    first_run: FirstRun,
 ) -> None:
     study, count, told = first_run
     assert count.failures == ()
@@ -199,7 +196,7 @@ def frames_of(folder: StudyFolder) -> dict[str, int]:
 
 
 def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
-    study: StudyFolder, first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]]
+    study: StudyFolder, first_run: FirstRun
 ) -> None:
     roomy, most = first_run[0], 0
 

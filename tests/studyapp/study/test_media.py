@@ -64,22 +64,14 @@ def allow_gaps(folder: StudyFolder) -> None:
     folder.definition.write_text(f"allow_gaps = true\n{text}", "utf-8")
 
 
+@pytest.mark.parametrize("has_speech", [False, True])
 def test_a_segment_that_one_condition_lacks_vanishes_only_where_the_study_allows_it(
-    finished: StudyFolder,
+    finished: StudyFolder, has_speech: bool
 ) -> None:
-    (finished.videos / "theirs" / "two.mp4").unlink()
-    assert segment_names(finished) == ["one", "three", "two"]
-
-    allow_gaps(finished)
-    assert segment_names(finished) == ["one", "three"]
-
-
-def test_a_study_with_speech_files_leaves_out_gaps_where_it_allows_them(
-    finished: StudyFolder,
-) -> None:
-    table = [replace(each, wav="a.wav") for each in finished.segments_of(finished.study())]
-    write_speech(finished.speech / "a.wav", 2.0)
-    write_segments(finished.speech, table)
+    if has_speech:
+        table = [replace(each, wav="a.wav") for each in finished.segments_of(finished.study())]
+        write_speech(finished.speech / "a.wav", 2.0)
+        write_segments(finished.speech, table)
     (finished.videos / "theirs" / "two.mp4").unlink()
     assert segment_names(finished) == ["one", "three", "two"]
 

@@ -166,16 +166,6 @@ def test_no_condition_has_a_label_of_its_own(protocol: str) -> None:
         assert abs(count / of_condition - 1 / size) < 0.09
 
 
-@pytest.mark.parametrize("task", ["fit"])
-def test_the_motions_own_speech_is_under_either_label_in_half_of_the_trials(task: str) -> None:
-    study = make("mismatch", fit=8, realism=0, questions=KEYS["mismatch"]["questions"][:1])
-
-    for plan in plans(study, 20):
-        own = [trial.stimuli[0].speech == trial.segment.name for trial in plan]
-        assert {trial.part for trial in plan} == {task}
-        assert sum(own) == 4
-
-
 GOLDEN = {
     "adaptive": "08110065d903ee9b",
     "all_pairs": "be61c2b13e08ceef",

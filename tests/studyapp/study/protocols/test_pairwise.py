@@ -107,18 +107,6 @@ def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
     assert order(here) != order(here | difference)
 
 
-def test_over_participants_sides_and_catch_positions_are_spread() -> None:
-    segments = make_segments(EMOTIONS * 3)
-    plans = [
-        pair_plan(make_study(), segments, other="static", number=number) for number in range(200)
-    ]
-
-    first_left = Counter(plan[0].conditions[0] == "rule_based" for plan in plans)
-    catch_positions = {trial.position for plan in plans for trial in of_kind(plan, "catch")}
-    assert 70 <= first_left[True] <= 130
-    assert catch_positions == set(range(4, 31))
-
-
 def tournament(count: int, trials: int) -> PairwiseStudy:
     """Return a study of all pairs of `count` conditions."""
     names = {f"c{index}": {} for index in range(count)}
