@@ -29,6 +29,16 @@ def existing_study(root: Path) -> StudyFolder:
     return folder
 
 
+def refuse_beside(options: Mapping[str, object], beside: str) -> None:
+    """Raise `InputError` where one of the options is given beside what they do not go with."""
+    given = [name for name, value in options.items() if value not in (None, False)]
+    if given:
+        raise InputError(
+            f"{', '.join(given)} cannot be given with {beside}",
+            remedy="Leave out either the one or the other",
+        )
+
+
 class _StudyFolderType(click.ParamType[StudyFolder]):
     name = "folder"
 

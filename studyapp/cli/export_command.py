@@ -8,7 +8,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import study_folder
+from studyapp.cli.arguments import refuse_beside, study_folder
 from studyapp.researchers.audit import reason_given
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.typed import Format
@@ -91,13 +91,14 @@ def command(
         )
     why = "" if reason is None else reason_given(reason)
     if shared is not None:
-        _refuse_beside_folder(
+        refuse_beside(
             {
-                "--out": out is not None,
-                "--format": written_as is not None,
+                "--out": out,
+                "--format": written_as,
                 "--withdrawn": withdrawn,
                 "--with-recruiter-ids": with_recruiter_ids,
-            }
+            },
+            "--folder",
         )
         done = share(
             folder,
@@ -139,15 +140,6 @@ def command(
         click.echo(remark)
     if not (written.answers or rehearsal or withdrawn) and folder.rehearsal.exists():
         click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")
-
-
-def _refuse_beside_folder(given: dict[str, bool]) -> None:
-    wrong = [name for name, is_given in given.items() if is_given]
-    if wrong:
-        raise InputError(
-            f"{', '.join(wrong)} cannot be given with --folder",
-            remedy="Export tables and the folder one after the other",
-        )
 
 
 def _say_shared(done: Shared, out: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Final
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import optional_study_folder, processes
+from studyapp.cli.arguments import optional_study_folder, processes, refuse_beside
 from studyapp.cli.progress import progress
 from studyapp.study.folder import StudyFolder
 
@@ -120,11 +120,8 @@ def command(
 
     asked = Options(**options)
     where = out or (folder.root / "plan" if folder is not None else Path("plan"))
-    if folder is not None and protocol is not None:
-        raise InputError(
-            "--protocol cannot be given with a study folder, which says it itself",
-            remedy="Leave out either the folder or the option",
-        )
+    if folder is not None:
+        refuse_beside({"--protocol": protocol}, "a study folder, which says it itself")
     with progress("simulating", "cell") as show:
         if folder is not None:
             found = plan_study(folder, asked, where, processes=processes, show=show)

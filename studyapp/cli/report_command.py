@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -11,7 +11,7 @@ import click
 from analysis.answers.columns import LAYOUTS
 from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
-from studyapp.cli.arguments import optional_study_folder
+from studyapp.cli.arguments import optional_study_folder, refuse_beside
 from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
 from studyapp.study.creation.written_exclusion import read_exclusion
@@ -104,7 +104,7 @@ def command(
     }
     added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
-        _refuse(of_table, "a study folder, which states all that itself")
+        refuse_beside(of_table, "a study folder, which states all that itself")
         page = report(
             folder,
             exclude=added,
@@ -115,8 +115,8 @@ def command(
             warn=click.echo,
         )
     else:
-        _refuse(
-            {"--rehearsal": rehearsal or None, "--reason": reason},
+        refuse_beside(
+            {"--rehearsal": rehearsal, "--reason": reason},
             "a table, which has neither rehearsal nor log of looks",
         )
         if responses is None or protocol is None or out is None:
@@ -149,16 +149,6 @@ def _scale(text: str, protocol: str) -> tuple[int, int]:
 
 
 _NEEDED = ("--responses", "--protocol", "--out")
-
-
-def _refuse(options: Mapping[str, object], beside: str) -> None:
-    """Raise `InputError` where one of the options is given beside what they do not go with."""
-    given = [name for name, value in options.items() if value is not None]
-    if given:
-        raise InputError(
-            f"{', '.join(given)} cannot be given with {beside}",
-            remedy="Leave out either the one or the other",
-        )
 
 
 def _incomplete(missing: Sequence[str]) -> InputError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +15,8 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from renderer.video.encoder import SOUND_RATE
 from renderer.video.loudness import integrated_loudness
+
+_UNREADABLE: Final = (av.FFmpegError, OSError)
 
 DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
@@ -55,7 +58,7 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
                 return Flaw("length", f"lasts {lasts:.2f} s, its segment {seconds:.2f} s")
             if next(container.decode(video=0), None) is None:
                 return Flaw("no picture", "has no frame")
-    except (av.FFmpegError, OSError):
+    except _UNREADABLE:
         return Flaw("damaged", "cannot be played: it is damaged or no video")
     return None
 
@@ -120,24 +123,22 @@ class VideoFormat:
 
 def format_of(video: Path) -> VideoFormat | None:
     """Return how a video is encoded; None where it cannot be opened or has no picture."""
-    try:
-        with av.open(str(video)) as container:
-            if not container.streams.video:
-                return None
-            picture: Any = container.streams.video[0]
-            heard: Any = next(iter(container.streams.audio), None)
-            sound = ""
-            if heard is not None:
-                sound = f"{heard.codec_context.name} {heard.sample_rate} Hz {heard.layout.name}"
-            return VideoFormat(
-                width=picture.width,
-                height=picture.height,
-                frame_rate=round(float(picture.guessed_rate or 0), 2),
-                picture=f"{picture.codec_context.name} {picture.profile} {picture.pix_fmt}",
-                sound=sound,
-            )
-    except (av.FFmpegError, OSError):
-        return None
+    with suppress(*_UNREADABLE), av.open(str(video)) as container:
+        if not container.streams.video:
+            return None
+        picture: Any = container.streams.video[0]
+        heard: Any = next(iter(container.streams.audio), None)
+        sound = ""
+        if heard is not None:
+            sound = f"{heard.codec_context.name} {heard.sample_rate} Hz {heard.layout.name}"
+        return VideoFormat(
+            width=picture.width,
+            height=picture.height,
+            frame_rate=round(float(picture.guessed_rate or 0), 2),
+            picture=f"{picture.codec_context.name} {picture.profile} {picture.pix_fmt}",
+            sound=sound,
+        )
+    return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,22 +176,20 @@ class VideoStructure:
 
 def structure_of(video: Path) -> VideoStructure | None:
     """Return what the index of a video tells; None where it cannot be opened or has no picture."""
-    try:
-        with av.open(str(video)) as container:
-            if not container.streams.video:
-                return None
-            streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
-            packets: list[Any] = [p for p in container.demux(streams) if p.pts is not None]
-            pictures = [packet for packet in packets if packet.stream is streams[0]]
-            shown = {pts: place for place, pts in enumerate(sorted(p.pts for p in pictures))}
-            return VideoStructure(
-                settings=b" ".join(s.codec_context.extradata or b"" for s in streams),
-                pictures=len(pictures),
-                order=tuple((shown[packet.pts], packet.is_keyframe) for packet in pictures),
-                sounds=len(packets) - len(pictures),
-            )
-    except (av.FFmpegError, OSError):
-        return None
+    with suppress(*_UNREADABLE), av.open(str(video)) as container:
+        if not container.streams.video:
+            return None
+        streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
+        packets: list[Any] = [p for p in container.demux(streams) if p.pts is not None]
+        pictures = [packet for packet in packets if packet.stream is streams[0]]
+        shown = {pts: place for place, pts in enumerate(sorted(p.pts for p in pictures))}
+        return VideoStructure(
+            settings=b" ".join(s.codec_context.extradata or b"" for s in streams),
+            pictures=len(pictures),
+            order=tuple((shown[packet.pts], packet.is_keyframe) for packet in pictures),
+            sounds=len(packets) - len(pictures),
+        )
+    return None
 
 
 def plays_at_once(video: Path) -> bool | None:
@@ -225,7 +224,7 @@ def written_in(video: Path) -> tuple[str, ...]:
     try:
         with av.open(str(video)) as container:
             tables = [container.metadata, *(stream.metadata for stream in container.streams)]
-    except (av.FFmpegError, OSError):
+    except _UNREADABLE:
         return ()
     said = [f"{key}: {value}" for table in tables for key, value in table.items()]
     return tuple(sorted(said))
@@ -233,7 +232,6 @@ def written_in(video: Path) -> tuple[str, ...]:
 
 def loudness_of(video: Path) -> float | None:
     """Return how loud a video is in LUFS; None where it is silent, too short or damaged."""
-    try:
+    with suppress(InputError):
         return integrated_loudness(read_audio(video, sample_rate=None))
-    except InputError:
-        return None
+    return None

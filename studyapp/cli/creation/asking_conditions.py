@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -47,16 +47,7 @@ def _sources() -> dict[str, str]:
     return {**_SOURCES, **{name: words.format(source_words(name)) for name in networks}}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Compared:
-    """What is compared."""
-
-    conditions: Mapping[str, Condition] | None
-    reference: str | None
-    catch_videos: bool = False
-
-
-def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared:
+def ask_conditions(template: str, before: WantedStudy, folder: Path) -> WantedStudy:
     """Ask what is compared, with what, and what catch trials can show.
 
     Parameters
@@ -80,7 +71,7 @@ def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared
         default="own" if before.conditions else STAND_INS,
     )
     if where == STAND_INS:
-        return Compared(conditions=None, reference=None)
+        return replace(before, conditions=None, reference=None, catch_videos=False)
     conditions = _named(before.conditions or {}, folder)
     reference = None
     if template in ("pairwise", "ranking"):
@@ -94,7 +85,7 @@ def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared
             "videos/broken/. Without them the study has attention checks instead.",
             default=before.catch_videos,
         )
-    return Compared(conditions=conditions, reference=reference, catch_videos=catch_videos)
+    return replace(before, conditions=conditions, reference=reference, catch_videos=catch_videos)
 
 
 def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition]:

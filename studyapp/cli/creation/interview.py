@@ -75,7 +75,7 @@ def interview(before: WantedStudy, folder: Path) -> WantedStudy:
         _TEMPLATES,
         default=ALIASES.get(before.template, before.template),
     )
-    compared = ask_conditions(template, before, folder)
+    before = ask_conditions(template, before, folder)
     language = choose(
         "Language",
         "What do participants read in? The pages, the questions and the consent text follow.",
@@ -93,9 +93,6 @@ def interview(before: WantedStudy, folder: Path) -> WantedStudy:
     wanted = replace(
         before,
         template=template,
-        conditions=compared.conditions,
-        reference=compared.reference,
-        catch_videos=compared.catch_videos,
         language=cast(Language, language),
         participants=participants,
     )
