@@ -34,7 +34,7 @@ def command(
 ) -> None:
     """Say everything that can go wrong before the study FOLDER is launched.
 
-    Errors must be mended; the exit status is 1 with errors alone. Warnings want a decision, notes
+    Errors must be fixed; the exit status is 1 with errors alone. Warnings want a decision, notes
     are worth knowing. docs/check.md lists every finding with its remedy.
     """
     findings = check(folder, address=address, pilot=None if pilot is None else StudyFolder(pilot))
@@ -52,7 +52,7 @@ def command(
     if made.errors:
         things = "1 thing" if made.errors == 1 else f"{made.errors} things"
         raise InputError(
-            f"{things} must be mended before participants can take part ({summed_up(made)})",
+            f"{things} must be fixed before participants can take part ({summed_up(made)})",
             where=folder.root,
         )
     click.echo(f"{folder.root} can be served ({summed_up(made)}).")

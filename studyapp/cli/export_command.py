@@ -47,7 +47,7 @@ FORMATS: Final[dict[str, tuple[Format, ...]]] = {
 @click.option(
     "--with-free-text",
     is_flag=True,
-    help="With --folder: put in what participants wrote in their own words. It may name people.",
+    help="With --folder: add what participants wrote in their own words. It may name people.",
 )
 @click.option("--rehearsal", is_flag=True, help="Export the simulated participants instead.")
 @click.option(

@@ -48,7 +48,7 @@ def forget_participant(folder: StudyFolder, name: str) -> int:
     return count
 
 
-def copies_to_mend(folder: StudyFolder) -> tuple[str, ...]:
+def copies_left(folder: StudyFolder) -> tuple[str, ...]:
     """Return the files beside the study that may still hold a participant, as they are called."""
     tables = sorted(
         path.name
@@ -104,7 +104,7 @@ def _what_goes(one: Remembered) -> str:
 
 
 def _by_hand(folder: StudyFolder) -> str:
-    copies = copies_to_mend(folder)
+    copies = copies_left(folder)
     here = (
         f"Beside the study, {listed(copies)} may still hold them: export and report again, or "
         "remove these. "

@@ -130,7 +130,7 @@ def command(
         click.echo(f"Wrote {len(metrics.clips)} scores of clips to {target}")
     if not metrics.clips:
         raise InputError(
-            "no motion file could be measured", remedy="Mend what is named above and run it again"
+            "no motion file could be measured", remedy="Fix what is named above and run it again"
         )
 
 

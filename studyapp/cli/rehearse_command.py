@@ -72,8 +72,8 @@ def command(
 ) -> None:
     """Let simulated participants take the study FOLDER over real HTTP.
 
-    Then analyse what they answered, and say whether the analysis finds what was put in. All of it
-    stays apart from real answers, in rehearsal.db and the folder rehearsal.
+    Then analyse what they answered, and say whether the analysis finds what they were given. All
+    of it stays apart from real answers, in rehearsal.db and the folder rehearsal.
     """
     # The analysis takes a second to load, and nobody needs it for --help or a refusal.
     from studyapp.rehearsal.recovery.page import write_recovery

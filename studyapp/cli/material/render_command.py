@@ -59,7 +59,7 @@ def command(
         raise InputError(
             f"{counted(len(count.failures) + count.left_out, 'video')} could not be made",
             where=folder.videos,
-            remedy="Mend what is named above and run the command again",
+            remedy="Fix what is named above and run the command again",
         )
 
 

@@ -70,7 +70,7 @@ def parse_text(text: str, *, where: object) -> Study:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"not valid TOML: {error}", where=where, remedy="Mend that line") from None
+        raise InputError(f"not valid TOML: {error}", where=where, remedy="Fix that line") from None
     return parse_study(data, where=where)
 
 

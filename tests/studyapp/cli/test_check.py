@@ -47,7 +47,7 @@ def test_errors_end_with_status_one_and_come_first(whole: Path) -> None:
 
     assert (said.exit_code, as_json.exit_code) == (1, 1)
     assert said.output.startswith("error: video-missing\n")
-    assert "1 thing must be mended" in said.output
+    assert "1 thing must be fixed" in said.output
     made = CheckRecord.model_validate_json(as_json.output)
     assert (made.errors, made.findings[0].name) == (1, "video-missing")
 
