@@ -16,9 +16,10 @@ from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import update
 
 from studyapp.database.tables import StudySession
+from studyapp.web.language import language_of, speak
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.every_page import fill, shown, spoken_digits, walk
+from tests.functional.every_page import fill, first_trial, shown, spoken_digits, walk
 from tests.functional.looking import LAPTOP, SIZES, barriers, photograph
 from tests.functional.shown_studies import NAMES, write_shown_study
 
@@ -199,40 +200,52 @@ def test_a_barrier_would_be_found(browser: Browser) -> None:
     page.close()
 
 
-@pytest.mark.parametrize("language", ["en", "de", "ja"])
+LANGUAGES = ("de", "ja", "en")
+
+
+def in_every_language(page: Page, app: Flask) -> Iterator[str]:
+    """Show the present page in one language after the other; the study's own comes last."""
+    for language in LANGUAGES:
+        speak(app, language_of(language))
+        page.reload()
+        expect(page.locator("html")).to_have_attribute("lang", language)
+        yield language
+
+
 @pytest.mark.parametrize("name", ["composed", "players"])
 def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
-    name: str, language: str, browser: Browser, tmp_path: Path
+    name: str, browser: Browser, tmp_path: Path
 ) -> None:
-    write_shown_study(tmp_path / name, name, language=language)
+    write_shown_study(tmp_path / name, name)
     with shown(tmp_path / name) as (address, app), watched_page(browser, address) as page:
         for state in walk(page, address, app):
-            page.set_viewport_size(SIZES["phone"])
-            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), state
-            page.set_viewport_size(LAPTOP)
+            for language in in_every_language(page, app):
+                page.set_viewport_size(SIZES["phone"])
+                wide = page.evaluate("document.documentElement.scrollWidth > innerWidth")
+                assert not wide, (state, language)
+                page.set_viewport_size(LAPTOP)
             if state.endswith("trial"):
                 break
-        photograph(page, f"{name}-{language}")
+        for language in in_every_language(page, app):
+            expect(page.locator(".play").first).to_be_visible()
+            photograph(page, f"{name}-{language}")
+            assert page.evaluate("document.documentElement.scrollHeight <= innerHeight"), language
+            for video in page.locator("video").all():
+                box = video.bounding_box()
+                assert box is not None
+                assert box["height"] >= 300
 
-        expect(page.locator("html")).to_have_attribute("lang", language)
-        assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
-        for video in page.locator("video").all():
-            box = video.bounding_box()
-            assert box is not None
-            assert box["height"] >= 300
 
-
-@pytest.mark.parametrize("language", ["en", "de", "ja"])
 def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
-    language: str, browser: Browser, tmp_path: Path
+    browser: Browser, tmp_path: Path
 ) -> None:
-    write_shown_study(tmp_path / "ranking", "ranking", language=language)
+    write_shown_study(tmp_path / "ranking", "ranking")
     with shown(tmp_path / "ranking") as (address, app), watched_page(browser, address) as page:
-        next(state for state in walk(page, address, app) if state.endswith("trial"))
-        missing, onward = page.locator("#watched"), page.locator("#next")
-        expect(missing).to_contain_text("E")
-        photograph(page, f"ranking-{language}")
-        rows = [place.bounding_box() for place in (missing, onward)]
-
-    beside, button = (row for row in rows if row is not None)
-    assert button["y"] < beside["y"] + beside["height"] / 2 < button["y"] + button["height"]
+        first_trial(page, address, app)
+        for language in in_every_language(page, app):
+            missing, onward = page.locator("#watched"), page.locator("#next")
+            expect(missing).to_contain_text("E")
+            photograph(page, f"ranking-{language}")
+            rows = [place.bounding_box() for place in (missing, onward)]
+            beside, button = (row for row in rows if row is not None)
+            assert button["y"] < beside["y"] + beside["height"] / 2 < button["y"] + button["height"]

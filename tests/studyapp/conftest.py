@@ -44,11 +44,17 @@ BOTH_DATABASES = (
     "database/test_engine",
     "monitoring",
     "recruitment",
-    "researchers",
+    "researchers/test_both_databases",
     "results/export",
-    "session",
+    *(
+        f"session/test_{subject}"
+        for subject in (
+            *("answers", "enrolment", "every_protocol", "exclusion", "intake", "places"),
+            *("refusal", "schedules", "versions", "votes", "watch_reports", "withdrawal"),
+        )
+    ),
 )
-"""Rooms whose tests are repeated on both databases: what is done with the tables."""
+"""What is repeated on both databases: every kind of statement, and what several do at once."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

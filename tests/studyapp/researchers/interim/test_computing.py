@@ -9,6 +9,8 @@ import pytest
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.interim.computing import FigureProcess, NoFiguresError
 from studyapp.researchers.interim.documents import Document
+from studyapp.results.so_far import agreement_so_far
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
 
 
@@ -22,7 +24,7 @@ def test_the_process_hands_over_documents_and_says_why_it_cannot(
     (tiny_study / "analysis.py").write_text("raise SystemExit(5)", "utf-8")
     process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
 
-    agreement = Document.model_validate_json(process.compute("agreement"))
+    agreement = agreement_so_far(StudyFolder(tiny_study))
     results = Document.model_validate_json(process.compute("results"))
 
     assert agreement.basis == results.basis
