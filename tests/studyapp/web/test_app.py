@@ -1,11 +1,17 @@
+"""What the application sets up: its clock, how many reports it takes, and windows' names."""
+
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from flask import Flask
 
 from motion.errors import InputError
-from studyapp.web.app import create_app
+from studyapp.web.app import AT_ONCE, KEPT, PER_SECOND, Pace, create_app, window_name
+from studyapp.web.participants import participant
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import WATCHED, Visitor
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, float("nan")])
@@ -22,3 +28,81 @@ def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> N
     with pytest.raises(InputError, match=r"stimuli\.json"):
         create_app(tiny_study)
     assert not (tiny_study / "responses.db").exists()
+
+
+def accepted(pace: Pace, seconds: float, *, per_second: float) -> int:
+    """Return how many reports were accepted that came at even distances, from one participant."""
+    moments = [number / per_second for number in range(int(seconds * per_second))]
+    return sum(pace.seconds_to_wait("one", moment) == 0 for moment in moments)
+
+
+def test_a_page_can_report_in_four_windows_for_an_hour() -> None:
+    every_two_seconds_and_at_each_end = 0.5 + 0.2
+
+    per_second = 4 * every_two_seconds_and_at_each_end
+    assert accepted(Pace(), 3600, per_second=per_second) == int(3600 * per_second)
+
+
+def test_of_a_flood_no_more_is_accepted_than_the_limit() -> None:
+    assert accepted(Pace(), 60, per_second=500) == AT_ONCE + 60 * PER_SECOND - 1
+
+
+def test_waiting_as_long_as_is_asked_for_is_enough() -> None:
+    pace = Pace()
+    while not (wait := pace.seconds_to_wait("one", 5.0)):
+        pass
+
+    assert wait == pytest.approx(1 / PER_SECOND)
+    assert pace.seconds_to_wait("one", 5.0 + wait) == 0
+
+
+def test_nobody_else_has_to_wait_however_many_names_are_made_up() -> None:
+    pace = Pace()
+    for _ in range(AT_ONCE):
+        pace.seconds_to_wait("one", 0.0)
+
+    waits = [pace.seconds_to_wait(f"{number}", 0.0) for number in range(KEPT + 10)]
+
+    assert set(waits) == {0.0}
+    assert pace.seconds_to_wait("one", 0.0) > 0
+
+
+def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
+    app: Flask, clock: SetClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flooding, other = (Visitor(app, clock).enrol().begin() for _ in range(2))
+    address = flooding.page().value("#pair", "data-watched-url")
+    monkeypatch.setattr("studyapp.web.app.time.monotonic", lambda: 7.0)
+    for _ in range(AT_ONCE):
+        assert flooding.client.post(address, json=WATCHED).status_code != 429
+    with monkeypatch.context() as patch:
+        patch.delattr(participant, "record_watched")
+        refused = flooding.client.post(address, data=b"\xff")
+
+    assert (refused.status_code, refused.headers["Retry-After"]) == (429, "1")
+    other.watch()
+    assert flooding.client.get(flooding.address).status_code == 200
+    monkeypatch.setattr("studyapp.web.app.time.monotonic", lambda: 8.0)
+    flooding.watch()
+
+
+def test_windows_of_one_participant_find_each_other_and_nobody_elses() -> None:
+    assert window_name("a" * 32) == window_name("a" * 32)
+    assert window_name("a" * 32) != window_name("b" * 32)
+
+
+def test_a_windows_name_does_not_hold_the_address(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol()
+    token = visitor.address.rsplit("/", 1)[1]
+
+    named = visitor.page().value("#elsewhere", "data-window")
+
+    assert named == window_name(token)
+    assert not any(named[at : at + 6] in token for at in range(len(named) - 5))
+
+
+def test_pages_that_are_the_end_give_way_to_nobody(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol()
+    visitor.client.post(f"{visitor.address}/withdraw")
+
+    assert visitor.page().soup.select("#elsewhere") == []

@@ -13,6 +13,7 @@ from sqlalchemy import select
 from studyapp.database.tables import Response, StudySession, Trial
 from studyapp.web.app import AT_ONCE, create_app
 from studyapp.web.running import running
+from tests.functional.redefining import redefine
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
@@ -289,15 +290,6 @@ def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
     assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
 
 
-def rewrite(folder: Path, *changes: tuple[str, str]) -> None:
-    path = folder / "study.toml"
-    text = path.read_text("utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text, "utf-8")
-
-
 def instructions(folder: Path) -> str:
     app = create_app(folder)
     text = Visitor(app, SetClock()).enrol().page().text
@@ -316,7 +308,7 @@ GENERATED = (
 
 
 def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
-    rewrite(tiny_study, *GENERATED)
+    redefine(tiny_study, *GENERATED)
     text = instructions(tiny_study)
 
     assert "made by a computer" in text
@@ -326,13 +318,13 @@ def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
 
 
 def test_of_motion_that_is_brought_nobody_says_who_made_it(tiny_study: Path) -> None:
-    rewrite(tiny_study, GENERATED[0])
+    redefine(tiny_study, GENERATED[0])
 
     assert "made by a computer" not in instructions(tiny_study)
 
 
 def test_instructions_follow_the_study(tiny_study: Path) -> None:
-    rewrite(
+    redefine(
         tiny_study,
         ('title = "Gestures', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
         ("practice = 1", "practice = 2"),
@@ -348,7 +340,7 @@ def test_instructions_follow_the_study(tiny_study: Path) -> None:
 
 
 def test_a_study_with_a_recording_does_not_claim_to_have_none(tiny_study: Path) -> None:
-    rewrite(tiny_study, ('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
+    redefine(tiny_study, ('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
     stimuli = tiny_study / "stimuli.json"
     stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
 
@@ -360,7 +352,7 @@ def test_practice_is_marked_only_where_the_study_announces_it(
     tiny_study: Path, announced: bool
 ) -> None:
     if announced:
-        rewrite(tiny_study, ("practice = 1", "practice = 1\nannounce_practice = true"))
+        redefine(tiny_study, ("practice = 1", "practice = 1\nannounce_practice = true"))
     app = create_app(tiny_study)
     page = Visitor(app, SetClock()).enrol().begin().page()
     with app.app_context():
@@ -374,8 +366,8 @@ def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
 ) -> None:
     hostile = "<script>alert(1)</script>' onload='x"
     keys = (("title", "Gestures and speech"), ("contact", "gestures@example.org"))
-    rewrite(tiny_study, *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys))
-    rewrite(tiny_study, ("In which video do the gestures fit", hostile), ("You will", hostile))
+    redefine(tiny_study, *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys))
+    redefine(tiny_study, ("In which video do the gestures fit", hostile), ("You will", hostile))
     app = create_app(tiny_study)
     visitor = Visitor(app, clock)
     seen = [PageReader(visitor.client.get("/").text), visitor.enrol().page()]
