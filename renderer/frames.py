@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Any, Final, Self
 
 import numpy as np
@@ -65,12 +64,7 @@ class FrameRenderer:
         self._context.render(self.scene, PixelBox.whole(16), RGB)  # uploads what `draw` rewrites
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._context is not None:
             self._context.close()
             self._context = None

@@ -8,13 +8,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip_video import Stage
+from renderer.clip_video import Stage, VertexNormals, surface_colours
 from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
 from renderer.offscreen import PLANES
 from renderer.pixel_box import PixelBox
-from renderer.surface import VertexNormals, surface_colours
 from renderer.video.channels import RGB
 
 Pictures = NDArray[np.float64]

@@ -11,7 +11,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import Any, Final, Self
 from uuid import uuid4
 
@@ -69,12 +68,7 @@ class ClusterWorkers:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Take back what no worker has begun; a video that is being written is finished."""
         if self._client.status == "running":
             self._client.cancel([future for _, _, future in self._running.values()])

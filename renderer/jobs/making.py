@@ -10,7 +10,6 @@ import heapq
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Protocol, Self
 
 from renderer.jobs.job import ClipJob, Job, Outcome
@@ -23,12 +22,7 @@ class Workers(Protocol):
     def __enter__(self) -> Self:
         """Get ready; `InputError` where that is impossible."""
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Begin nothing more, and leave no half-written video."""
 
     def room(self) -> bool:

@@ -10,13 +10,12 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from renderer.avatars import AVATARS, default_body
-from renderer.clip_video import Stage
+from renderer.clip_video import PLAIN, Stage, VertexNormals, surface_colours
 from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera, frame_clips
 from renderer.look import BACKGROUND, Look
 from renderer.opengl import renderer_name
 from renderer.stills import still
-from renderer.surface import PLAIN, VertexNormals, surface_colours
 from tests.renderer.golden import assert_like_golden
 
 

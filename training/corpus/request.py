@@ -8,31 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import islice
-from types import MappingProxyType
 from typing import Final
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-
-_TEXTS: Final = MappingProxyType(
-    {
-        "neutral": (1, 64),
-        "happiness": (65, 72),
-        "anger": (73, 80),
-        "sadness": (81, 86),
-        "contempt": (87, 94),
-        "surprise": (95, 102),
-        "fear": (103, 110),
-        "disgust": (111, 118),
-    }
-)
-"""First and last text of each emotion, as in BEAT's English recordings."""
+from training.data.beat_names import LAST_TEXTS
 
 
 def _pairs(emotion: str) -> list[tuple[int, int]]:
     """Return what start and end can be: single texts first, then ever longer runs of them."""
-    first, last = _TEXTS[emotion]
+    index = EMOTIONS.index(emotion)
+    first, last = (1, *(before + 1 for before in LAST_TEXTS))[index], LAST_TEXTS[index]
     return [
         (start, start + longer)
         for longer in range(last - first + 1)
@@ -40,7 +27,7 @@ def _pairs(emotion: str) -> list[tuple[int, int]]:
     ]
 
 
-MOST_RECORDINGS: Final = min(len(_pairs(emotion)) for emotion in _TEXTS)
+MOST_RECORDINGS: Final = min(len(_pairs(emotion)) for emotion in EMOTIONS)
 """Of one speaker in one emotion."""
 
 

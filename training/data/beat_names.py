@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Final, Self
 
+from motion.segment import EMOTIONS
 from training.data.take import Split
 
 _NAME: Final = re.compile(
@@ -18,24 +19,15 @@ _NAME: Final = re.compile(
     r"(?P<start>\d{1,5})_(?P<end>\d{1,5})"
 )
 
-_EMOTIONS: Final = (
-    (64, "neutral"),
-    (72, "happiness"),
-    (80, "anger"),
-    (86, "sadness"),
-    (94, "contempt"),
-    (102, "surprise"),
-    (110, "fear"),
-    (118, "disgust"),
-)
-"""Up to which text somebody who speaks alone does so with which emotion."""
+LAST_TEXTS: Final = (64, 72, 80, 86, 94, 102, 110, 118)
+"""Up to which text somebody who speaks alone does so with each of `motion.segment.EMOTIONS`."""
 
 _FOUR_HOURS: Final = frozenset({1, 2, 3, 4, 6, 7, 8, 9, 11, 21})
 """Speakers of whom there are four hours; of the other twenty there is one."""
 
 _SPEAKERS: Final = 30
-_FIRST_OF_EMOTION: Final = frozenset({65, 73, 81, 87, 95, 103, 111})
-_LAST_OF_EMOTION: Final = frozenset({72, 80, 86, 94, 102, 110, 118})
+_FIRST_OF_EMOTION: Final = frozenset(last + 1 for last in LAST_TEXTS[:-1])
+_LAST_OF_EMOTION: Final = frozenset(LAST_TEXTS[1:])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +92,7 @@ class BeatName:
             if self.start == 1:
                 return "test"
             return "validation" if long and self.start == 12 else "train"
-        if not 1 <= self.start <= _EMOTIONS[-1][0]:
+        if not 1 <= self.start <= LAST_TEXTS[-1]:
             return None
         if self.start <= 8:
             return "test" if long or self.start <= 4 else "validation"
@@ -112,4 +104,5 @@ class BeatName:
 
 
 def _emotion_of(text: int) -> str:
-    return next((emotion for last, emotion in _EMOTIONS if text <= last), "")
+    lasts = zip(LAST_TEXTS, EMOTIONS, strict=True)
+    return next((emotion for last, emotion in lasts if text <= last), "")

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError
-from training.data.array_file import KeptArray, content_sha256, open_array, write_array
 from training.data.feature import Feature
-from training.data.source_files import hashes_of
+from training.data.kept_files import KeptArray, content_sha256, hashes_of, open_array, write_array
 from training.data.take import LONGEST_DIFFERENCE, Take, TakeFolder
 
 FloatArray = NDArray[np.float32]
