@@ -1,4 +1,4 @@
-"""Motion of any length in windows of one length, which go over into each other."""
+"""Motion of any length in windows that go over into each other, and the speech under them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+
+from motion.audio import SPEECH_RATE, Audio
+from training.hearing.spectra import check_speech, filterbank
+from training.hearing.speech_frames import at_speech_rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,3 +64,22 @@ def plan_windows(total: int, frames: int, fade: int) -> WindowPlan:
     count = 1 if total <= frames else 1 + math.ceil((total - frames) / (frames - fade))
     stride = frames if count == 1 else math.ceil((total - frames) / (count - 1))
     return WindowPlan(frames=frames, stride=stride, count=count, fade=fade)
+
+
+def filterbanks_under(
+    audio: Audio, plan: WindowPlan, frame_rate: float, rows: int, bands: int
+) -> list[Tensor]:
+    """Return the standardised filterbank (1, rows, bands) of the speech under each window.
+
+    Raises
+    ------
+    InputError
+        If the speech is shorter than half a second, or silent.
+    """
+    samples = at_speech_rate(audio)
+    check_speech(samples)
+    ends = [
+        [round(frame * SPEECH_RATE / frame_rate) for frame in (start, start + plan.frames)]
+        for start in plan.starts
+    ]
+    return [filterbank(samples[first:last], rows, bands)[None] for first, last in ends]

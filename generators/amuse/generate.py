@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generators.amuse.config import FRAME_RATE, PARTS, STEPS, Part, SpeechConfig
+from generators.amuse.config import FRAME_RATE, PARTS, STEPS, Part
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -21,12 +21,10 @@ from generators.amuse.settings import AmuseSettings
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.network_motion import NetworkGenerator, check_finite, network_facts
 from generators.settings import content
-from motion.audio import SPEECH_RATE, Audio, read_audio
+from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from training.hearing.spectra import check_speech, filterbank
-from training.hearing.speech_frames import at_speech_rate
-from training.joined_windows import WindowPlan, plan_windows
+from training.joined_windows import WindowPlan, filterbanks_under, plan_windows
 from training.layers.packing import pack
 from training.spaces.smplx_6d import smplx_6d_clip
 
@@ -140,7 +138,9 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         return [torch.lerp(begin[part], end[part], strength)[:, None] for part in model.parts]
 
     def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
-        windows = heard_windows(audio, plan, self._speech.model.config)
+        """Return the filterbank (1, rows, bands) of the speech under each window of motion."""
+        config = self._speech.model.config
+        windows = filterbanks_under(audio, plan, FRAME_RATE, config.frames, config.bands)
         return [rows.to(self._device) for rows in windows]
 
     def _stand_in(self, key: str, windows: int) -> Tensor:
@@ -176,21 +176,3 @@ class Amuse(NetworkGenerator[AmuseSettings]):
 
 def _part_of(key: str) -> Part:
     return cast("Part", key.removeprefix("from_"))
-
-
-def heard_windows(audio: Audio, plan: WindowPlan, config: SpeechConfig) -> list[Tensor]:
-    """Return the filterbank (1, rows, bands) of the speech under each window of motion.
-
-    Raises
-    ------
-    InputError
-        If the speech is shorter than half a second, or silent.
-    """
-    samples = at_speech_rate(audio)
-    check_speech(samples)
-    per_frame = SPEECH_RATE / FRAME_RATE
-    windows = []
-    for start in plan.starts:
-        first, last = round(start * per_frame), round((start + plan.frames) * per_frame)
-        windows.append(filterbank(samples[first:last], config.frames, config.bands)[None])
-    return windows

@@ -3,10 +3,7 @@
 A frame's values differ by a few hundredths while the learned positions are of the size of 1, and
 attention that looks everywhere alike tells the frames of a window apart only after many thousand
 steps. So the linear layers at both ends set out from the principal components of the frames, and
-attention sets out by looking at what is near in time. Encoders of speech set out from the
-principal components of the patches, each as large as the next, so that the height of a voice counts
-beside its loudness; and from waves that tell a patch's time and pitch, without which the mean over
-patches forgets both. The networks and what they can learn stay.
+attention sets out by looking at what is near in time. The networks and what they can learn stay.
 """
 
 from __future__ import annotations
@@ -20,7 +17,6 @@ from torch import Tensor, nn
 
 from generators.amuse.config import PARTS
 from generators.amuse.model import Denoiser, MotionPrior
-from generators.amuse.speech import SpeechEncoder
 from training.layers.first_weights import (
     LEAST_SPREAD,
     components_of,
@@ -31,38 +27,6 @@ from training.layers.first_weights import (
 
 _SHORTEST: Final = 12
 """Frames of the fastest wave that tells the time."""
-
-_COMPONENTS: Final = 64
-"""Principal components of a patch that an encoder hears at first; smaller ones are noise."""
-
-_SIZE: Final = 0.5
-"""Of a patch's components, and of the waves that tell its place."""
-
-
-@torch.no_grad()
-def listen(encoder: SpeechEncoder, filterbanks: Tensor) -> None:
-    """Set the layers that a fresh encoder hears by; its positions tell patches' time and pitch.
-
-    Parameters
-    ----------
-    encoder : SpeechEncoder
-        Fresh.
-    filterbanks : Tensor
-        (windows, frames, bands), what it is to hear.
-    """
-    embeddings = encoder.transformer.embeddings
-    first, positions = embeddings.patch_embeddings.projection, embeddings.position_embeddings
-    size = first.kernel_size[0]
-    patches = filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4)
-    found = components_of(patches.reshape(-1, size**2), min(_COMPONENTS, len(first.weight)))
-    tell_components(first, found, _SIZE)
-    bands, rows = embeddings.get_shape(embeddings.config)
-    half = positions.shape[-1] // 2
-    pitch, time = (
-        waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
-    )
-    places = [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)]
-    positions[0, -bands * rows :] = _SIZE * torch.cat(places, dim=-1).flatten(0, 1)
 
 
 @torch.no_grad()

@@ -15,6 +15,7 @@ from torch import Tensor, nn
 from generators.amuse.config import PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
 from training.layers.body_points import BodyPoints
+from training.layers.skip_transformer import SkipTransformer
 
 
 class Gaussian(NamedTuple):
@@ -24,54 +25,15 @@ class Gaussian(NamedTuple):
     std: Tensor
 
 
-class SkipTransformer(nn.Module):
-    """Transformer layers of which the first half is told to the second, as in a U-Net.
-
-    Parameters
-    ----------
-    config : MotionConfig
-        Sizes.
-    reads_memory : bool
-        Whether each layer also attends to a memory.
-    """
-
-    def __init__(self, config: MotionConfig, *, reads_memory: bool = False) -> None:
-        super().__init__()
-        kind = nn.TransformerDecoderLayer if reads_memory else nn.TransformerEncoderLayer
-
-        def layers(count: int) -> nn.ModuleList:
-            return nn.ModuleList(
-                kind(
-                    config.width,
-                    config.heads,
-                    config.feed_forward,
-                    config.dropout,
-                    activation="gelu",
-                    batch_first=True,
-                )
-                for _ in range(count)
-            )
-
-        half = config.layers // 2
-        self.input_blocks = layers(half)
-        self.middle_block = layers(1)[0]
-        self.output_blocks = layers(half)
-        self.linear_blocks = nn.ModuleList(
-            nn.Linear(2 * config.width, config.width) for _ in range(half)
-        )
-        self.norm = nn.LayerNorm(config.width)
-
-    def forward(self, x: Tensor, *memory: Tensor) -> Tensor:
-        """Return the sequence `x` (batch, tokens, width), transformed."""
-        told = []
-        for block in self.input_blocks:
-            x = block(x, *memory)
-            told.append(x)
-        x = self.middle_block(x, *memory)
-        for linear, block in zip(self.linear_blocks, self.output_blocks, strict=True):
-            x = block(linear(torch.cat([x, told.pop()], dim=-1)), *memory)
-        normalised: Tensor = self.norm(x)
-        return normalised
+def _transformer(config: MotionConfig, *, reads_memory: bool = False) -> SkipTransformer:
+    return SkipTransformer(
+        width=config.width,
+        feed_forward=config.feed_forward,
+        heads=config.heads,
+        layers=config.layers,
+        dropout=config.dropout,
+        reads_memory=reads_memory,
+    )
 
 
 class Positions(nn.Module):
@@ -95,9 +57,9 @@ class MotionPrior(nn.Module):
         self.global_motion_token = nn.Parameter(torch.randn(2 * config.tokens, config.width))
         self.skel_embedding = nn.Linear(config.motion_width, config.width)
         self.query_pos_encoder = Positions(config)
-        self.encoder = SkipTransformer(config)
+        self.encoder = _transformer(config)
         self.query_pos_decoder = Positions(config)
-        self.decoder = SkipTransformer(config, reads_memory=True)
+        self.decoder = _transformer(config, reads_memory=True)
         if config.tokens > 1:
             self.memory_pos = nn.Parameter(torch.randn(config.tokens, config.width))
         self.final_layer = nn.Linear(config.width, config.motion_width)
@@ -160,7 +122,7 @@ class Denoiser(nn.Module):
             told = nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
             self.add_module(part, told)
         self.query_pos = Positions(config)
-        self.encoder = SkipTransformer(config)
+        self.encoder = _transformer(config)
         # Without a prior there is a linear layer on the way in, and one on the way out.
         frame, width = config.motion_width, config.width
         self.embedding = nn.Identity() if config.prior else nn.Linear(frame, width)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.amuse.config import FRAME_RATE, LABELS, MOTION_PRESETS, PARTS, MotionConfig
-from generators.amuse.generate import heard_windows
 from generators.amuse.initialisation import hear, set_out
 from generators.amuse.losses import OF_ALIGNMENT, OF_PRIOR, LossWeights, motion_losses
 from generators.amuse.model import MotionModel, MotionPrior
@@ -33,7 +32,7 @@ from training.data.take import Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
-from training.joined_windows import WindowPlan
+from training.joined_windows import WindowPlan, filterbanks_under
 from training.run.batch_order import evenly
 from training.run.passes import Pass
 from training.window_task import WindowTask
@@ -156,9 +155,10 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: in
         total = max(1, round(audio.duration * FRAME_RATE))
         count = 1 + max(0, total - frames) // stride
         plan = WindowPlan(frames=frames, stride=stride, count=count)
+        model, sizes = speech.model, speech.model.config
         told = [
-            torch.cat([speech.model.latent(part, rows) for part in speech.model.parts], dim=-1)
-            for rows in heard_windows(audio, plan, speech.model.config)
+            torch.cat([model.latent(part, rows) for part in model.parts], dim=-1)
+            for rows in filterbanks_under(audio, plan, FRAME_RATE, sizes.frames, sizes.bands)
         ]
         window = np.minimum(np.arange(total) // stride, count - 1)
         return torch.cat(told).numpy()[window]

@@ -15,7 +15,6 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse.config import LABELS, SPEECH_PRESETS, Part, SpeechConfig
-from generators.amuse.initialisation import listen
 from generators.amuse.losses import (
     SpeechLosses,
     augmented,
@@ -41,7 +40,7 @@ from training.data.quadruples import quadruples
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.features import speech_filterbank
-from training.hearing.ast_weights import read_ast_weights
+from training.hearing.ast_weights import listen, read_ast_weights
 from training.hearing.spectra import ROWS_PER_SECOND
 from training.pretrained import WEIGHTS
 from training.run.batch_order import evenly
@@ -105,7 +104,7 @@ class SpeechTask(WindowTask):
                 if self.encoder_weights:
                     encoder.transformer.load_state_dict(self.encoder_weights)
                 else:
-                    listen(encoder, seen)
+                    listen(encoder.transformer, seen)
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:

@@ -1,19 +1,24 @@
-"""Weights that an audio spectrogram transformer sets out from: of an AST, or of a DeiT for images.
+"""Weights that an audio spectrogram transformer (AST) sets out from.
 
-A DeiT becomes an AST as Gong et al. 2021 (section 2.2) make one.
+They are those of another AST, or of a DeiT for images, of which Gong et al. 2021 (section 2.2) make
+an AST. Or it sets out from the principal components of the patches that it is to hear, each as
+large as the next, so that the height of a voice counts beside its loudness; and from waves that
+tell a patch's time and pitch, without which the mean over patches forgets both.
 """
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Final
 
 import torch
 from torch import Tensor
 from torch.nn import functional
-from transformers import ASTConfig
+from transformers import ASTConfig, ASTModel
 
 from motion.listing import listed
+from training.layers.first_weights import components_of, tell_components, waves
 from training.pretrained import CONFIG, SavedNetworks
 
 _AST: Final = "audio-spectrogram-transformer"
@@ -35,6 +40,12 @@ _SIZES: Final = (
 _OF_SOUND: Final = ("max_length", "num_mel_bins", "time_stride", "frequency_stride")
 _TOKENS: Final = 2
 """For the class and for distillation, before the patches."""
+
+_COMPONENTS: Final = 64
+"""Principal components of a patch that an encoder hears at first; smaller ones are noise."""
+
+_SIZE: Final = 0.5
+"""Of a patch's components, and of the waves that tell its place."""
 
 
 def read_ast_weights(folder: Path, wanted: ASTConfig) -> dict[str, Tensor]:
@@ -97,3 +108,29 @@ def _of_sound(weights: dict[str, Tensor], wanted: ASTConfig) -> dict[str, Tensor
         patches: weights[patches].sum(dim=1, keepdim=True),
         places: torch.cat([tokens, fitted.flatten(2).transpose(1, 2)], dim=1),
     }
+
+
+@torch.no_grad()
+def listen(network: ASTModel, filterbanks: Tensor) -> None:
+    """Set the layers that a fresh network hears by; its positions tell patches' time and pitch.
+
+    Parameters
+    ----------
+    network : ASTModel
+        Fresh.
+    filterbanks : Tensor
+        (windows, frames, bands), what it is to hear.
+    """
+    embeddings = network.embeddings
+    first, positions = embeddings.patch_embeddings.projection, embeddings.position_embeddings
+    size = first.kernel_size[0]
+    patches = filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4)
+    found = components_of(patches.reshape(-1, size**2), min(_COMPONENTS, len(first.weight)))
+    tell_components(first, found, _SIZE)
+    bands, rows = embeddings.get_shape(embeddings.config)
+    half = positions.shape[-1] // 2
+    pitch, time = (
+        waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
+    )
+    places = [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)]
+    positions[0, -bands * rows :] = _SIZE * torch.cat(places, dim=-1).flatten(0, 1)

@@ -8,10 +8,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
-from generators.amuse.initialisation import hear, listen, set_out
+from generators.amuse.config import MOTION_PRESETS
+from generators.amuse.initialisation import hear, set_out
 from generators.amuse.model import Denoiser, MotionPrior
-from generators.amuse.speech import SpeechEncoder
 
 CONFIG = MOTION_PRESETS["tiny"].network
 
@@ -61,36 +60,6 @@ def test_the_tiny_latent_begins_with_little_noise(motion: Tensor) -> None:
     set_out(prior, motion)
     latent = prior.encode(motion)
     assert latent.std.mean() < 0.3 * latent.mu.std()
-
-
-def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
-    config = SPEECH_PRESETS["tiny"].network
-    encoder = SpeechEncoder(config).eval()
-    early = torch.zeros(1, config.frames, config.bands)
-    early[:, 16:32] = 3.0
-    late = early.roll(10 * 16, dims=1)
-    with torch.inference_mode():
-        before = (encoder(early)[0] - encoder(late)[0]).abs().max()
-        listen(encoder, torch.randn(4, config.frames, config.bands))
-        after = (encoder(early)[0] - encoder(late)[0]).abs().max()
-    assert before < 1e-4
-    assert after > 1e-2
-
-
-def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud_ones() -> None:
-    config = SPEECH_PRESETS["tiny"].network
-    encoder = SpeechEncoder(config).eval()
-    loud, soft = torch.randn(2, 16, 16)
-    sizes = torch.randn(2, 30, config.frames // 16, config.bands // 16, 1, 1)
-    patches = 9 + 3.0 * sizes[0] * loud + 0.1 * sizes[1] * soft
-    filterbanks = patches.transpose(2, 3).reshape(30, config.frames, config.bands)
-    listen(encoder, filterbanks)
-    embeddings = encoder.transformer.embeddings.patch_embeddings
-    with torch.inference_mode():
-        heard = embeddings(filterbanks).flatten(0, 1)
-    assert heard.mean(dim=0).abs().max() < 0.02
-    spreads = heard.std(dim=0)
-    assert (spreads[:2] / spreads[0] - 1).abs().max() < 0.05
 
 
 def test_a_denoiser_hears_parts_of_the_speech_alike_however_far_they_spread() -> None:

@@ -9,10 +9,11 @@ import pytest
 import torch
 from transformers import ASTConfig, ASTForAudioClassification, ASTModel, DeiTConfig, DeiTModel
 
+from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.speech import SpeechEncoder, ast_config
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
-from training.hearing.ast_weights import read_ast_weights
+from training.hearing.ast_weights import listen, read_ast_weights
 
 CONFIG = ast_config(SMALL)
 
@@ -86,3 +87,35 @@ def test_another_architecture_is_refused_by_its_name(tmp_path: Path) -> None:
     (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
     with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
         read_ast_weights(tmp_path, CONFIG)
+
+
+def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    early = torch.zeros(1, config.frames, config.bands)
+    early[:, 16:32] = 3.0
+    late = early.roll(10 * 16, dims=1)
+    with torch.inference_mode():
+        before = (encoder(early)[0] - encoder(late)[0]).abs().max()
+        listen(encoder.transformer, torch.randn(4, config.frames, config.bands))
+        after = (encoder(early)[0] - encoder(late)[0]).abs().max()
+    assert before < 1e-4
+    assert after > 1e-2
+
+
+def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud_ones() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    loud, soft = torch.randn(2, 16, 16)
+    sizes = torch.randn(2, 30, config.frames // 16, config.bands // 16, 1, 1)
+    patches = 9 + 3.0 * sizes[0] * loud + 0.1 * sizes[1] * soft
+    filterbanks = patches.transpose(2, 3).reshape(30, config.frames, config.bands)
+    listen(encoder.transformer, filterbanks)
+    embeddings = encoder.transformer.embeddings.patch_embeddings
+    with torch.inference_mode():
+        heard = embeddings(filterbanks).flatten(0, 1)
+    assert heard.mean(dim=0).abs().max() < 0.02
+    spreads = heard.std(dim=0)
+    assert (spreads[:2] / spreads[0] - 1).abs().max() < 0.05
