@@ -6,20 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import pandas as pd
-
-from analysis.answers.cells import Cells
 from analysis.answers.columns import LAYOUTS
-from analysis.answers.reading import answers_in, read_answers
+from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.participants import LeftOut, leave_out, table_rules
 from motion.errors import InputError
-from studyapp.results.answer_table import study_answers
+from studyapp.results.analysed_tasks import analysed_tasks, rules_of
 from studyapp.results.answers import answers_to_report
-from studyapp.results.report_arms import of_present_design
-from studyapp.results.stated_beforehand import decided_by_hand, study_exclusions
 from studyapp.study.folder import StudyFolder
 
 ROUGH: Final = 10
@@ -110,17 +105,12 @@ def _of_study(folder: StudyFolder, protocol: str) -> tuple[AnswerTable, LeftOut,
             where=folder.root,
             remedy="Name a study that was answered, or leave --pilot away",
         )
-    stored = answers.stored.part(of_present_design(answers.stored.study_sessions))
-    given = study_answers(study, stored)
-    if protocol not in given.tables:
+    tasks = analysed_tasks(study, answers, rules_of(study, answers))
+    task = next((task for task in tasks if task.protocol == protocol), None)
+    if task is None:
         raise InputError(
             f"the pilot has no answers to a {protocol} task",
             where=folder.root,
             remedy="Name a study that was answered, or leave --pilot away",
         )
-    rows: pd.DataFrame = given.tables[protocol]
-    cells = Cells(path=folder.root, rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=())
-    table = answers_in(cells, LAYOUTS[protocol])
-    by_hand = decided_by_hand(stored.study_sessions)
-    rules = study_exclusions(study.settled_exclusions, by_hand=by_hand).rules
-    return table, leave_out(table, rules, known=given.known), answers.origin == "rehearsal"
+    return task.table, task.left_out, answers.origin == "rehearsal"

@@ -17,32 +17,13 @@ from motion.files import write_text
 from motion.spreadsheet import harmless_frame
 from studyapp.researchers.pseudonyms import FOLDER
 from studyapp.results.export.codebook import as_json
-from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns
+from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns, bids_column
 from studyapp.results.export.labels import column_labels
 from studyapp.results.export.typed import as_text
 from studyapp.study.settings.study import Study
 
 BIDS_VERSION: Final = "1.11.0"
 MISSING: Final = "n/a"
-
-BIDS_NAMES: Final[Mapping[str, str]] = {
-    "position": "trial",
-    "value": "response",
-    "seconds": "response_time",
-}
-"""Our headings for which BIDS has its own."""
-
-SINCE: Final[Mapping[str, tuple[str, str]]] = {
-    "shown_at": ("shown_after", "From the consent to the first showing of the trial."),
-    "started_at": ("started_after", "From the consent to the first trial."),
-    "completed_at": ("completed_after", "From the consent to the last answer."),
-    "sent_at": ("sent_after", "From the consent to when the video was first sent."),
-    "unplayable_at": (
-        "unplayable_after",
-        "From the consent to when the participant said that it does not play.",
-    ),
-}
-"""Moments that become seconds since the participant's consent: dates lead to people."""
 
 LEFT_OUT: Final = ("answered_at", "consented_at")
 """Moments that say nothing more than the others do."""
@@ -78,14 +59,13 @@ def bids_table(
     for column in about.columns:
         if column.name in LEFT_OUT or column.name == "participant":
             continue
-        if column.name in SINCE:
-            name, meaning = SINCE[column.name]
-            columns.append(replace(column, name=name, type="number", meaning=meaning, unit="s"))
-            cells[name] = (frame[column.name] - began).dt.total_seconds().round(3)
-            continue
-        name = BIDS_NAMES.get(column.name, column.name)
-        columns.append(replace(column, name=name))
-        cells[name] = frame[column.name]
+        own = bids_column(column)
+        columns.append(own)
+        cells[own.name] = (
+            (frame[column.name] - began).dt.total_seconds().round(3)
+            if column.type == "moment"
+            else frame[column.name]
+        )
     return pd.DataFrame(cells), replace(about, columns=tuple(columns))
 
 

@@ -56,19 +56,10 @@ def _table(study: Study, table: TableColumns, files: Sequence[str]) -> dict[str,
         "name": table.name or "answers",
         "files": list(files),
         "row": table.title,
-        "columns": [_column(study, table, column) for column in table.columns],
-    }
-
-
-def _column(study: Study, table: TableColumns, column: Column) -> dict[str, Any]:
-    return {
-        "name": column.name,
-        "type": column.type,
-        "meaning": column.meaning,
-        "unit": column.unit,
-        "missing": column.missing,
-        "free_text": column.free_text,
-        "values": dict(_labels(study, table, column)),
+        "columns": [
+            vars(column) | {"values": dict(_labels(study, table, column))}
+            for column in table.columns
+        ],
     }
 
 

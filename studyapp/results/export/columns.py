@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
@@ -98,6 +98,11 @@ def fixed_values(column: str) -> Mapping[str, str] | None:
     """Return the values of a column that are the same in every study; None where none are."""
     found: Mapping[str, str] | None = _declared()["values"].get(column)
     return found
+
+
+def bids_column(column: Column) -> Column:
+    """Return `column` as BIDS names it; moments are seconds since the participant's consent."""
+    return replace(column, **_declared()["bids"].get(column.name, {}))
 
 
 ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG, RECRUITER_IDS = map(
