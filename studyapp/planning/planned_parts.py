@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -54,16 +55,12 @@ def planned_parts(
 
 def _scales(study: Study, part: str) -> dict[int, int]:
     """Return how many questions of a part have how many levels."""
-    found: dict[int, int] = {}
     levels = {question.name: 5 for question in study.questions}
     if isinstance(study, RatingStudy):
         levels = {question.name: len(question.values) for question in study.questions}
     if isinstance(study, MismatchStudy):
         levels = {question.name: question.levels for question in study.questions}
-    for question in study.questions:
-        if question.belongs_to(part):
-            found[levels[question.name]] = found.get(levels[question.name], 0) + 1
-    return found
+    return Counter(levels[each.name] for each in study.questions if each.belongs_to(part))
 
 
 def _trials(

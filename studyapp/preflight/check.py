@@ -19,7 +19,14 @@ from studyapp.preflight.finished_video_checks import (
 )
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
-from studyapp.preflight.page_checks import page_findings
+from studyapp.preflight.participant_information import (
+    Pace,
+    minutes_needed,
+    pace_of_pilot,
+    pace_of_study,
+    page_findings,
+    time_findings,
+)
 from studyapp.preflight.recruiting_checks import (
     code_findings,
     made_findings,
@@ -29,13 +36,6 @@ from studyapp.preflight.recruiting_checks import (
 from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
 from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
-from studyapp.preflight.time_checks import (
-    Pace,
-    minutes_needed,
-    pace_of_pilot,
-    pace_of_study,
-    time_findings,
-)
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.recruitment import Recruitment

@@ -22,7 +22,7 @@ from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import Video
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
-from studyapp.preflight.time_checks import arrivals
+from studyapp.preflight.participant_information import arrivals
 from studyapp.recruitment.prolific_draft import places_of
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.intake import present_intake

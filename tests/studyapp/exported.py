@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from sqlalchemy.orm import Session
 
-from studyapp.results.export.answer_rows import answers_table, participants_table
+from studyapp.results.export.rows import answers_table, participants_table
 from studyapp.results.stored_answers import stored_answers
 
 

@@ -14,11 +14,6 @@ from analysis.answers.columns import ANALYSED_KINDS
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import told_detail
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.answer_rows import (
-    answers_table,
-    form_answers_table,
-    participants_table,
-)
 from studyapp.results.export.columns import (
     ANSWERS,
     FORM,
@@ -30,8 +25,14 @@ from studyapp.results.export.columns import (
     TableColumns,
 )
 from studyapp.results.export.exclusion import Judged
+from studyapp.results.export.rows import (
+    answers_table,
+    form_answers_table,
+    participants_table,
+    refusals_table,
+    watching_table,
+)
 from studyapp.results.export.typed import typed
-from studyapp.results.export.watching_rows import refusals_table, watching_table
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 
 TRIAL: Final = ["study_session", "position"]

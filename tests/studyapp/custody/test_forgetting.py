@@ -17,7 +17,7 @@ from studyapp.database.tables import Event, Place, StudySession
 from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import log_change, logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.answer_rows import form_answers_table
+from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.screen_outs import note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal

@@ -10,15 +10,15 @@ import pytest
 from motion.errors import InputError
 from studyapp.preflight.expected_time import ExpectedTime, expected_time, words
 from studyapp.preflight.material import Material
-from studyapp.preflight.page_checks import page_findings
-from studyapp.preflight.recruiting_checks import code_findings, pay_findings, recruiting_findings
-from studyapp.preflight.time_checks import (
+from studyapp.preflight.participant_information import (
     Pace,
     minutes_needed,
     pace_of_pilot,
     pace_of_study,
+    page_findings,
     time_findings,
 )
+from studyapp.preflight.recruiting_checks import code_findings, pay_findings, recruiting_findings
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.recruitment import Recruitment

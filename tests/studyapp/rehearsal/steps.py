@@ -8,9 +8,12 @@ from threading import Event
 
 import httpx
 from flask import Flask
+from sqlalchemy import select
 
 from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
@@ -58,6 +61,22 @@ def participant_of(folder: StudyFolder, database: Database, name: str = "p1") ->
         speed=SPEED,
         stop=Event(),
     )
+
+
+def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: int = 1) -> None:
+    """Require that so many finished, and that all that was acknowledged is stored once."""
+    told = ledger.read().answers
+    with database.reading() as session:
+        sittings = session.scalars(select(StudySession)).all()
+        assert [each.completed_at is not None for each in sittings] == [True] * people
+        stored = [
+            ((trial.token, response.question, response.stimulus or 0), response.value)
+            for each in sittings
+            for trial in each.trials
+            for response in trial.responses
+        ]
+    assert len(stored) == len(told) > 0
+    assert dict(stored) == told
 
 
 def answering(participant: Participant, answer: AnswerTrial) -> Participant:

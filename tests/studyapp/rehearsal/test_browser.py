@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.tables import StudySession
+from studyapp.database.tables import Video
 from studyapp.rehearsal import browser as browser_room
 from studyapp.rehearsal.browser import require_browser
 from studyapp.rehearsal.ledger import Ledger
@@ -20,7 +20,8 @@ from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.functional.browsing import IN_A_BROWSER
 from tests.studyapp.rehearsal.protocol_studies import write_study
-from tests.support.stored import reading
+from tests.studyapp.rehearsal.steps import require_stored_as_acknowledged
+from tests.support.stored import opened
 
 SEED = 3
 
@@ -31,20 +32,12 @@ def in_a_browser(folder: StudyFolder) -> None:
     result = rehearse(folder, participants=1, population=people, seed=SEED, browsers=1)
     arms = len(folder.study().arms)
     assert (result.completed, result.kept) == (arms, 0)
-    told = Ledger(folder.acknowledged).read()
-    assert len(told.codes) == arms
-    with reading(folder.rehearsal) as session:
-        answers = 0
-        for sitting in session.scalars(select(StudySession)):
-            stored = {
-                (trial.token, given.question, given.stimulus or 0): given.value
-                for trial in sitting.trials
-                for given in trial.responses
-            }
-            answers += len(stored)
-            assert stored.items() <= told.answers.items()
-            assert all(video.watch_record for trial in sitting.trials for video in trial.videos)
-        assert answers == len(told.answers)
+    ledger = Ledger(folder.acknowledged)
+    assert len(ledger.read().codes) == arms
+    with opened(folder.rehearsal) as database:
+        require_stored_as_acknowledged(database, ledger, arms)
+        with database.reading() as session:
+            assert all(video.watch_record for video in session.scalars(select(Video)))
 
 
 class TestInChromium:

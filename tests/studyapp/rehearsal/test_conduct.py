@@ -20,7 +20,7 @@ from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.rehearsal.steps import browser
+from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged
 from tests.support.stored import opened
 
 
@@ -94,7 +94,7 @@ def test_who_comes_back_goes_on_where_they_left_and_everything_is_stored_once(
     with browser(app) as client:
         code = person.take_part(client, is_back=True)
     assert ledger.read().codes == {person.name: code}
-    require_stored_as_acknowledged(eyes, ledger)
+    require_stored_as_acknowledged(eyes.database, ledger)
 
 
 def test_who_presses_everything_twice_takes_part_once(
@@ -103,7 +103,7 @@ def test_who_presses_everything_twice_takes_part_once(
     person = being(participant, "double_clicking", ledger)
     with browser(app) as client:
         assert person.take_part(client)
-    require_stored_as_acknowledged(eyes, ledger)
+    require_stored_as_acknowledged(eyes.database, ledger)
 
 
 def test_who_is_hasty_passes_what_must_be_watched_and_no_more(
@@ -111,19 +111,4 @@ def test_who_is_hasty_passes_what_must_be_watched_and_no_more(
 ) -> None:
     with browser(app) as client:
         assert being(participant, "hasty", ledger).take_part(client)
-    require_stored_as_acknowledged(eyes, ledger)
-
-
-def require_stored_as_acknowledged(eyes: Eyes, ledger: Ledger) -> None:
-    """Require that one person took part, and that all that was acknowledged is stored once."""
-    told = ledger.read().answers
-    with eyes.database.reading() as session:
-        (sitting,) = session.query(StudySession)
-        assert sitting.completed_at is not None
-        stored = [
-            ((trial.token, response.question, response.stimulus or 0), response.value)
-            for trial in sitting.trials
-            for response in trial.responses
-        ]
-    assert len(stored) == len(told) > 0
-    assert dict(stored) == told
+    require_stored_as_acknowledged(eyes.database, ledger)

@@ -7,7 +7,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, StudySession
-from studyapp.results.export.answer_rows import form_answers_table
+from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.form_answers import answer_form
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError

@@ -12,7 +12,7 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Place, StudySession, StudyVersion
-from studyapp.results.export.watching_rows import watching_table
+from studyapp.results.export.rows import watching_table
 from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy

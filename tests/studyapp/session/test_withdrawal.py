@@ -18,7 +18,7 @@ from studyapp.database.tables import (
     WatchRecord,
 )
 from studyapp.database.tables.base import Base
-from studyapp.results.export.answer_rows import form_answers_table
+from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy

@@ -10,9 +10,8 @@ from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.people import Person
 from studyapp.rehearsal.recovery.bookkeeping import Check
 from studyapp.rehearsal.recovery.kinds import KindRecovered, kinds_recovered
-from studyapp.rehearsal.recovery.page import recovery_page
+from studyapp.rehearsal.recovery.page import recovery_page, recovery_tables
 from studyapp.rehearsal.recovery.recovery import Recovery
-from studyapp.rehearsal.recovery.tables import recovery_tables
 from studyapp.rehearsal.recovery.words import (
     chance_in_words,
     chance_of_missing,

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from sqlalchemy.orm import Session
 
-from studyapp.results.export.watching_rows import refusals_table, watching_table
+from studyapp.results.export.rows import refusals_table, watching_table
 from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
 from studyapp.session.videos.watch_evidence import Playback
 from studyapp.session.videos.watch_reports import record_watched
