@@ -244,27 +244,26 @@ def test_an_encoder_that_follows_the_picture_would_be_found(
     assert found_by_condition(heard("players"), with_files(files))
 
 
-def test_a_header_that_depends_on_the_condition_would_be_found(
-    heard: Callable[[str], Heard],
+def in_a_header(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+    del trial
+    if content is None:
+        return exchange
+    own = ("X-Served-In", str(100 + len(content[0].condition)))
+    return replace(exchange, headers=(*exchange.headers, own))
+
+
+def in_tokens(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+    body = exchange.body
+    for video in trial.videos if content is None else ():
+        telling = video.stimuli[0].condition[0] + video.token[1:]
+        body = body.replace(video.token.encode(), telling.encode())
+    return replace(exchange, body=body)
+
+
+@pytest.mark.parametrize("leak", [in_a_header, in_tokens])
+def test_a_header_or_tokens_that_depend_on_the_condition_would_be_found(
+    heard: Callable[[str], Heard], leak: Change
 ) -> None:
-    def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
-        del trial
-        if content is None:
-            return exchange
-        own = ("X-Served-In", str(100 + len(content[0].condition)))
-        return replace(exchange, headers=(*exchange.headers, own))
-
-    assert found_by_condition(heard("players"), leak)
-
-
-def test_tokens_that_depend_on_the_condition_would_be_found(heard: Callable[[str], Heard]) -> None:
-    def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
-        body = exchange.body
-        for video in trial.videos if content is None else ():
-            telling = video.stimuli[0].condition[0] + video.token[1:]
-            body = body.replace(video.token.encode(), telling.encode())
-        return replace(exchange, body=body)
-
     assert found_by_condition(heard("players"), leak)
 
 

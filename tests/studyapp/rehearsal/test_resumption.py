@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -39,38 +39,39 @@ def test_the_truth_is_on_disk_before_anybody_comes(folder: StudyFolder) -> None:
     assert not folder.rehearsal.exists()
 
 
-def test_the_same_rehearsal_is_gone_on_with(begun: StudyFolder) -> None:
-    _, note = prepare(begun, seed=1)
-    assert "gone on with" in note
-    assert begun.rehearsal.exists()
+def change_the_study(folder: StudyFolder) -> None:
+    text = folder.definition.read_text()
+    folder.definition.write_text(text.replace("trials = 4", "trials = 3"))
 
 
-def test_another_seed_starts_anew_and_says_so(begun: StudyFolder) -> None:
-    _, note = prepare(begun, seed=2)
-    assert "seed was 1, not 2" in note
-    assert not list(begun.root.glob("rehearsal.db*"))
-    assert read_truth(begun.rehearsal_truth).seed == 2
+def lose_the_truth(folder: StudyFolder) -> None:
+    folder.rehearsal_truth.unlink()
 
 
-def test_a_changed_study_starts_anew_and_says_so(begun: StudyFolder) -> None:
-    text = begun.definition.read_text()
-    begun.definition.write_text(text.replace("trials = 4", "trials = 3"))
-    _, note = prepare(begun, seed=1)
-    assert "the study has changed" in note
-    assert not begun.rehearsal.exists()
+@pytest.mark.parametrize(
+    ("seed", "change", "said"),
+    [
+        (1, None, "gone on with"),
+        (2, None, "seed was 1, not 2"),
+        (1, change_the_study, "the study has changed"),
+        (1, lose_the_truth, "rehearsal.json"),
+    ],
+)
+def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_so(
+    begun: StudyFolder, seed: int, change: Callable[[StudyFolder], None] | None, said: str
+) -> None:
+    if change is not None:
+        change(begun)
+    truth, note = prepare(begun, seed=seed)
+    assert said in note
+    assert bool(list(begun.root.glob("rehearsal.db*"))) == (said == "gone on with")
+    assert read_truth(begun.rehearsal_truth) == truth and truth.seed == seed
 
 
 def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
     others = replace(default_population(begun.study()), kinds={"careless": 0.5})
     _, note = prepare(begun, seed=1, population=others)
     assert "another population" in note
-    assert not begun.rehearsal.exists()
-
-
-def test_answers_that_nobody_can_explain_are_removed(begun: StudyFolder) -> None:
-    begun.rehearsal_truth.unlink()
-    _, note = prepare(begun, seed=1)
-    assert "rehearsal.json" in note
     assert not begun.rehearsal.exists()
 
 

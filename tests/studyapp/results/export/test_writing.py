@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from studyapp.results.export.columns import (
     WATCHING,
     TableColumns,
 )
-from studyapp.results.export.writing import export
+from studyapp.results.export.writing import Exported, export
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
@@ -31,12 +32,23 @@ from tests.support.stored import writing
 
 Answered = Callable[[str], StudyFolder]
 
+Made = tuple[StudyFolder, Exported]
+
 TABLES = (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
 
 
 def read(folder: Path, table: TableColumns = ANSWERS) -> pd.DataFrame:
     name = f"answers_{table.name}" if table.name else "answers"
     return pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
+
+
+@pytest.fixture(scope="module")
+def made(recruited_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """Return a study and all that is exported of it, which nobody changes."""
+    root = tmp_path_factory.mktemp("exported")
+    folder = StudyFolder(shutil.copytree(recruited_once("pairwise"), root / "study"))
+    out = root / "out" / "answers.csv"
+    return folder, export(folder, out, formats=("csv", "parquet"), with_recruiter_ids=True)
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
@@ -90,12 +102,11 @@ def _covers(label: str, value: int) -> bool:
     return int(low) <= value <= int(high or low)
 
 
-def test_text_and_parquet_hold_the_same_cells(answered: Answered, tmp_path: Path) -> None:
-    out = tmp_path / "out" / "answers.csv"
-
-    export(answered("pairwise"), out, formats=("csv", "parquet"))
+def test_text_and_parquet_hold_the_same_cells(made: Made) -> None:
+    out = made[1].files[0]
 
     typed = pd.read_parquet(out.with_suffix(".parquet"), dtype_backend="numpy_nullable")
+
     assert str(typed["answered_at"].dtype) == "datetime64[us, UTC]"
     assert {str(typed[name].dtype) for name in ("position", "value")} == {"Int64"}
     text = read(out.parent)
@@ -104,33 +115,19 @@ def test_text_and_parquet_hold_the_same_cells(answered: Answered, tmp_path: Path
     assert pd.to_datetime(text["answered_at"]).tolist() == typed["answered_at"].tolist()
 
 
-def test_nobody_can_be_found_by_what_is_exported(answered: Answered, tmp_path: Path) -> None:
-    folder = answered("pairwise")
-    out = tmp_path / "out" / "answers.csv"
+def test_nobody_can_be_found_by_what_is_exported_but_in_a_file_for_its_owner(made: Made) -> None:
+    folder, done = made
+    ids = done.files[0].with_name("recruiter_ids.csv")
 
-    done = export(folder, out, formats=("csv", "parquet"))
+    text = text_of([file for file in done.files if file != ids])
 
-    text = text_of(list(done.files))
     assert {name for name in (*NAMES, *secrets_of(folder)) if name in text} == set()
-
-
-def test_the_recruiters_names_are_in_a_file_of_their_own_for_its_owner(
-    answered: Answered, tmp_path: Path
-) -> None:
-    folder = answered("pairwise")
-    out = tmp_path / "out" / "answers.csv"
-
-    done = export(folder, out, with_recruiter_ids=True)
-
-    ids = out.with_name("recruiter_ids.csv")
     table = pd.read_csv(ids)
     assert list(table.columns) == list(RECRUITER_IDS.names)
     assert table["recruiter_participant"].tolist() == [NAMES[0]]
-    people = read(out.parent, PARTICIPANTS)
+    people = read(ids.parent, PARTICIPANTS)
     assert table["participant"].tolist() == people["participant"].tolist()[2:]
     assert ids.stat().st_mode & 0o777 == 0o600
-    others = text_of([file for file in done.files if file != ids])
-    assert not any(name in others for name in NAMES)
 
 
 def test_a_participant_has_one_pseudonym_in_all_tables_and_exports(
@@ -153,19 +150,15 @@ def test_a_participant_has_one_pseudonym_in_all_tables_and_exports(
     assert folder.pseudonym_key.stat().st_mode & 0o777 == 0o600
 
 
-def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(
-    answered: Answered, tmp_path: Path
-) -> None:
-    folder = answered("pairwise")
-    export(folder, tmp_path / "answers.csv")
-
-    people = read(tmp_path, PARTICIPANTS)
+def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(made: Made) -> None:
+    out = made[1].files[0].parent
+    people = read(out, PARTICIPANTS)
     assert people["excluded"].tolist()[:2] == [False, True]
     # The third has answered nothing.
     assert people["excluded"].isna().tolist() == [False, False, True]
     assert people["exclusion_rule"].tolist()[1] == "incomplete"
     assert people["exclusion_kind"].tolist()[1] == "planned"
-    answers = read(tmp_path)
+    answers = read(out)
     kept = answers[answers["study_session"] == 1]
     assert set(kept.loc[kept["analysed"], "kind"]) == {"main", "repeat"}
     assert set(kept.loc[~kept["analysed"], "kind"]) == {"practice", "catch", "attention"}
@@ -202,14 +195,14 @@ def test_answers_that_contradict_the_study_are_exported_all_the_same(
     assert read(tmp_path)["excluded"].isna().all() == bool(done.remark)
 
 
-def test_each_answer_says_how_its_videos_were_watched(answered: Answered, tmp_path: Path) -> None:
-    export(answered("pairwise"), tmp_path / "answers.csv")
+def test_each_answer_says_how_its_videos_were_watched(made: Made) -> None:
+    out = made[1].files[0].parent
 
-    answers = read(tmp_path)
+    answers = read(out)
     assert set(answers["watched_each"]) == {"1.0 1.0"}
     assert set(answers["times_played"]) == {1.0}
     assert set(answers["stalls"]) == {0}
-    watching = read(tmp_path, WATCHING)
+    watching = read(out, WATCHING)
     assert len(watching) == 2 * (len(answers) + 1)
 
 
@@ -251,10 +244,9 @@ def test_a_damaged_key_stops_the_export(answered: Answered, tmp_path: Path) -> N
     assert not (tmp_path / "answers.csv").exists()
 
 
-def test_free_text_is_flagged(answered: Answered, tmp_path: Path) -> None:
-    export(answered("pairwise"), tmp_path / "answers.csv")
-
-    book: dict[str, Any] = json.loads((tmp_path / "answers_codebook.json").read_text("utf-8"))
+def test_free_text_is_flagged(made: Made) -> None:
+    out = made[1].files[0].parent
+    book: dict[str, Any] = json.loads((out / "answers_codebook.json").read_text("utf-8"))
     flagged = {
         (table["name"], column["name"])
         for table in book["tables"]
@@ -263,7 +255,7 @@ def test_free_text_is_flagged(answered: Answered, tmp_path: Path) -> None:
     }
     assert {("form", "value"), ("log", "reason"), ("log", "researcher")} <= flagged
     assert [q["name"] for q in book["form"] if q["free_text"]] == ["comment"]
-    page = (tmp_path / "answers_codebook.md").read_text("utf-8")
+    page = (out / "answers_codebook.md").read_text("utf-8")
     assert (
         "**`comment`** (consent, text, may be left open; **free text**): Who are \\| you?" in page
     )
