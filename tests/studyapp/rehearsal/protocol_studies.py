@@ -85,7 +85,9 @@ title = "Opinion"
 text = "How good is it?"
 scale = "mean_opinion"
 """,
-    "rankings": PROTOCOLS["ranking"].replace("trials = 2", "trials = 3"),
+    "rankings": PROTOCOLS["ranking"]
+    .replace("participants = 3", "participants = 3\nattention = { trials = 1 }")
+    .replace("trials = 2", "trials = 3"),
     "rankings with ties": """
 protocol = "ranking"
 participants = 3

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from motion.segment import Segment
 from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.kinds import Kind
 from studyapp.rehearsal.simulation.population import Population, default_population
@@ -16,51 +15,26 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
-from tests.finished_study import COMMON, PROTOCOLS
 from tests.studyapp.made_study import make_segments
+from tests.studyapp.rehearsal.protocol_studies import definition
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
 ATTENTIVE: dict[str, Any] = {"kinds": {}, "overlooked": 0.0}
-CAREFUL: dict[str, str] = {
-    "with ties": 'protocol = "ranking"\nparticipants = 3\nties = true\nattention = { trials = 1 }',
-    "without ties": 'protocol = "ranking"\nparticipants = 3\nattention = { trials = 1 }',
+STUDIES = {
+    name: parse_text(definition(name, around=False), where="study.toml")
+    for name in ("all pairs", "ratings", "rankings", "rankings with ties", "mismatch")
 }
-RANKING = """
-[[blocks]]
-name = "all"
-conditions = ["ours", "theirs", "real"]
-trials = 3
-
-[[questions]]
-name = "realism"
-title = "Realism"
-text = "Which looks most real?"
-"""
-
-
-def declared(keys: str, tables: str) -> Study:
-    return parse_text(f"{keys}\n{COMMON}\n{tables}", where="study.toml")
-
-
-def studies() -> Iterator[tuple[str, Study]]:
-    for protocol, text in PROTOCOLS.items():
-        yield protocol, declared(*text.split("\n\n", 1))
-    for name, keys in CAREFUL.items():
-        yield f"ranking {name}", declared(keys, RANKING)
-
-
-STUDIES = dict(studies())
 each_study = pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES.keys())
 
 
 def judged(
-    study: Study, segments: tuple[Segment, ...] = SEGMENTS, **people: Any
+    study: Study, raters: int = 40, **people: Any
 ) -> Iterator[tuple[Rater, SeenTrial, Judgement]]:
-    """Yield what forty raters answer to all trials of their places."""
+    """Yield what raters answer to all trials of their places."""
     population: Population = replace(default_population(study), **people)
-    for number in range(40):
+    for number in range(raters):
         rater = Rater(population=population, seed=6, name=str(number))
-        for planned in study.plan(study.arms[0], number % study.arms[0].places, segments):
+        for planned in study.plan(study.arms[0], number % study.arms[0].places, SEGMENTS):
             trial = SeenTrial(
                 position=planned.position,
                 kind=planned.kind,
@@ -112,7 +86,7 @@ def test_a_check_that_is_overlooked_is_answered_as_any_other_page(study: Study) 
     assert all(answered == ordinary for answered, ordinary in checked)
 
 
-@pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch", "ranking with ties"])
+@pytest.mark.parametrize("protocol", ["all pairs", "ratings", "mismatch", "rankings with ties"])
 @pytest.mark.parametrize("kind", ["careless", "hasty", "straight_lining"])
 def test_unsound_raters_fail_some_attention_checks(protocol: str, kind: Kind) -> None:
     study = STUDIES[protocol]
@@ -150,7 +124,7 @@ def test_who_is_side_biased_is_drawn_to_one_end_of_the_page(study: Study) -> Non
 
 
 def test_who_is_hasty_sees_less_of_every_difference() -> None:
-    study = STUDIES["pairwise"]
+    study = STUDIES["all pairs"]
     right = {
         kind: [
             study.prefers(judgement.values, trial.expected, 3 - trial.expected)
@@ -166,7 +140,7 @@ def test_who_is_hasty_sees_less_of_every_difference() -> None:
 def test_reasons_are_ticked_as_often_as_the_population_says() -> None:
     ticked = [
         len(judgement.reasons[ask.key]) / len(ask.reasons)
-        for _, _, judgement in judged(STUDIES["rating"], reasons=0.4)
+        for _, _, judgement in judged(STUDIES["ratings"], 160, reasons=0.4)
         for ask in judgement.asks
         if ask.reasons
     ]
