@@ -37,6 +37,9 @@ OWN: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """Columns of one protocol's."""
 
+PARTS_OF: Final[Mapping[str, str]] = {"mismatch": FIT, "pairwise": REALISM}
+"""Of a mismatch study, the part that each of its two tasks is."""
+
 KNOWN_COLUMNS: Final = (
     *("study_session", "trials", "settled", "left_out_catch", "left_out_attention"),
     *("excluded_because", "excluded_after_look"),
@@ -83,8 +86,7 @@ def empty_answers(study: Study) -> StudyAnswers:
     """Return what there is to report before anybody has come: tables without a row."""
     protocols = [study.protocol]
     if study.protocol == "mismatch":
-        named = ((FIT, "mismatch"), (REALISM, "pairwise"))
-        protocols = [protocol for task, protocol in named if task in study.parts]
+        protocols = [protocol for protocol, part in PARTS_OF.items() if part in study.parts]
     return StudyAnswers(
         tables={
             protocol: pd.DataFrame(columns=[*SHARED, *OWN[protocol]], dtype=str)

@@ -100,6 +100,12 @@ def fixed_values(column: str) -> Mapping[str, str] | None:
     return found
 
 
+def preference_values(*, strength: bool) -> Mapping[str, str]:
+    """Return what answers between two stimuli mean, by how far they are from 0."""
+    found: Mapping[str, str] = _declared()["preferences"]["strong" if strength else "plain"]
+    return found
+
+
 def bids_column(column: Column) -> Column:
     """Return `column` as BIDS names it; moments are seconds since the participant's consent."""
     return replace(column, **_declared()["bids"].get(column.name, {}))

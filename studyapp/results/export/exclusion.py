@@ -11,18 +11,13 @@ import pandas as pd
 from analysis.answers.exclusion_rules import BY_HAND, RuleOutcome
 from motion.errors import InputError
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answer_table import PARTS_OF
 from studyapp.results.stored_answers import Answers
-from studyapp.study.protocols.mismatch import FIT, REALISM
 from studyapp.study.settings.study import Study
-
-PARTS_OF: Final[Mapping[str, str]] = {"mismatch": FIT, "pairwise": REALISM}
-"""Of a mismatch study, the part that each of its two tasks is."""
 
 KEPT: Final[Mapping[str, object]] = {
     "excluded": False,
-    "exclusion_rule": "",
-    "exclusion_kind": "",
-    "exclusion_reason": "",
+    **dict.fromkeys(("exclusion_rule", "exclusion_kind", "exclusion_reason"), ""),
 }
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
-from typing import Final
 
 from analysis.answers.exclusion_rules import excluded_by_hand
-from studyapp.results.export.columns import fixed_values
+from studyapp.results.export.columns import fixed_values, preference_values
 from studyapp.study.design.pair_trials import PREFERENCES
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.settings.form import FormQuestion
@@ -17,19 +15,6 @@ from studyapp.study.settings.study import Study
 
 Labels = Mapping[str, str]
 """Each value as text, and what it means."""
-
-_PREFERENCE: Final[Labels] = MappingProxyType(
-    {
-        "-2": "A (left), strongly",
-        "-1": "A (left), weakly",
-        "0": "no difference",
-        "1": "B (right), weakly",
-        "2": "B (right), strongly",
-    }
-)
-"""Of a scale of five; with fewer answers there is no strength."""
-
-_SIDE: Final[Labels] = MappingProxyType({"-1": "A (left)", "0": "no difference", "1": "B (right)"})
 
 
 def column_labels(study: Study, column: str) -> Labels:
@@ -78,7 +63,8 @@ def answer_labels(study: Study, question: Question) -> Labels:
     levels = 5
     if isinstance(study, MismatchStudy):
         levels = next(asked.levels for asked in study.questions if asked.name == question.name)
-    words = _PREFERENCE if levels == 5 else _SIDE
+    # With fewer than five answers there is no strength.
+    words = preference_values(strength=levels == 5)
     return {str(value): words[str(value)] for value in PREFERENCES[levels]}
 
 
