@@ -13,7 +13,7 @@ from analysis.planning.figure import FORMATS, power_figure
 from analysis.planning.plan import Plan
 from analysis.planning.words import sentences, with_error
 from analysis.report.writing import write_frame
-from analysis.results.plain import as_json
+from analysis.results.report import as_json
 from motion.files import replacing, write_text
 
 CELLS: Final = ".simulated"

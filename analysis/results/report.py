@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from analysis.answers.columns import LAYOUTS
@@ -42,6 +45,11 @@ PROTOCOLS: Final = tuple(LAYOUTS)
 """Names of the protocols that a table can be of."""
 
 Results = PairwiseResults | RatingResults | RankingResults | MismatchResults
+
+DIGITS: Final = 10
+"""Significant digits of every number: more would differ between machines."""
+
+Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -299,3 +307,38 @@ def _remark(table: AnswerTable, left_out: LeftOut) -> str:
     if table.protocol != "mismatch" and len(table.conditions) < 2:
         return "There is one condition: nothing can be compared."
     return ""
+
+
+def plain(value: object) -> Plain:
+    """Return frozen results, mappings, sequences and numbers as what JSON knows.
+
+    Fields of results keep their order. NaN and infinity become None; the result says beside it
+    why there is no number.
+    """
+    if value is None or isinstance(value, bool | np.bool_):
+        return None if value is None else bool(value)
+    if isinstance(value, int | np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return rounded(float(value))
+    if isinstance(value, str):
+        return value
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(one) for one in value]
+    raise TypeError(f"{type(value).__name__} has no form in JSON")
+
+
+def rounded(value: float) -> float | None:
+    """Return a number with `DIGITS` significant digits, None for none."""
+    if not math.isfinite(value):
+        return None
+    return float(f"{value:.{DIGITS}g}") + 0.0
+
+
+def as_json(value: object) -> str:
+    """Return results as the text of a JSON file."""
+    return json.dumps(plain(value), ensure_ascii=False, allow_nan=False, indent=2) + "\n"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from analysis.results.headline import AgreedSoFar, HeadlineNumber, agreed_so_far, headline_numbers
-from analysis.results.plain import plain
+from analysis.results.report import plain
 from motion.errors import InputError
 from studyapp.researchers.interim.documents import Basis, Document
 from studyapp.researchers.looks import StudyState

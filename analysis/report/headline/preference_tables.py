@@ -7,7 +7,6 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.by_question import table_by_question
 from analysis.report.content import Cell, Column, Table, cells, table_of
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow, levels
 from analysis.report.headline.words import (
@@ -21,6 +20,7 @@ from analysis.report.headline.words import (
     p_cell,
     plus_minus,
     share_words,
+    table_by_question,
 )
 from analysis.results.net_preference import NetPreference
 from analysis.stats.clustered_mean import LEVEL, Estimate

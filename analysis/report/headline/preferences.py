@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.by_question import of
 from analysis.report.content import Picture, Section, Table
 from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
 from analysis.report.figures.ink import FIVE
@@ -39,6 +38,7 @@ from analysis.report.headline.words import (
     in_set,
     interval,
     of_set,
+    results_of,
     share_words,
     suffix,
     why_no_figure,
@@ -133,7 +133,7 @@ def _why_no_figure(group: PreferenceGroup) -> str:
 def _strength_tables(
     results: PairwiseResults, group: PreferenceGroup, end: str
 ) -> tuple[Table, ...]:
-    strengths = of(results.bradley_terry, group.set)
+    strengths = results_of(results.bradley_terry, group.set)
     if not strengths:
         return ()
     standing = standings_table(
@@ -158,7 +158,7 @@ def _pictures(
     bars = _about(group, f"preferences{end}", _PAIRS, mark)
     if group.heading == "against":
         return preference_pictures(group, bars)
-    strengths = of(results.bradley_terry, group.set)
+    strengths = results_of(results.bradley_terry, group.set)
     fitted = {
         question: strengths[question] for question in group.questions if question in strengths
     }

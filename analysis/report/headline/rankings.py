@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.ink import place_colours
@@ -18,7 +17,15 @@ from analysis.report.headline.strengths import (
     standings_table,
     strength_pictures,
 )
-from analysis.report.headline.words import between, in_set, number, of_set, suffix, why_no_figure
+from analysis.report.headline.words import (
+    between,
+    in_set,
+    number,
+    of_set,
+    results_of,
+    suffix,
+    why_no_figure,
+)
 from analysis.report.subject import Subject
 from analysis.results.ranking import RankedCondition, RankingResults
 from analysis.stats.clustered_mean import LEVEL
@@ -38,7 +45,7 @@ def ranking_sections(results: RankingResults, subject: Subject) -> tuple[Section
 
 def _section(results: RankingResults, name: str | None, mark: str, end: str) -> Section:
     conditions = [c for c in results.conditions if c.set == name]
-    worths = of(results.plackett_luce, name)
+    worths = results_of(results.plackett_luce, name)
     reason = why_no_figure(
         answers=sum(c.n for c in conditions),
         participants=max(c.mean_rank.participants for c in conditions),
@@ -51,8 +58,8 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
     tables = [
         rank_table(
             conditions,
-            of(results.kendall_w, name),
-            of(results.friedman, name),
+            results_of(results.kendall_w, name),
+            results_of(results.friedman, name),
             name=f"ranks{end}",
             data=_DATA,
         ),

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from analysis.report import wording
-from analysis.report.by_question import table_by_question
 from analysis.report.content import Cell, Table, table_of
 from analysis.report.headline.words import (
     CLUSTERED,
@@ -26,6 +25,7 @@ from analysis.report.headline.words import (
     p_cell,
     place_of,
     share_cell,
+    table_by_question,
 )
 from analysis.results.rating import RatedCondition
 from analysis.results.rating_contrasts import RatingContrast

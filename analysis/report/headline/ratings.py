@@ -9,7 +9,6 @@ from typing import Final
 from matplotlib.lines import Line2D
 
 from analysis.report import wording
-from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
@@ -30,7 +29,15 @@ from analysis.report.headline.rating_tables import (
     model_table,
     score_table,
 )
-from analysis.report.headline.words import between, in_set, number, of_set, suffix, why_no_figure
+from analysis.report.headline.words import (
+    between,
+    in_set,
+    number,
+    of_set,
+    results_of,
+    suffix,
+    why_no_figure,
+)
 from analysis.report.subject import Subject
 from analysis.results.rating import RatedCondition, RatingResults
 from analysis.results.rating_contrasts import RatingContrast
@@ -73,7 +80,7 @@ def _section(results: RatingResults, name: str | None, subject: Subject, end: st
     if contrasts:
         tables += [
             contrast_table(contrasts, name=f"contrasts{end}"),
-            model_table(contrasts, of(results.clmm, name), name=f"model{end}"),
+            model_table(contrasts, results_of(results.clmm, name), name=f"model{end}"),
         ]
     pictures: tuple[Picture, ...] = ()
     if not reason:

@@ -10,13 +10,12 @@ from typing import Final
 
 from analysis.measurement.paper_tables import PAPER_TABLES
 from analysis.report import wording
-from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Cell, Picture, Section, Table, table_of
 from analysis.report.figures.agreement_figure import MOST, agreement_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
-from analysis.report.headline.words import between, count_cell
+from analysis.report.headline.words import between, count_cell, each_question, question_name
 from analysis.report.sections.metric import PAPER_OF, is_detail
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.subject import Subject

@@ -6,8 +6,8 @@ import math
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.by_question import each_question
 from analysis.report.headline.heterogeneity import whole_effects
+from analysis.report.headline.words import each_question
 from analysis.report.sections.flow import is_half_finished, places_words
 from analysis.report.sections.looks import looks_sentence
 from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts

@@ -7,9 +7,15 @@ from typing import Final, cast
 
 from analysis.answers.quality import Quality
 from analysis.report import wording
-from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Column, Section, Table, table_of
-from analysis.report.headline.words import between, count_cell, p_cell, share_cell
+from analysis.report.headline.words import (
+    between,
+    count_cell,
+    each_question,
+    p_cell,
+    question_name,
+    share_cell,
+)
 from analysis.report.subject import Subject
 from analysis.results.agreement import Agreement
 from analysis.results.grouping import ByQuestion

@@ -8,10 +8,9 @@ from dataclasses import replace
 from functools import partial
 
 from analysis.report import wording
-from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table, table_of
 from analysis.report.headline.preference_rows import reference_of
-from analysis.report.headline.words import between, count_cell, counted, number
+from analysis.report.headline.words import between, count_cell, counted, number, question_name
 from analysis.report.subject import Subject
 from analysis.results.headline import Sensitivity
 from analysis.results.pairwise import PairwiseResults

@@ -7,9 +7,8 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.by_question import question_name
 from analysis.report.content import Section, table_of
-from analysis.report.headline.words import INTERVAL, between, number, number_cell
+from analysis.report.headline.words import INTERVAL, between, number, number_cell, question_name
 from analysis.report.subject import Subject
 from analysis.results.known_values import KnownValue, found_values
 from analysis.results.report import TableReport

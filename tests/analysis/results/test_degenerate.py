@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.plain import as_json, plain
+from analysis.results.report import as_json, plain
 from tests.analysis.results.made_tables import TABLES, report_of
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]

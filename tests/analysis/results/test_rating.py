@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.plain import plain
 from analysis.results.rating import RatingResults
+from analysis.results.report import plain
 from analysis.stats.holm import holm
 from tests.analysis.reference import reference_ratings, with_reference
 from tests.analysis.results.made_tables import rating_table, report_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.results.against_people.against_people import against_people
-from analysis.results.plain import as_json
+from analysis.results.report import as_json
 from tests.analysis.results.against_people.simulated_studies import AgreeingStudy
 
 
