@@ -1,7 +1,7 @@
 """Whom a later state of a study's database no longer holds, so that a backup holds them no longer.
 
 A backup is older than what happened after it: who was forgotten since is in it, and so is what was
-deleted of those who withdrew. Wherever the later state is still at hand, both are done again.
+deleted of those who withdrew. Wherever there still is the later state, both are done again.
 """
 
 from __future__ import annotations
