@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.diffsheg.config import FLOWS, TINY, DenoiserConfig, Flow
+from generators.diffsheg.config import BEAT, FLOWS, TINY, DenoiserConfig, Flow
 from generators.diffsheg.model import Denoiser, Fusion
 from motion.errors import InputError
 from training.diffusion import LINEAR
@@ -210,3 +210,10 @@ def test_guidance_of_one_is_no_guidance() -> None:
 def test_a_network_that_cannot_be_built_is_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         replace(SMALL, **wrong)  # type: ignore[arg-type]
+
+
+def test_the_released_size_has_the_papers_weights() -> None:
+    with torch.device("meta"):
+        denoiser = Denoiser(BEAT)
+    count = sum(weight.numel() for weight in denoiser.parameters())
+    assert count == pytest.approx(155.4e6, rel=1e-3)

@@ -1,8 +1,10 @@
-"""Motion of any length, in one go or as the speech comes."""
+"""Motion of any length, in one go or as the speech comes, as the whole network asked each time."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,61 +13,87 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import TINY
-from generators.diffsheg.model import Denoiser
+from generators.diffsheg.config import FLOWS, TINY, DenoiserConfig, Flow
+from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
     Sampler,
+    Window,
     WindowSampler,
     draw_noise,
     sample_window,
+    sample_windows,
     stream,
 )
 from generators.diffsheg.settings import Sampling
 from motion.errors import InputError
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
+from training.threads import torch_threads
 
 SMALL = replace(
     TINY,
-    gesture_width=4,
-    expression_width=2,
-    speakers=2,
+    gesture_width=6,
+    expression_width=4,
+    speakers=3,
     width=16,
-    feed_forward=16,
+    feed_forward=24,
     heads=2,
     speech_features=8,
     audio_width=8,
     frames=8,
 )
-SAMPLING = Sampling(overlap=3)
+SAMPLING = Sampling(steps=5, entry=3, jump_length=2, overlap=3)
 WIDTH, FRAMES = SMALL.motion_width, SMALL.frames
+PERSON = torch.tensor([0.0, 1.0, 0.0])
+
+
+def shaken(config: DenoiserConfig) -> Denoiser:
+    """Return a network whose weights are all random, also those that start at zero or one."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(4)
+        denoiser = Denoiser(config).eval().requires_grad_(False)
+        for weight in denoiser.parameters():
+            weight.add_(0.2 * torch.randn_like(weight))
+    return denoiser
+
+
+def asked_in_full(denoiser: Denoiser) -> Sampler:
+    """Return what asks the whole network at each evaluation."""
+
+    def eps(x_t: Tensor, place: int, speech: SpeechFrames) -> Tensor:
+        t = torch.tensor([SAMPLING.timesteps[place]])
+        found: Tensor = denoiser(x_t, t, speech.mel[None], speech.hubert[None], PERSON[None])
+        return found
+
+    def sample(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+        asked = ((partial(eps, speech=window.speech), window.noise) for window in windows)
+        return sample_windows(asked, SAMPLING, known)
+
+    return sample
+
+
+NETWORK = shaken(SMALL)
+SAMPLER = WindowSampler(NETWORK, PERSON, SAMPLING)
 
 
 def spoken(frames: int) -> SpeechFrames:
     random = torch.Generator().manual_seed(3)
     return SpeechFrames(
-        torch.rand(frames, SMALL.audio_width, generator=random),
+        5 * torch.rand(frames, SMALL.audio_width, generator=random),
         torch.randn(frames, SMALL.speech_features, generator=random),
     )
 
 
-def network() -> Denoiser:
-    torch.manual_seed(5)
-    denoiser = Denoiser(SMALL).eval().requires_grad_(False)
-    for weight in denoiser.parameters():
-        weight.add_(0.05 * torch.randn_like(weight))
-    return denoiser
-
-
-NETWORK = network()
-PERSON = torch.tensor([0.0, 1.0])
-SAMPLER = WindowSampler(NETWORK, PERSON, SAMPLING)
-
-
-def moved(pieces: list[SpeechFrames], sampler: Sampler = SAMPLER, seed: int = 1) -> Tensor:
-    settled = stream(pieces, sampler, frames=FRAMES, width=WIDTH, sampling=SAMPLING, seed=seed)
-    return torch.cat([torch.empty(0, WIDTH), *settled])
+def moved(
+    sampler: Sampler = SAMPLER,
+    pieces: Sequence[SpeechFrames] = (spoken(24),),
+    seed: int = 1,
+    sampling: Sampling = SAMPLING,
+) -> Tensor:
+    settled = stream(pieces, sampler, frames=FRAMES, width=WIDTH, sampling=sampling, seed=seed)
+    parts = list(settled)
+    return torch.cat(parts) if parts else torch.empty(0, WIDTH)
 
 
 @settings(max_examples=8, deadline=None)
@@ -76,27 +104,24 @@ def test_how_speech_comes_in_changes_nothing(lengths: list[int]) -> None:
     pieces = [
         whole.part(end - length, end) for length, end in zip(lengths, map(int, ends), strict=True)
     ]
-    assert torch.equal(moved(pieces), moved([whole]))
+    assert torch.equal(moved(pieces=pieces), moved(pieces=[whole]))
 
 
 def test_windows_that_share_nothing_are_the_same_alone_and_together() -> None:
     apart = replace(SAMPLING, overlap=0)
     sampler, whole = WindowSampler(NETWORK, PERSON, apart), spoken(3 * FRAMES + 2)
     pieces = [whole.part(start, start + FRAMES) for start in range(0, len(whole), FRAMES)]
-    one_by_one, together = (
-        torch.cat(list(stream(given, sampler, frames=FRAMES, width=WIDTH, sampling=apart, seed=1)))
-        for given in (pieces, [whole])
-    )
+    one_by_one, together = (moved(sampler, given, sampling=apart) for given in (pieces, [whole]))
     assert torch.equal(one_by_one, together)
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3, 7, 8, 9, 11, 13, 14, 30])
 def test_motion_is_as_long_as_the_speech(frames: int) -> None:
-    assert moved([spoken(frames)]).shape == (frames, WIDTH)
+    assert moved(pieces=[spoken(frames)]).shape == (frames, WIDTH)
 
 
 def test_nothing_said_gives_no_motion() -> None:
-    assert len(moved([])) == 0
+    assert len(moved(pieces=[])) == 0
 
 
 def test_motion_comes_before_the_speech_has_ended() -> None:
@@ -120,14 +145,14 @@ def test_motion_comes_before_the_speech_has_ended() -> None:
 
 
 def test_seeds_decide_the_motion() -> None:
-    assert torch.equal(moved([spoken(20)], seed=2), moved([spoken(20)], seed=2))
-    assert not torch.equal(moved([spoken(20)], seed=2), moved([spoken(20)], seed=3))
+    assert torch.equal(moved(seed=2), moved(seed=2))
+    assert not torch.equal(moved(seed=2), moved(seed=3))
 
 
 def test_windows_that_share_all_their_frames_are_refused() -> None:
     sampling = replace(SAMPLING, overlap=FRAMES)
     with pytest.raises(InputError, match="cannot share 8"):
-        next(stream([spoken(9)], SAMPLER, frames=FRAMES, width=WIDTH, sampling=sampling, seed=1))
+        moved(sampling=sampling)
 
 
 MEAN, SPREAD = 2.0, 0.5
@@ -168,3 +193,48 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
     means = motion.mean(dim=1)
     assert float((motion[0] - known[0]).abs().max()) < 1e-5
     assert (means[1:5] > means[:4]).all()
+
+
+@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize(("guidance", "skip"), [(None, False), (1.3, True)])
+@pytest.mark.parametrize("flow", FLOWS)
+def test_the_motion_is_that_of_the_plain_network(
+    flow: Flow, guidance: float | None, skip: bool, number: int
+) -> None:
+    denoiser = shaken(replace(SMALL, flow=flow, guidance=guidance, skip=skip))
+    plain = moved(asked_in_full(denoiser))
+    with torch_threads(number):
+        found = moved(WindowSampler(denoiser, PERSON, SAMPLING))
+    assert float((found - plain).abs().max()) < 1e-4 * float(plain.abs().max())
+
+
+def test_branches_beside_each_other_give_the_same_bits_every_time() -> None:
+    with torch_threads(2):
+        first = moved()
+        assert all(torch.equal(moved(), first) for _ in range(3))
+
+
+def test_speakers_are_told_apart() -> None:
+    assert not torch.equal(moved(WindowSampler(NETWORK, PERSON.roll(1), SAMPLING)), moved())
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_what_stops_the_branch_ahead_is_told_at_once(
+    number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    forward = Branch.forward
+
+    def failing(self: Branch, x_t: Tensor, t: Tensor, *given: object) -> Tensor:
+        if x_t.shape[-1] == SMALL.expression_width and int(t) == SAMPLING.timesteps[1]:
+            raise MemoryError("no memory for the face")
+        return forward(self, x_t, t, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Branch, "forward", failing)
+    with torch_threads(number), pytest.raises(MemoryError, match="for the face"):
+        moved()
+
+
+def test_everything_happens_where_the_network_is() -> None:
+    """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
+    denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).to("meta")
+    assert moved(WindowSampler(denoiser, PERSON, SAMPLING)).device.type == "meta"
