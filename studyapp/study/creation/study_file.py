@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
@@ -16,11 +15,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.completion_codes import draw_code
-from studyapp.study.creation.placed_conditions import (
-    condition_table,
-    keys_for,
-    put_conditions_into,
-)
+from studyapp.study.creation.placed_conditions import conditions_text, placed
 from studyapp.study.creation.template_language import put_into_language, template_text
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.settings.conditions import Condition
@@ -31,9 +26,6 @@ from studyapp.study.settings.study import Study
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
 """The protocols, the papers whose studies they follow, and all three papers' systems together."""
-
-_EMPTY_LINES: Final = re.compile(r"\n{3,}")
-_AFTER_COMMENT: Final = re.compile(r"(\n#[^\n]*\n)\n(\[\[(?:sets|blocks)\]\])")
 
 _PARTICIPANTS: Final = ("participants_per_comparison", "participants")
 """Keys that say how many there are; a template has one of them."""
@@ -106,20 +98,23 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
     file = _file_of(template)
-    protocol = str(tomllib.loads(template_text(file))["protocol"])
-    is_ranking = protocol == "ranking"
-    keys = _recruiting(wanted)
+    defaults = tomllib.loads(template_text(file))
+    is_ranking = defaults["protocol"] == "ranking"
+    stated = _recruiting(wanted)
+    if wanted.reference is not None:
+        stated["reference"] = check_name(wanted.reference, "condition")
     if wanted.conditions:
-        keys |= keys_for(
-            protocol,
+        stated |= placed(
+            defaults["protocol"],
             wanted.conditions,
             reference=wanted.reference,
             catch_videos=wanted.catch_videos,
         )
-    if is_ranking and wanted.reference is not None:
-        keys["reference"] = check_name(wanted.reference, "condition")
-    text = template_text(file, **keys)
-    document = tomlkit.parse(text)
+    elif wanted.reference is not None and wanted.reference not in defaults["conditions"]:
+        known = wanted.reference in generator_names() and not needs_model(wanted.reference)
+        added = Condition(generator=wanted.reference if known and not is_ranking else None)
+        stated["added"] = conditions_text({wanted.reference: added})
+    document = tomlkit.parse(template_text(file, **stated))
     put_into_language(document, file, wanted.language)
     document["name"] = check_name(wanted.name, "study")
     own = wanted.reference if wanted.conditions is None and not is_ranking else None
@@ -127,33 +122,19 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         ("title", wanted.title),
         ("reference", own),
         ("trials", wanted.trials),
-        (_participants(document), wanted.participants),
+        (_participants(defaults), wanted.participants),
     ):
         if value is None:
             continue
-        if key not in document:
+        if key not in defaults:
             raise InputError(
                 f"the template {template!r} does not set {key!r}",
                 remedy="Leave the option out and edit the study file",
             )
         document[key] = value
     if wanted.trials is not None:
-        document["practice"] = min(int(document["practice"]), max(wanted.trials // 2, 0))
-    if wanted.conditions is not None:
-        for name in wanted.conditions:
-            check_name(name, "condition")
-        put_conditions_into(
-            document,
-            protocol,
-            wanted.conditions,
-            reference=wanted.reference,
-            catch_videos=wanted.catch_videos,
-        )
-    elif wanted.reference is not None:
-        _follow_reference(document, wanted.reference, is_shown_apart=is_ranking)
-    # What was taken out and put in leaves empty lines behind.
-    said = _EMPTY_LINES.sub("\n\n", tomlkit.dumps(document))
-    said = _AFTER_COMMENT.sub(r"\1\2", said)
+        document["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
+    said = tomlkit.dumps(document)
     parse_text(said, where=where)
     return said
 
@@ -178,19 +159,6 @@ def _recruiting(wanted: WantedStudy) -> dict[str, Any]:
     if wanted.channel == "mturk":
         stated["mturk"] = {"reward": f"{each:.2f}"}
     return {key: value for key, value in stated.items() if value is not None}
-
-
-def _follow_reference(
-    document: tomlkit.TOMLDocument, reference: str, *, is_shown_apart: bool
-) -> None:
-    """Make `reference` a condition, and the one whose motion is mismatched."""
-    conditions: Any = document["conditions"]
-    if reference not in conditions:
-        known = reference in generator_names() and not needs_model(reference)
-        generator = reference if known and not is_shown_apart else None
-        conditions[reference] = condition_table(Condition(generator=generator))
-    if not is_shown_apart:
-        conditions["mismatched"]["source"] = reference
 
 
 def add_condition(path: Path, name: str) -> Study:
