@@ -16,7 +16,7 @@ from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.completion_codes import draw_code
 from studyapp.study.creation.placed_conditions import conditions_text, placed
-from studyapp.study.creation.template_language import put_into_language, template_text
+from studyapp.study.creation.template_language import in_language, template_text
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.pay import Pay, money
@@ -100,7 +100,7 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
     file = _file_of(template)
     defaults = tomllib.loads(template_text(file))
     is_ranking = defaults["protocol"] == "ranking"
-    stated = _recruiting(wanted)
+    stated = _stated(wanted)
     if wanted.reference is not None:
         stated["reference"] = check_name(wanted.reference, "condition")
     if wanted.conditions:
@@ -114,37 +114,31 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         known = wanted.reference in generator_names() and not needs_model(wanted.reference)
         added = Condition(generator=wanted.reference if known and not is_ranking else None)
         stated["added"] = conditions_text({wanted.reference: added})
-    document = tomlkit.parse(template_text(file, **stated))
-    put_into_language(document, file, wanted.language)
-    document["name"] = check_name(wanted.name, "study")
     own = wanted.reference if wanted.conditions is None and not is_ranking else None
-    for key, value in (
-        ("title", wanted.title),
-        ("reference", own),
-        ("trials", wanted.trials),
-        (_participants(defaults), wanted.participants),
-    ):
-        if value is None:
-            continue
-        if key not in defaults:
+    for key, value in (("reference", own), ("trials", wanted.trials)):
+        if value is not None and key not in defaults:
             raise InputError(
                 f"the template {template!r} does not set {key!r}",
                 remedy="Leave the option out and edit the study file",
             )
-        document[key] = value
     if wanted.trials is not None:
-        document["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
-    said = tomlkit.dumps(document)
+        stated["trials"] = wanted.trials
+        stated["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
+    text = template_text(file, **stated)
+    said = in_language(text, file, wanted.language, title=wanted.title)
     parse_text(said, where=where)
     return said
 
 
-def _recruiting(wanted: WantedStudy) -> dict[str, Any]:
-    """Return what is stated of pay and of whom participants deal with."""
+def _stated(wanted: WantedStudy) -> dict[str, Any]:
+    """Return what is stated of a study whatever its protocol."""
     pay = wanted.pay or Pay()
     each = pay.each or Decimal(0)
     is_paid_there = wanted.channel in ("prolific", "mturk")
     stated: dict[str, Any] = {
+        "name": check_name(wanted.name, "study"),
+        "title": wanted.title,
+        "participants": wanted.participants,
         "channel": wanted.channel,
         "minutes": wanted.minutes,
         "organisation": wanted.organisation,

@@ -45,25 +45,33 @@ def template_text(file: str, language: str = TEMPLATES_IN, **stated: object) -> 
     return _TEMPLATES.get_template(name).render(stated)
 
 
-def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) -> None:
-    """Replace what participants read in a template, and let the pages be in the same language.
+def in_language(text: str, file: str, language: str, *, title: str | None) -> str:
+    """Return a study file with what participants read in a language, and its pages too.
 
     Parameters
     ----------
-    document : TOMLDocument
-        The template `file`; all else in it, comments included, stays as it is.
-    language : str
-        One of `studyapp.study.settings.page.Language`.
+    text : str
+        The study file, made from a template.
+    file : str
+        Name of the template's file.
+    language : {'en', 'de', 'ja'}
+        The language.
+    title : str or None
+        The study's own title, which stays; None for the template's.
     """
-    document["page"]["language"] = language
     if language == TEMPLATES_IN:
-        return
+        return text
+    document = tomlkit.parse(text)
     texts = tomllib.loads(template_text(file, language))
-    document["title"] = texts["title"]
-    document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
+    document["title"] = title or texts["title"]
+    page: Any = document["page"]
+    page["language"] = language
+    page["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
     _say(document["questions"], texts["questions"])
+    form: Any = document.get("form", {})
     for stage, questions in texts.get("form", {}).items():
-        _say(document["form"][stage], questions)
+        _say(form[stage], questions)
+    return tomlkit.dumps(document)
 
 
 def _say(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
