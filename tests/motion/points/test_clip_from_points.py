@@ -32,30 +32,33 @@ TEN_BONES = [
 ]
 
 
-@pytest.fixture(scope="module")
-def body() -> BodyModel:
-    return read_body(default_body())
+BODY = read_body(default_body())
+REST = BODY.joints(np.zeros(0))
+LANDMARKS = FaceLandmarks.of(BODY)
 
 
-@pytest.fixture(scope="module")
-def rest(body: BodyModel) -> NDArray[np.float64]:
-    return body.joints(np.zeros(0))
+def positions(clip: MotionClip) -> NDArray[np.float64]:
+    return forward_kinematics(clip.poses, clip.trans, REST)[0]
 
 
-@pytest.fixture(scope="module")
-def landmarks(body: BodyModel) -> FaceLandmarks:
-    return FaceLandmarks.of(body)
+def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> FloatArray:
+    return positions(clip)[:, [joint_index(name) for name in names]].astype(np.float32)
 
 
-def positions(clip: MotionClip, rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    return forward_kinematics(clip.poses, clip.trans, rest)[0]
+def told_by(
+    points: FloatArray,
+    names: tuple[str, ...] = TEN_JOINTS,
+    *,
+    frame_rate: float = 30,
+    body: BodyModel = BODY,
+    landmarks: FloatArray | None = None,
+) -> MotionClip:
+    return clip_from_points(points, names, frame_rate, body=body, landmarks=landmarks)
 
 
-def chosen(
-    clip: MotionClip, rest: NDArray[np.float64], names: tuple[str, ...] = TEN_JOINTS
-) -> FloatArray:
-    index = [joint_index(name) for name in names]
-    return positions(clip, rest)[:, index].astype(np.float32)
+def bone(clip: MotionClip, start: str, end: str) -> NDArray[np.float64]:
+    at = positions(clip)
+    return at[:, joint_index(end)] - at[:, joint_index(start)]
 
 
 def degrees(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -77,35 +80,28 @@ def bones(names: tuple[str, ...]) -> list[tuple[str, str]]:
     names=st.sampled_from([TEN_JOINTS, BODY_JOINTS, JOINT_NAMES]), seed=st.integers(0, 2**32 - 1)
 )
 def test_every_bone_of_any_motion_points_where_it_was_told_to(
-    names: tuple[str, ...], seed: int, body: BodyModel, rest: NDArray[np.float64]
+    names: tuple[str, ...], seed: int
 ) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=clip.poses * 0.8)
-    back = clip_from_points(chosen(clip, rest, names), names, 30, body=body)
-    before, after = positions(clip, rest), positions(back, rest)
-    for start, end in bones(names):
-        bone = [all_of[:, joint_index(end)] - all_of[:, joint_index(start)]
-                for all_of in (before, after)]  # fmt: skip
-        assert degrees(*bone).max() < 0.1, (start, end)
+    back = told_by(chosen(clip, names), names)
+    for ends in bones(names):
+        assert degrees(bone(clip, *ends), bone(back, *ends)).max() < 0.1, ends
 
 
-def test_order_of_joints_and_size_of_the_person_do_not_count(
-    body: BodyModel, rest: NDArray[np.float64]
-) -> None:
-    points = chosen(random_clip(5), rest)
-    told = clip_from_points(points, TEN_JOINTS, 30, body=body)
-    other = clip_from_points(0.7 * points[:, ::-1], TEN_JOINTS[::-1], 30, body=body)
+def test_order_of_joints_and_size_of_the_person_do_not_count() -> None:
+    points = chosen(random_clip(5))
+    told = told_by(points)
+    other = told_by(0.7 * points[:, ::-1], TEN_JOINTS[::-1])
     np.testing.assert_allclose(other.poses, told.poses, atol=1e-4)
 
 
-def test_what_is_not_told_stands_with_arms_down_and_relaxed_hands(
-    body: BodyModel, rest: NDArray[np.float64]
-) -> None:
+def test_what_is_not_told_stands_with_arms_down_and_relaxed_hands() -> None:
     clip = random_clip(5)
     clip = replace(clip, poses=0.3 * clip.poses)
     needed = ("pelvis", "neck", "left_shoulder", "right_shoulder")
-    back = clip_from_points(chosen(clip, rest, needed), needed, 30, body=body)
-    after = positions(back, rest)
+    back = told_by(chosen(clip, needed), needed)
+    after = positions(back)
     hips, feet = (
         after[:, [joint_index(f"{side}_{part}") for side in ("left", "right")]].mean(axis=1)
         for part in ("hip", "foot")
@@ -116,13 +112,13 @@ def test_what_is_not_told_stands_with_arms_down_and_relaxed_hands(
     assert np.abs(back.poses[:, joint_index("right_index1")]).max() > 0.1
 
 
-def test_an_elbow_bends_only_the_way_it_can(body: BodyModel, rest: NDArray[np.float64]) -> None:
+def test_an_elbow_bends_only_the_way_it_can() -> None:
     clip = random_clip(5)
     poses = np.zeros_like(clip.poses)
     poses[:, joint_index("left_shoulder")] = [0.4, 0, -1.2]
     poses[:, joint_index("left_elbow")] = [0, -1.3, 0]
     still = replace(clip, poses=poses, trans=np.zeros((5, 3)))
-    back = clip_from_points(chosen(still, rest), TEN_JOINTS, 30, body=body)
+    back = told_by(chosen(still))
     np.testing.assert_allclose(
         back.poses[:, joint_index("left_elbow")], poses[:, joint_index("left_elbow")], atol=0.05
     )
@@ -135,29 +131,21 @@ def test_an_elbow_bends_only_the_way_it_can(body: BodyModel, rest: NDArray[np.fl
 
 @settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_a_face_comes_back_from_its_landmarks(
-    seed: int, body: BodyModel, landmarks: FaceLandmarks, rest: NDArray[np.float64]
-) -> None:
+def test_a_face_comes_back_from_its_landmarks(seed: int) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=0 * clip.poses)
-    shifts = landmarks.shifts(clip)
-    back = clip_from_points(
-        chosen(random_clip(6), rest), TEN_JOINTS, 30, body=body, landmarks=shifts
-    )
+    shifts = LANDMARKS.shifts(clip)
+    back = told_by(chosen(random_clip(6)), landmarks=shifts)
     assert back.arkit is not None
     assert back.arkit.min() >= 0 and back.arkit.max() <= 1
-    assert np.abs(landmarks.shifts(back) - shifts).max() < 3e-4
+    assert np.abs(LANDMARKS.shifts(back) - shifts).max() < 3e-4
 
 
-def test_facial_actions_are_bounded_least_squares(
-    body: BodyModel, landmarks: FaceLandmarks, rest: NDArray[np.float64]
-) -> None:
-    shifts = np.random.default_rng(1).normal(0, 4e-3, (4, landmarks.count, 3)).astype(np.float32)
-    clip = clip_from_points(
-        chosen(random_clip(4), rest), TEN_JOINTS, 30, body=body, landmarks=shifts
-    )
+def test_facial_actions_are_bounded_least_squares() -> None:
+    shifts = np.random.default_rng(1).normal(0, 4e-3, (4, LANDMARKS.count, 3)).astype(np.float32)
+    clip = told_by(chosen(random_clip(4)), landmarks=shifts)
     assert clip.arkit is not None
-    effects = landmarks.body.expression_directions[: landmarks.count].reshape(-1, 52)
+    effects = LANDMARKS.body.expression_directions[: LANDMARKS.count].reshape(-1, 52)
     ridge = np.concatenate([effects.astype(float), 3e-4 * np.eye(52)])
     for shift, weights in zip(shifts, clip.arkit, strict=True):
         wanted = np.concatenate([shift.ravel(), np.zeros(52)])
@@ -171,20 +159,12 @@ def test_facial_actions_are_bounded_least_squares(
     ("file", "frame_rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
 )
 def test_a_recording_comes_back_from_ten_joints(
-    file: str,
-    frame_rate: float | None,
-    shared_data: Path,
-    body: BodyModel,
-    rest: NDArray[np.float64],
+    file: str, frame_rate: float | None, shared_data: Path
 ) -> None:
     clip = read_motion(shared_data / file, frame_rate=frame_rate)
-    back = clip_from_points(chosen(clip, rest), TEN_JOINTS, clip.frame_rate, body=body)
-    before, after = positions(clip, rest), positions(back, rest)
-    ends = [*bones(TEN_JOINTS), ("right_shoulder", "left_shoulder")]
-    for start, end in ends:
-        bone = [all_of[:, joint_index(end)] - all_of[:, joint_index(start)]
-                for all_of in (before, after)]  # fmt: skip
-        assert degrees(*bone).max() < 1.5, (start, end)
+    back = told_by(chosen(clip), frame_rate=clip.frame_rate)
+    for ends in [*bones(TEN_JOINTS), ("right_shoulder", "left_shoulder")]:
+        assert degrees(bone(clip, *ends), bone(back, *ends)).max() < 1.5, ends
     # No twist that was made up moves more suddenly than what was recorded.
     sudden = [np.abs(np.diff(each.poses, 2, axis=0)).max() for each in (clip, back)]
     assert sudden[1] < 1.2 * sudden[0]
@@ -203,13 +183,11 @@ def test_a_recording_comes_back_from_ten_joints(
         (lambda p, n: (0 * p, n), "are one point in frame 0"),
     ],
 )
-def test_what_is_wrong_with_joints_is_said(
-    change: object, sentence: str, body: BodyModel, rest: NDArray[np.float64]
-) -> None:
+def test_what_is_wrong_with_joints_is_said(change: object, sentence: str) -> None:
     assert callable(change)
-    points, names = change(chosen(random_clip(3), rest), TEN_JOINTS)
+    points, names = change(chosen(random_clip(3)), TEN_JOINTS)
     with pytest.raises(InputError, match=sentence):
-        clip_from_points(points, names, 30, body=body)
+        told_by(points, names)
 
 
 @pytest.mark.parametrize(
@@ -221,29 +199,19 @@ def test_what_is_wrong_with_joints_is_said(
         (lambda s: 1000 * s, "Give metres"),
     ],
 )
-def test_what_is_wrong_with_landmarks_is_said(
-    change: object,
-    sentence: str,
-    body: BodyModel,
-    landmarks: FaceLandmarks,
-    rest: NDArray[np.float64],
-) -> None:
+def test_what_is_wrong_with_landmarks_is_said(change: object, sentence: str) -> None:
     assert callable(change)
     clip = random_clip(3)
-    shifts = change(landmarks.shifts(clip))
+    shifts = change(LANDMARKS.shifts(clip))
     with pytest.raises(InputError, match=sentence):
-        clip_from_points(chosen(clip, rest), TEN_JOINTS, 30, body=body, landmarks=shifts)
+        told_by(chosen(clip), landmarks=shifts)
 
 
-def test_a_body_without_facial_actions_says_so(
-    body: BodyModel, landmarks: FaceLandmarks, rest: NDArray[np.float64]
-) -> None:
+def test_a_body_without_facial_actions_says_so() -> None:
     clip = random_clip(3)
     with pytest.raises(InputError, match="no ARKit facial actions"):
-        clip_from_points(
-            chosen(clip, rest),
-            TEN_JOINTS,
-            30,
-            body=replace(body, has_arkit_slots=False),
-            landmarks=landmarks.shifts(clip),
+        told_by(
+            chosen(clip),
+            body=replace(BODY, has_arkit_slots=False),
+            landmarks=LANDMARKS.shifts(clip),
         )

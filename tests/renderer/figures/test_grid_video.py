@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
 
@@ -19,6 +19,8 @@ from renderer.look import BACKGROUND, Look
 from renderer.stills import still
 from renderer.video.encoder import SOUND_RATE
 
+Clips = tuple[MotionClip, MotionClip]
+Write = Callable[..., Path]
 SIZE = 96
 SECONDS = 0.4
 
@@ -30,7 +32,7 @@ def stage(body_path: Path, camera: Camera) -> Iterator[Stage]:
 
 
 @pytest.fixture(scope="module")
-def clips(clip: MotionClip) -> tuple[MotionClip, MotionClip]:
+def clips(clip: MotionClip) -> Clips:
     """Return two clips that differ: the motion forwards and backwards."""
     count = round(SECONDS * 30)
     return clip.frames(slice(0, count)), clip.frames(np.arange(len(clip))[: -count - 1 : -1])
@@ -41,13 +43,15 @@ def hum() -> Audio:
     return Audio((0.3 * np.sin(2 * np.pi * 220 * times)).astype(np.float32), SOUND_RATE)
 
 
-def write(
-    stage: Stage, camera: Camera, clips: tuple[MotionClip, ...], video: Path, **changes: object
-) -> Path:
-    panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
-    given = {"speed": 1.0, "skeleton": None, "text": "we got the house", "video": video}
-    write_grid(stage, camera, panels, hum(), **(given | changes))  # type: ignore[arg-type]
-    return video
+@pytest.fixture(scope="module")
+def write(stage: Stage, camera: Camera) -> Write:
+    def write(clips: tuple[MotionClip, ...], video: Path, **changes: object) -> Path:
+        panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
+        given = {"speed": 1.0, "skeleton": None, "text": "we got the house", "video": video}
+        write_grid(stage, camera, panels, hum(), **(given | changes))  # type: ignore[arg-type]
+        return video
+
+    return write
 
 
 def pictures(path: Path) -> np.ndarray:
@@ -62,13 +66,8 @@ def sound_of(path: Path) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def grid(
-    stage: Stage,
-    camera: Camera,
-    clips: tuple[MotionClip, MotionClip],
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Path:
-    return write(stage, camera, clips, tmp_path_factory.mktemp("grid") / "grid.mp4")
+def grid(write: Write, clips: Clips, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(clips, tmp_path_factory.mktemp("grid") / "grid.mp4")
 
 
 @pytest.mark.parametrize("count", range(1, 10))
@@ -93,9 +92,7 @@ def test_more_than_nine_clips_are_refused() -> None:
         GridLayout(count=10, size=64)
 
 
-def test_each_clip_is_in_its_place_in_every_frame(
-    grid: Path, stage: Stage, clips: tuple[MotionClip, MotionClip]
-) -> None:
+def test_each_clip_is_in_its_place_in_every_frame(grid: Path, stage: Stage, clips: Clips) -> None:
     shown = pictures(grid)
     assert len(shown) == round(SECONDS * 30)
     layout = GridLayout(count=2, size=SIZE, text="words")
@@ -126,10 +123,10 @@ def test_the_speech_is_heard_and_the_video_plays_while_it_loads(grid: Path) -> N
 
 
 def test_slow_motion_is_longer_silent_and_says_so(
-    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+    write: Write, clips: Clips, tmp_path: Path
 ) -> None:
     slow = tuple(resample(clip, 120) for clip in clips)
-    video = write(stage, camera, slow, tmp_path / "slow.mp4", speed=0.25, text="")
+    video = write(slow, tmp_path / "slow.mp4", speed=0.25, text="")
     shown = pictures(video)
     assert len(shown) == round(SECONDS * 30 / 0.25)
     assert np.abs(sound_of(video)).max() < 1e-3
@@ -141,10 +138,10 @@ def test_slow_motion_is_longer_silent_and_says_so(
 
 
 def test_long_text_leaves_the_clock_and_the_speed_free(
-    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+    write: Write, clips: Clips, tmp_path: Path
 ) -> None:
     short = (clips[0].frames(slice(0, 1)),)
-    video = write(stage, camera, short, tmp_path / "long.mp4", speed=0.1, text="never again " * 40)
+    video = write(short, tmp_path / "long.mp4", speed=0.1, text="never again " * 40)
     layout = GridLayout(count=1, size=SIZE, text="words")
     footer = pictures(video)[0, -layout.footer_height :]
     inked = (np.abs(footer - BACKGROUND).max(axis=-1) > 60).any(axis=1)
@@ -153,10 +150,10 @@ def test_long_text_leaves_the_clock_and_the_speed_free(
 
 
 def test_the_skeleton_is_drawn_beside_every_body(
-    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+    write: Write, clips: Clips, tmp_path: Path
 ) -> None:
     short = tuple(clip.frames(slice(0, 2)) for clip in clips)
-    video = write(stage, camera, short, tmp_path / "bones.mp4", skeleton="beside")
+    video = write(short, tmp_path / "bones.mp4", skeleton="beside")
     shown = pictures(video)
     assert shown.shape[2] == 4 * SIZE
     for left in (SIZE, 3 * SIZE):
@@ -167,18 +164,16 @@ def test_the_skeleton_is_drawn_beside_every_body(
 
 
 def test_the_same_grid_has_the_same_bytes(
-    grid: Path, stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+    grid: Path, write: Write, clips: Clips, tmp_path: Path
 ) -> None:
-    again = write(stage, camera, clips, tmp_path / "again.mp4")
+    again = write(clips, tmp_path / "again.mp4")
     assert grid.read_bytes() == again.read_bytes()
 
 
-def test_frames_done_are_counted(
-    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
-) -> None:
+def test_frames_done_are_counted(write: Write, clips: Clips, tmp_path: Path) -> None:
     steps: list[tuple[int, int]] = []
     short = (clips[0].frames(slice(0, 3)),)
-    write(stage, camera, short, tmp_path / "one.mp4", on_frame=lambda *step: steps.append(step))
+    write(short, tmp_path / "one.mp4", on_frame=lambda *step: steps.append(step))
     assert steps == [(1, 3), (2, 3), (3, 3)]
 
 

@@ -2,11 +2,9 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,19 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import distributed
-import numpy as np
 import pytest
 
-from motion.audio import Audio, write_wav
-from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import write_clip
-from renderer.framing import Camera
 from renderer.jobs import cluster
-from renderer.jobs.job import ClipJob, Job, PairJob
+from renderer.jobs.job import ClipJob, Job
 from renderer.jobs.making import run_jobs
-from renderer.look import Look
-from tests.renderer.conftest import SECONDS
+from tests.renderer.jobs.sample_jobs import clips_and_pairs, killing_writers, pair_of
 
 pytestmark = pytest.mark.slow
 
@@ -105,50 +97,13 @@ def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> 
         yield scheduler
 
 
-@pytest.fixture
-def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
-    return ClipJob(
-        name="clip",
-        motion=inputs / "clip.npz",
-        speech=inputs / "speech.wav",
-        start=0.0,
-        end=SECONDS,
-        freeze=(),
-        body=body_path,
-        camera=camera,
-        look=Look(size=64),
-        frames=tmp_path / "study" / "clip.mkv",
-        video=tmp_path / "study" / "clip.mp4",
-    )
-
-
-def _pair_of(clip: ClipJob, name: str) -> PairJob:
-    return PairJob(
-        name=name,
-        left=clip.frames,
-        right=clip.frames,
-        speech=clip.speech,
-        start=clip.start,
-        end=clip.end,
-        video=clip.video.with_name(f"{name}.mp4"),
-        look=clip.look,
-    )
-
-
-def _jobs(clip: ClipJob, count: int) -> list[Job]:
-    """Return `count` clips, each followed by a pair of it."""
-    jobs: list[Job] = []
-    for number in range(count):
-        frames, video = (path.with_stem(f"clip{number}") for path in (clip.frames, clip.video))
-        one = replace(clip, name=f"clip{number}", frames=frames, video=video)
-        jobs += [one, _pair_of(one, f"pair{number}")]
-    return jobs
-
-
 def test_a_cluster_makes_the_same_files_as_this_machine(
     cluster_of_two: str, clip_job: ClipJob, inputs: Path
 ) -> None:
-    jobs = [*_jobs(clip_job, 2), replace(clip_job, name="mute", speech=inputs / "none.wav")]
+    jobs = [
+        *clips_and_pairs(clip_job, 2),
+        replace(clip_job, name="mute", speech=inputs / "none.wav"),
+    ]
     there = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     made = {job.name: job.video.read_bytes() for job in jobs[:4]}
     here = run_jobs(jobs[:4], processes=1)
@@ -158,61 +113,11 @@ def test_a_cluster_makes_the_same_files_as_this_machine(
     assert made == {job.name: job.video.read_bytes() for job in jobs[:4]}
 
 
-def _writers_into(folder: Path) -> list[int]:
-    """Return the processes that have a file open in `folder`, from Linux's /proc."""
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            files = [link.readlink() for link in (process / "fd").iterdir()]
-        except OSError:
-            continue
-        if any(file.parent == folder for file in files):
-            found.append(int(process.name))
-    return found
-
-
-@contextmanager
-def _killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
-    """Kill, so many times, the process that writes into `folder`; give those killed."""
-    over, killed = threading.Event(), list[int]()
-
-    def kill() -> None:
-        while len(killed) < times and not over.wait(0.03):
-            for pid in _writers_into(folder):
-                if pid not in killed:
-                    os.kill(pid, signal.SIGKILL)
-                    killed.append(pid)
-
-    killer = threading.Thread(target=kill, daemon=True)
-    killer.start()
-    try:
-        yield killed
-    finally:
-        over.set()
-        killer.join()
-
-
-@pytest.fixture
-def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
-    """Return a job that takes long enough to be caught at work."""
-    write_clip(tmp_path / "long.npz", clip.frames(np.arange(8 * 30) % len(clip)))
-    write_wav(tmp_path / "long.wav", Audio(np.zeros(8 * 16_000, np.float32), 16_000))
-    return replace(
-        clip_job,
-        name="long",
-        motion=tmp_path / "long.npz",
-        speech=tmp_path / "long.wav",
-        end=8.0,
-        frames=tmp_path / "long" / "clip.mkv",
-        video=tmp_path / "long" / "clip.mp4",
-    )
-
-
 def test_a_killed_workers_clip_is_done_by_another(
     cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
 ) -> None:
-    jobs = [long_job, *_jobs(clip_job, 1)]
-    with _killing_writers(long_job.video.parent, times=1) as killed:
+    jobs = [long_job, *clips_and_pairs(clip_job, 1)]
+    with killing_writers(long_job.video.parent, times=1) as killed:
         outcomes = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     assert len(killed) == 1
     assert [outcome.error for outcome in outcomes] == [None, None, None]
@@ -222,8 +127,8 @@ def test_a_killed_workers_clip_is_done_by_another(
 def test_a_clip_that_kills_worker_after_worker_is_reported_and_the_rest_goes_on(
     cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
 ) -> None:
-    jobs = [long_job, _pair_of(long_job, "long pair"), *_jobs(clip_job, 1)]
-    with _killing_writers(long_job.video.parent, times=100) as killed:
+    jobs = [long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
+    with killing_writers(long_job.video.parent, times=100) as killed:
         lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     assert len(killed) == 4
     assert "ended early" in str(lost.error)
@@ -244,7 +149,7 @@ def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
             pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
         ):
             run_jobs(
-                _jobs(clip_job, 2),
+                clips_and_pairs(clip_job, 2),
                 processes=1,
                 cluster=address,
                 on_done=lambda outcome: process.kill(),
@@ -255,7 +160,7 @@ def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
 def test_workers_of_another_version_or_without_the_files_are_refused(
     cluster_of_two: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pair, gone = _pair_of(clip_job, "pair"), tmp_path / "gone.npz"
+    pair, gone = pair_of(clip_job, "pair"), tmp_path / "gone.npz"
     without: list[list[Job]] = [
         [replace(clip_job, speech=gone)],
         [pair, replace(clip_job, body=gone)],

@@ -6,58 +6,24 @@ import pickle
 import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from motion.audio import Audio, write_wav
-from motion.clip import MotionClip
-from motion.formats import write_clip
-from renderer.framing import Camera
 from renderer.jobs.job import ClipJob, Outcome, PairJob
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.jobs.making import run_jobs
-from renderer.look import Look
-from tests.renderer.conftest import SECONDS
+from tests.renderer.jobs.sample_jobs import killing_writers, numbered, pair_of
 
 ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
-def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
-    return ClipJob(
-        name="clip",
-        motion=inputs / "clip.npz",
-        speech=inputs / "speech.wav",
-        start=0.0,
-        end=SECONDS,
-        freeze=(),
-        body=body_path,
-        camera=camera,
-        look=Look(size=64),
-        frames=tmp_path / "clip.mkv",
-        video=tmp_path / "clip.mp4",
-    )
-
-
-@pytest.fixture
-def pair_job(clip_job: ClipJob, tmp_path: Path) -> PairJob:
-    return PairJob(
-        name="pair",
-        left=clip_job.frames,
-        right=clip_job.frames,
-        speech=clip_job.speech,
-        start=0.0,
-        end=SECONDS,
-        video=tmp_path / "pair.mp4",
-        look=clip_job.look,
-    )
+def pair_job(clip_job: ClipJob) -> PairJob:
+    return pair_of(clip_job, "pair")
 
 
 def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
@@ -93,75 +59,13 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     assert not (tmp_path / "nan.mp4").exists()
 
 
-@pytest.fixture
-def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
-    """Return a job that takes long enough to be caught at work."""
-    seconds = 4
-    write_clip(tmp_path / "long.npz", clip.frames(np.arange(seconds * 30) % len(clip)))
-    silence = np.zeros(seconds * 16000, np.float32)
-    write_wav(tmp_path / "long.wav", Audio(silence, 16000))
-    return replace(
-        clip_job,
-        name="long",
-        motion=tmp_path / "long.npz",
-        speech=tmp_path / "long.wav",
-        end=float(seconds),
-        frames=tmp_path / "long" / "long.mkv",
-        video=tmp_path / "long" / "long.mp4",
-    )
-
-
-class _Killer(threading.Thread):
-    """Kills, so many times, the process that is writing a draft into `folder`."""
-
-    def __init__(self, folder: Path, times: int) -> None:
-        super().__init__(daemon=True)
-        self.killed: list[int] = []
-        self.over = threading.Event()
-        self._folder = folder
-        self._times = times
-
-    def run(self) -> None:
-        while len(self.killed) < self._times and not self.over.wait(0.005):
-            for pid in _children():
-                if pid not in self.killed and _writes_into(pid, self._folder):
-                    os.kill(pid, signal.SIGKILL)
-                    self.killed.append(pid)
-
-
-def _children() -> list[int]:
-    """Return the processes that this one started through multiprocessing."""
-    return [child.pid for child in multiprocessing.active_children() if child.pid]
-
-
-def _writes_into(pid: int, folder: Path) -> bool:
-    """Tell from Linux's /proc whether a process has a file open in `folder`."""
-    try:
-        links = [link.readlink() for link in Path(f"/proc/{pid}/fd").iterdir()]
-    except OSError:
-        return False
-    return any(link.parent == folder for link in links)
-
-
-@contextmanager
-def killing(job: ClipJob, times: int) -> Iterator[_Killer]:
-    """Kill, `times` times, the process that is busy with `job`."""
-    killer = _Killer(job.video.parent, times)
-    killer.start()
-    try:
-        yield killer
-    finally:
-        killer.over.set()
-        killer.join()
-
-
 @pytest.mark.slow
 def test_the_job_of_a_killed_process_is_done_by_another(
     long_job: ClipJob, clip_job: ClipJob
 ) -> None:
-    with killing(long_job, times=1) as killer:
+    with killing_writers(long_job.video.parent, times=1) as killed:
         outcomes = run_jobs([long_job, clip_job], processes=2)
-    assert len(killer.killed) == 1
+    assert len(killed) == 1
     assert [outcome.error for outcome in outcomes] == [None, None]
     assert long_job.video.exists()
     assert long_job.frames.exists()
@@ -172,11 +76,11 @@ def test_a_job_that_kills_two_processes_is_reported_and_the_rest_goes_on(
     long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob
 ) -> None:
     doomed_pair = replace(pair_job, name="doomed pair", right=long_job.frames)
-    with killing(long_job, times=100) as killer:
+    with killing_writers(long_job.video.parent, times=100) as killed:
         lost, first, doomed, pair = run_jobs(
             [long_job, clip_job, doomed_pair, pair_job], processes=1
         )
-    assert len(killer.killed) == 2
+    assert len(killed) == 2
     assert "ended early, 2 times (signal 9)" in str(lost.error)
     assert (doomed.because_of, doomed.error) == ("long", "its clip long could not be made")
     assert (first.error, pair.error) == (None, None)
@@ -201,15 +105,7 @@ def test_a_process_that_dies_while_it_is_idle_costs_no_job(
 
 
 def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) -> None:
-    jobs = [
-        replace(
-            clip_job,
-            name=str(number),
-            frames=tmp_path / f"{number}.mkv",
-            video=tmp_path / f"{number}.mp4",
-        )
-        for number in range(3)
-    ]
+    jobs = [numbered(clip_job, number) for number in range(3)]
     assert all(outcome.error is None for outcome in run_jobs(jobs, processes=2))
     contents = {job.video.read_bytes() for job in jobs}
     assert len(contents) == 1

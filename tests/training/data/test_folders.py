@@ -24,6 +24,11 @@ def beat_take(folder: Path, name: str, *endings: str) -> None:
     touch(*(folder / f"{name}{ending}" for ending in (".bvh", ".wav", *endings)))
 
 
+def smplx_take(folder: Path, name: str) -> None:
+    write_smplx(folder / f"{name}.npz", 1)
+    write_clicks(folder / f"{name}.wav", 1)
+
+
 def said(takes: TakeFolder) -> list[str]:
     return [str(error) for error in takes.skipped]
 
@@ -52,11 +57,6 @@ def test_annotations_of_beat_may_lie_in_a_folder_of_their_own(tmp_path: Path) ->
     assert take.semantic == tmp_path / "annotations" / "2" / "2_scott_0_9_9.txt"
 
 
-def test_flat_folders_of_beat_are_read(tmp_path: Path) -> None:
-    beat_take(tmp_path, "2_scott_0_9_9")
-    assert [take.name for take in read_takes(tmp_path).takes] == ["2_scott_0_9_9"]
-
-
 def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_9_9")
     beat_take(tmp_path / "again", "2_scott_0_9_9")
@@ -78,10 +78,12 @@ def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
         assert any(what in text and remedy in text for text in said(found)), what
 
 
-def test_hidden_files_are_no_recordings(tmp_path: Path) -> None:
+def test_flat_folders_of_beat_are_read_and_hidden_files_are_no_recordings(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_9_9")
     touch(tmp_path / "._2_scott_0_9_9.bvh", tmp_path / ".cache" / "2_scott_0_10_10.bvh")
-    assert not read_takes(tmp_path).skipped
+    found = read_takes(tmp_path)
+    assert [take.name for take in found.takes] == ["2_scott_0_9_9"]
+    assert not found.skipped
 
 
 def test_links_to_folders_are_followed_once(tmp_path: Path) -> None:
@@ -110,8 +112,7 @@ def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
 
 def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
     for speaker in ("anna", "ben"):
-        write_smplx(tmp_path / speaker / f"{speaker} talks.npz", 1)
-        write_clicks(tmp_path / speaker / f"{speaker} talks.wav", 1)
+        smplx_take(tmp_path / speaker, f"{speaker} talks")
     found = read_takes(tmp_path)
     assert found.speakers == ("anna", "ben")
     assert [take.speaker for take in found.takes] == ["anna", "ben"]
@@ -119,15 +120,13 @@ def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
 
 
 def test_who_speaks_in_a_flat_folder_is_unknown(tmp_path: Path) -> None:
-    write_smplx(tmp_path / "a.npz", 1)
-    write_clicks(tmp_path / "a.wav", 1)
+    smplx_take(tmp_path, "a")
     assert read_takes(tmp_path).speakers == ("unknown",)
 
 
 def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
     for name in ("good", "bad", "other"):
-        write_smplx(tmp_path / f"{name}.npz", 1)
-        write_clicks(tmp_path / f"{name}.wav", 1)
+        smplx_take(tmp_path, name)
     whole = (tmp_path / "bad.npz").read_bytes()
     (tmp_path / "bad.npz").write_bytes(whole[: len(whole) // 2])
     np.savez(tmp_path / "other.npz", trans=np.zeros((3, 3)))
@@ -223,8 +222,7 @@ def test_teds_database_is_refused_with_the_way_out(tmp_path: Path) -> None:
 
 
 def test_a_folder_of_several_layouts_asks_which(tmp_path: Path) -> None:
-    write_smplx(tmp_path / "a.npz", 1)
-    write_clicks(tmp_path / "a.wav", 1)
+    smplx_take(tmp_path, "a")
     write_show(tmp_path / "b.npy", 1)
     write_clicks(tmp_path / "b.wav", 1)
     with pytest.raises(InputError, match=r"may be beat2 and show.*Name its layout"):

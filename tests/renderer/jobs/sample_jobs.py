@@ -1,0 +1,76 @@
+"""Pairs of clips, several clips each with its pair, and processes that die at work."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from renderer.jobs.job import ClipJob, Job, PairJob
+
+
+def pair_of(clip: ClipJob, name: str) -> PairJob:
+    """Return a pair of a clip with itself."""
+    return PairJob(
+        name=name,
+        left=clip.frames,
+        right=clip.frames,
+        speech=clip.speech,
+        start=clip.start,
+        end=clip.end,
+        video=clip.video.with_name(f"{name}.mp4"),
+        look=clip.look,
+    )
+
+
+def clips_and_pairs(clip: ClipJob, count: int) -> list[Job]:
+    """Return `count` clips, each followed by a pair of it."""
+    jobs: list[Job] = []
+    for number in range(count):
+        one = numbered(clip, number)
+        jobs += [one, pair_of(one, f"pair{number}")]
+    return jobs
+
+
+def numbered(clip: ClipJob, number: int) -> ClipJob:
+    """Return a clip of the same motion that writes files of its own."""
+    frames, video = (path.with_stem(f"clip{number}") for path in (clip.frames, clip.video))
+    return replace(clip, name=f"clip{number}", frames=frames, video=video)
+
+
+def _writers_into(folder: Path) -> list[int]:
+    """Return the processes that have a file open in `folder`, from Linux's /proc."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            files = [link.readlink() for link in (process / "fd").iterdir()]
+        except OSError:
+            continue
+        if any(file.parent == folder for file in files):
+            found.append(int(process.name))
+    return found
+
+
+@contextmanager
+def killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
+    """Kill, so many times, the process that writes into `folder`; give those killed."""
+    over, killed = threading.Event(), list[int]()
+
+    def kill() -> None:
+        while len(killed) < times and not over.wait(0.01):
+            for pid in _writers_into(folder):
+                if pid not in killed:
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    try:
+        yield killed
+    finally:
+        over.set()
+        killer.join()
