@@ -11,9 +11,8 @@ from studyapp.cli.arguments import public_address, study_folder
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.researchers import links, second_factor
-from studyapp.researchers.account import Account
+from studyapp.researchers.account import ROLES, Account, Role
 from studyapp.researchers.membership import accounts
-from studyapp.researchers.roles import ROLES, Role
 from studyapp.study.folder import StudyFolder
 
 

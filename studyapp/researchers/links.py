@@ -17,12 +17,12 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLink
+from studyapp.researchers.account import Role, researcher_named
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.authentication import set_password
 from studyapp.researchers.logins import begin_login, end_logins_of
 from studyapp.researchers.names import name_key, settled_name
 from studyapp.researchers.passwords import check_password, hashed
-from studyapp.researchers.roles import Role
 from studyapp.researchers.tokens import new_token, token_hash
 
 Purpose = Literal["first_owner", "invitation", "new_password"]
@@ -98,13 +98,7 @@ def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) 
     """
     now = clock.now()
     with database.writing() as session:
-        query = select(Researcher).where(Researcher.name_key == name_key(name))
-        found = session.scalars(query).first()
-        if found is None:
-            raise InputError(
-                f"there is no researcher {name!r}",
-                remedy="See who there is with 'motionjury researchers STUDY list'",
-            )
+        found = researcher_named(session, name)
         if found.disabled_at is not None:
             raise InputError(f"{found.name!r} has no access", remedy="An owner can restore it")
         session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))

@@ -9,10 +9,9 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher
-from studyapp.researchers.account import Account, account_of
+from studyapp.researchers.account import Account, Role, account_of
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.logins import end_logins_of
-from studyapp.researchers.roles import Role
 
 
 def accounts(database: Database) -> list[Account]:

@@ -17,9 +17,10 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher
+from studyapp.researchers.account import researcher_named
 from studyapp.researchers.attempts import count_attempt, forget_attempts
 from studyapp.researchers.audit import log_change
-from studyapp.researchers.names import name_hash, name_key
+from studyapp.researchers.names import name_hash
 from studyapp.researchers.passwords import is_right
 from studyapp.researchers.tokens import token_hash
 
@@ -121,13 +122,7 @@ def reset_second_factor(database: Database, clock: Clock, *, name: str) -> None:
         If there is no such researcher.
     """
     with database.writing() as session:
-        query = select(Researcher).where(Researcher.name_key == name_key(name)).with_for_update()
-        found = session.scalars(query).first()
-        if found is None:
-            raise InputError(
-                f"there is no researcher {name!r}",
-                remedy="See who there is with 'motionjury researchers STUDY list'",
-            )
+        found = researcher_named(session, name)
         _remove(found)
         log_change(
             session, clock.now(), Event.SECOND_FACTOR_RESET, by="", detail=f"of {found.name}"

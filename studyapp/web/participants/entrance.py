@@ -24,8 +24,7 @@ from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say
 from studyapp.web.participants.about_participant import form_fields, problems_of
 from studyapp.web.participants.participant import to_where_they_stand
-from studyapp.web.participants.returning import send_cookie
-from studyapp.web.participants.sent_by import VISIT, arrival_of, is_preview, names_in
+from studyapp.web.participants.sent_by import VISIT, arrival_of, is_preview, names_in, send_cookie
 from studyapp.web.running import running
 
 pages = Blueprint("entrance", __name__)

@@ -1,12 +1,21 @@
-"""By what participants are named in the address that brings them, channel by channel."""
+"""By what participants are named in the address that brings them, channel by channel.
+
+Who comes again by the same name shows by a cookie to have been here before. It holds the token of
+their study session, as the addresses of their pages do, and goes to the entrance alone. Nothing
+else needs it: a study in a frame of another site, or a browser without cookies, works without.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Mapping
+from datetime import timedelta
 from functools import partial
 from types import MappingProxyType
 from typing import Final
+
+from flask import Response, request
 
 from studyapp.recruitment.invitations import invited
 from studyapp.recruitment.signed_links import SIGNED, signed_names
@@ -16,7 +25,6 @@ from studyapp.session.departure import MTURK_SITES
 from studyapp.session.refusal import UnacceptableError, UninvitedError
 from studyapp.study.settings.recruitment import Channel
 from studyapp.web.address import newcomers_address
-from studyapp.web.participants.returning import read_cookie
 from studyapp.web.running import running
 
 PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
@@ -152,3 +160,29 @@ def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
             "invitation" in names and invited(running().database, names["invitation"]) is not None
         )
     return "PROLIFIC_PID" in names
+
+
+KEPT: Final = timedelta(days=7)
+
+
+def cookie_name(study: str) -> str:
+    """Return the cookie's name: two studies on one host, which ports tell apart, have two."""
+    return f"participant-{hashlib.sha256(study.encode()).hexdigest()[:8]}"
+
+
+def read_cookie(study: str) -> str | None:
+    """Return the token that the browser sent, None where it sent none."""
+    return request.cookies.get(cookie_name(study))
+
+
+def send_cookie(response: Response, study: str, token: str) -> None:
+    """Have the browser keep `token`."""
+    response.set_cookie(
+        cookie_name(study),
+        token,
+        max_age=KEPT,
+        path=f"{request.script_root}/",
+        secure=request.is_secure,
+        httponly=True,
+        samesite="Lax",
+    )

@@ -18,9 +18,8 @@ from studyapp.researchers.links import (
 )
 from studyapp.researchers.logins import end_login
 from studyapp.web.address import client_address
-from studyapp.web.research.next_page import address_after_login
 from studyapp.web.research.page import page, refusal_page
-from studyapp.web.research.visitor import visitor, visitor_cookie, with_login
+from studyapp.web.research.visitor import address_after_login, visitor, visitor_cookie, with_login
 from studyapp.web.running import running
 
 

@@ -9,9 +9,8 @@ from flask import render_template
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.researchers.roles import Right
-from studyapp.web.research.cookie import FIELD
-from studyapp.web.research.visitor import code_for_forms, visitor
+from studyapp.researchers.account import Right
+from studyapp.web.research.visitor import FIELD, code_for_forms, visitor
 from studyapp.web.running import running
 
 SHARES: Final = ("win_share", "own_speech", "rate")

@@ -11,7 +11,7 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.researchers.roles import Right
+from studyapp.researchers.account import Right
 from studyapp.web.research import (
     entering,
     newcomers,
@@ -21,11 +21,17 @@ from studyapp.web.research import (
     unblinding,
     watching,
 )
-from studyapp.web.research.cookie import PREFIX, came_from_our_page
 from studyapp.web.research.looking import PREFIXES
-from studyapp.web.research.next_page import asked_page
 from studyapp.web.research.page import problem_page, refusal_page
-from studyapp.web.research.visitor import keep_visitor, recognise, visitor, visitor_cookie
+from studyapp.web.research.visitor import (
+    PREFIX,
+    asked_page,
+    came_from_our_page,
+    keep_visitor,
+    recognise,
+    visitor,
+    visitor_cookie,
+)
 
 READING: Final = ("GET", "HEAD", "OPTIONS")
 

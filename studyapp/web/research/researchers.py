@@ -8,6 +8,7 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
+from studyapp.researchers.account import RIGHTS, ROLES, Role
 from studyapp.researchers.links import (
     invite,
     offer_new_password,
@@ -20,7 +21,6 @@ from studyapp.researchers.membership import (
     let_in_again,
     shut_out,
 )
-from studyapp.researchers.roles import RIGHTS, ROLES, Role
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running

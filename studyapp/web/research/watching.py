@@ -15,12 +15,12 @@ from studyapp.monitoring.naming import number_called, pseudonyms_of
 from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import overview as overview_of
 from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen, page_of, pages_of
+from studyapp.researchers.account import Right
 from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim.documents import Document
 from studyapp.researchers.interim.keeping import Kept, kept_figures
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.researchers.roles import Right
 from studyapp.session.exclusion import JUDGED
 from studyapp.study.folder import StudyFolder
 from studyapp.web.research.looking import Data, is_rehearsed, looked_at

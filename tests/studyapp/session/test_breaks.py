@@ -9,15 +9,14 @@ from studyapp.session.breaks import leave_break
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.functional.redefining import redefine
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
 @pytest.fixture
 def resting(tiny_study: Path, database: Database, clock: SetClock) -> Participant:
     """Return a participant of a study of six trials with a break after every two."""
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8").replace("[page]\n", "[page]\nbreak_every = 2\n")
-    path.write_text(text, "utf-8")
+    redefine(tiny_study, ("[page]\n", "[page]\nbreak_every = 2\n"))
     served = ServedStudy.read(tiny_study)
     open_study(database, served, clock)
     return Participant(database, served, clock).enrol().begin()

@@ -13,6 +13,7 @@ from studyapp.session.form_answers import answer_form
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.functional.redefining import redefine
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -48,8 +49,7 @@ ABOUT = {"age": "31", "work": ""}
 @pytest.fixture
 def asking(tiny_study: Path, database: Database, clock: SetClock) -> Participant:
     """Return somebody who has come to a study that asks about its participants."""
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + FORM, "utf-8")
+    redefine(tiny_study, added=FORM)
     served = ServedStudy.read(tiny_study)
     open_study(database, served, clock)
     return Participant(database, served, clock)

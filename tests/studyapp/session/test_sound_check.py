@@ -22,6 +22,7 @@ from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.settings.study import Study
+from tests.functional.redefining import redefine
 from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM
@@ -30,9 +31,7 @@ from tests.studyapp.taking_part_steps import Participant, SetClock
 
 def listening(folder: Path, database: Database, clock: SetClock, more: str = "") -> Participant:
     """Return somebody who has agreed to take part in a study with a sound check."""
-    path = folder / "study.toml"
-    text = path.read_text("utf-8").replace("[page]\n", "[page]\nsound_check = true\n")
-    path.write_text(text + more, "utf-8")
+    redefine(folder, ("[page]\n", "[page]\nsound_check = true\n"), added=more)
     served = ServedStudy.read(folder)
     open_study(database, served, clock)
     return Participant(database, served, clock)

@@ -17,6 +17,7 @@ from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study
+from tests.functional.redefining import redefine
 from tests.studyapp.added_condition import add_condition, make_videos_anew
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -29,10 +30,7 @@ def change(tiny_study: Path) -> Change:
     """Return a function that changes the study file and reads the study anew."""
 
     def make(old: str, new: str) -> ServedStudy:
-        path = tiny_study / "study.toml"
-        text = path.read_text("utf-8")
-        assert old in text
-        path.write_text(text.replace(old, new), "utf-8")
+        redefine(tiny_study, (old, new))
         return ServedStudy.read(tiny_study)
 
     return make

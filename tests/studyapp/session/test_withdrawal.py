@@ -24,6 +24,7 @@ from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import promise_made, withdraw
+from tests.functional.redefining import redefine
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ADULT, FORM
@@ -44,9 +45,7 @@ def begun(
     folder: Path, database: Database, clock: SetClock, keys: str = "", more: str = ""
 ) -> Participant:
     """Return a recruited participant who has answered one trial."""
-    path = folder / "study.toml"
-    text = path.read_text("utf-8").replace("[page]\n", f"[page]\n{keys}\n")
-    path.write_text(text + more, "utf-8")
+    redefine(folder, ("[page]\n", f"[page]\n{keys}\n"), added=more)
     served = ServedStudy.read(folder)
     open_study(database, served, clock)
     participant = Participant(database, served, clock)
@@ -147,8 +146,7 @@ def test_what_was_promised_at_the_start_holds_when_the_study_promises_otherwise_
 ) -> None:
     participant = begun(tiny_study, database, clock)
     participant.begin().take_trial()
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8").replace("[page]\n", '[page]\nwithdrawn = "kept"\n'))
+    redefine(tiny_study, ("[page]\n", '[page]\nwithdrawn = "kept"\n'))
     open_study(database, ServedStudy.read(tiny_study), clock, new_version=True)
 
     assert promise_made(database, participant.token) == "deleted"

@@ -16,7 +16,7 @@ from studyapp.recruitment.invitations import make_invitations
 from studyapp.session.arrival.intake_decisions import steer
 from studyapp.study.settings.study import Study
 from studyapp.web.app import create_app
-from studyapp.web.participants.returning import cookie_name
+from studyapp.web.participants.sent_by import cookie_name
 from studyapp.web.running import attach, running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock

@@ -21,6 +21,7 @@ from studyapp.session.arrival.intake_decisions import steer
 from studyapp.session.refusal import StudyFullError
 from studyapp.web.app import create_app
 from studyapp.web.running import running
+from tests.functional.redefining import redefine
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.web.page_reader import PageReader
 
@@ -34,12 +35,7 @@ ANDROID = "Mozilla/5.0 (Linux; Android 14; Pixel 8) Chrome/126.0 Mobile Safari/5
 
 
 def app_of(folder: Path, *changes: tuple[str, str], more: str = "") -> Iterator[Flask]:
-    path = folder / "study.toml"
-    text = path.read_text("utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text + more, "utf-8")
+    redefine(folder, *changes, added=more)
     app = create_app(folder)
     yield app
     with app.app_context():

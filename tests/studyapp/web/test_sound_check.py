@@ -20,6 +20,7 @@ from studyapp.study.settings.page import Language
 from studyapp.web.app import create_app
 from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
+from tests.functional.redefining import redefine
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
@@ -59,9 +60,7 @@ def test_every_digit_sounds_different_and_is_heard_where_it_stands(language: Lan
 
 @pytest.fixture
 def listening(tiny_study: Path) -> Iterator[Flask]:
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8").replace("[page]\n", "[page]\nsound_check = true\n")
-    path.write_text(text, "utf-8")
+    redefine(tiny_study, ("[page]\n", "[page]\nsound_check = true\n"))
     app = create_app(tiny_study)
     yield app
     with app.app_context():

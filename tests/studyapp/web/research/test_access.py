@@ -7,7 +7,7 @@ import re
 import pytest
 from flask import Flask
 
-from studyapp.researchers.roles import RIGHTS, ROLES, Right
+from studyapp.researchers.account import RIGHTS, ROLES, Right
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 

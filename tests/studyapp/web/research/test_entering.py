@@ -13,7 +13,7 @@ from studyapp.database.engine import Database
 from studyapp.researchers.attempts import MOST_OF_NAME
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.address import client_address
-from studyapp.web.research.cookie import cookie_name
+from studyapp.web.research.visitor import cookie_name
 from studyapp.web.running import attach, running
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock
