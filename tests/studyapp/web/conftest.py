@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
+from flask import Flask
+
+from studyapp.web.app import create_app
+from studyapp.web.running import attach, running
+from tests.functional.redefining import redefine
+from tests.studyapp.taking_part_steps import SetClock
+
+Serve = Callable[..., Flask]
 
 
 @pytest.fixture
@@ -13,3 +25,27 @@ def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
     """Return the study with an empty database of the newest schema: making one takes longer."""
     shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
     return tiny_study
+
+
+@pytest.fixture
+def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
+    """Return a function that makes an application, on a clock that the test moves.
+
+    It takes changes of the study file, as `redefine` does, another `folder` than the tiny study's,
+    and what `create_app` takes. A rehearsal keeps its own clock.
+    """
+    with ExitStack() as closing:
+
+        def make(
+            *changes: tuple[str, str], folder: Path = tiny_study, added: str = "", **options: Any
+        ) -> Flask:
+            redefine(folder, *changes, added=added)
+            app = create_app(folder, **options)
+            with app.app_context():
+                here = running()
+            closing.callback(here.database.close)
+            if "rehearsal_speed" not in options:
+                attach(app, replace(here, clock=clock))
+            return app
+
+        yield make

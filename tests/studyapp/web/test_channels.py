@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,15 +10,15 @@ from flask import Flask
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.tables import Place, ScreenOut, StudySession
+from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.session.arrival.intake_decisions import steer
 from studyapp.study.settings.study import Study
-from studyapp.web.app import create_app
 from studyapp.web.participants.sent_by import cookie_name
-from studyapp.web.running import attach, running
+from studyapp.web.running import running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
 from tests.studyapp.web.visitor import Visitor
@@ -45,23 +44,9 @@ Opened = Callable[[str], Flask]
 
 
 @pytest.fixture
-def opened(tiny_study: Path, clock: SetClock) -> Iterator[Opened]:
+def opened(serve: Serve) -> Opened:
     """Return a function that serves the study with more in its file."""
-    made: list[Flask] = []
-
-    def open_with(more: str) -> Flask:
-        path = tiny_study / "study.toml"
-        path.write_text(path.read_text("utf-8") + more, "utf-8")
-        app = create_app(tiny_study)
-        with app.app_context():
-            attach(app, replace(running(), clock=clock))
-        made.append(app)
-        return app
-
-    yield open_with
-    for app in made:
-        with app.app_context():
-            running().database.close()
+    return lambda more: serve(added=more)
 
 
 def last_page(visitor: Visitor) -> PageReader:
@@ -106,33 +91,21 @@ def test_neither_failed_catch_trials_nor_one_failed_attention_check_cost_pay(
 
 
 def test_failed_attention_checks_are_counted_from_the_answers(
-    tiny_study: Path, clock: SetClock
+    opened: Opened, clock: SetClock
 ) -> None:
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8") + PROLIFIC
-    assert "[attention]" not in text
-    path.write_text(f"{text}[attention]\ntrials = 2\n", "utf-8")
-    app = create_app(tiny_study)
-    with app.app_context():
-        attach(app, replace(running(), clock=clock))
-        database = running().database
-    try:
-        visitor = Visitor(app, clock).enrol(BY_PROLIFIC)
-        page = visitor.begin().page()
-        while not page.soup.select("#completion-code"):
-            visitor.watch()
-            with database.reading() as session:
-                instructed = session.scalars(
-                    select(StudySession).where(StudySession.recruiter_participant == "p1")
-                ).one()
-                trial = next(t for t in instructed.trials if t.token == page.trial)
-                wrong = {} if trial.instructed is None else _other_than(trial.instructed)
-            assert visitor.post(page, **wrong)[0] == 303
-            page = visitor.page()
-        assert shown_code(page) == CODES["failed_attention"]
-        assert "asked you to choose a particular answer" in page.text
-    finally:
-        database.close()
+    app = opened(f"{PROLIFIC}[attention]\ntrials = 2\n")
+    visitor = Visitor(app, clock).enrol(BY_PROLIFIC)
+    page = visitor.begin().page()
+    while not page.soup.select("#completion-code"):
+        visitor.watch()
+        with app.app_context(), running().database.reading() as session:
+            trial = session.scalars(select(Trial).where(Trial.token == page.trial)).one()
+        wrong = {} if trial.instructed is None else _other_than(trial.instructed)
+        assert visitor.post(page, **wrong)[0] == 303
+        page = visitor.page()
+
+    assert shown_code(page) == CODES["failed_attention"]
+    assert "asked you to choose a particular answer" in page.text
 
 
 def _other_than(value: int) -> dict[str, str]:
@@ -379,16 +352,14 @@ def test_a_study_without_its_codes_is_not_served(opened: Opened) -> None:
         opened('[recruitment]\nchannel = "prolific"\n')
 
 
-def test_a_rehearsal_needs_no_recruiter(tiny_study: Path, tmp_path: Path) -> None:
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "prolific"\n', "utf-8")
-
-    app = create_app(
-        tiny_study, rehearsal_speed=10.0, database_url=f"sqlite:///{tmp_path / 'rehearsal.db'}"
+def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:
+    app = serve(
+        added='[recruitment]\nchannel = "prolific"\n',
+        rehearsal_speed=10.0,
+        database_url=f"sqlite:///{tmp_path / 'rehearsal.db'}",
     )
 
     with app.app_context():
         study: Study = running().study
-        assert study.recruitment.channel == "link"
-        assert app.test_client().get("/").status_code == 200
-        running().database.close()
+    assert study.recruitment.channel == "link"
+    assert app.test_client().get("/").status_code == 200

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import partial
-from pathlib import Path
 
 import pytest
 from flask import Flask
@@ -19,10 +18,9 @@ from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.intake import IntakeState
 from studyapp.session.arrival.intake_decisions import steer
 from studyapp.session.refusal import StudyFullError
-from studyapp.web.app import create_app
 from studyapp.web.running import running
-from tests.functional.redefining import redefine
 from tests.studyapp.session.test_form_answers import FORM
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 
 CONSENT = """
@@ -34,18 +32,10 @@ choices = ["yes"]
 ANDROID = "Mozilla/5.0 (Linux; Android 14; Pixel 8) Chrome/126.0 Mobile Safari/537.36"
 
 
-def app_of(folder: Path, *changes: tuple[str, str], more: str = "") -> Iterator[Flask]:
-    redefine(folder, *changes, added=more)
-    app = create_app(folder)
-    yield app
-    with app.app_context():
-        running().database.close()
-
-
 @pytest.fixture
-def asking(tiny_study: Path) -> Iterator[Flask]:
+def asking(serve: Serve) -> Flask:
     """Return the application of a study that asks at the entrance."""
-    yield from app_of(tiny_study, more=FORM + CONSENT)
+    return serve(added=FORM + CONSENT)
 
 
 def sent(client: FlaskClient, page: PageReader, **given: str) -> TestResponse:
@@ -257,33 +247,32 @@ def test_a_phone_is_guessed_from_what_it_calls_itself_until_the_script_has_measu
     assert page.one("#entrance").has_attr("hidden") is guessed
 
 
-def test_a_study_for_phones_too_asks_nobody_to_leave(tiny_study: Path) -> None:
-    for app in app_of(tiny_study, ("[page]\n", '[page]\nphones = "usable"\n')):
-        page = PageReader(app.test_client().get("/", headers={"User-Agent": ANDROID}).text)
+def test_a_study_for_phones_too_asks_nobody_to_leave(serve: Serve) -> None:
+    app = serve(("[page]\n", '[page]\nphones = "usable"\n'))
+    page = PageReader(app.test_client().get("/", headers={"User-Agent": ANDROID}).text)
 
-        assert page.soup.select("#phone") == []
-        assert not page.one("#entrance").has_attr("hidden")
-        assert "a computer" not in page.text
+    assert page.soup.select("#phone") == []
+    assert not page.one("#entrance").has_attr("hidden")
+    assert "a computer" not in page.text
 
 
 @pytest.mark.parametrize(("rule", "words"), [("deleted", "deleted"), ("kept", "kept, but not")])
 def test_consent_and_withdrawal_say_the_same_of_the_answers(
-    tiny_study: Path, rule: str, words: str
+    serve: Serve, rule: str, words: str
 ) -> None:
-    for app in app_of(tiny_study, ("[page]\n", f'[page]\nwithdrawn = "{rule}"\n')):
-        client = app.test_client()
-        consent = PageReader(client.get("/").text)
-        address = sent(client, consent).location
+    client = serve(("[page]\n", f'[page]\nwithdrawn = "{rule}"\n')).test_client()
+    consent = PageReader(client.get("/").text)
+    address = sent(client, consent).location
 
-        asked = client.get(f"{address}/withdraw").text
-        done = client.post(f"{address}/withdraw", follow_redirects=True).text
+    asked = client.get(f"{address}/withdraw").text
+    done = client.post(f"{address}/withdraw", follow_redirects=True).text
 
-        assert all(words in page for page in (consent.text, asked, done))
+    assert all(words in page for page in (consent.text, asked, done))
 
 
-def test_who_approved_the_study_is_told_before_anybody_agrees(tiny_study: Path) -> None:
+def test_who_approved_the_study_is_told_before_anybody_agrees(serve: Serve) -> None:
     plain = 'payment = "2.50 EUR"\n'
-    (app,) = app_of(tiny_study, (plain, f'{plain}ethics = "Ethics committee, no. 7 <b>"\n'))
+    app = serve((plain, f'{plain}ethics = "Ethics committee, no. 7 <b>"\n'))
 
     page = app.test_client().get("/", query_string={"visit": "x"}).text
 

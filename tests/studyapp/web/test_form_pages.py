@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import FormAnswer, Trial
-from studyapp.web.app import create_app
 from studyapp.web.participants.wording import SCALE as SCALE_WORDS
 from studyapp.web.running import attach, running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
 from tests.studyapp.web.walking import Walker
@@ -32,18 +30,9 @@ choices = ["never", "every day"]
 
 
 @pytest.fixture
-def asking(tiny_study: Path) -> Iterator[Flask]:
+def asking(serve: Serve) -> Flask:
     """Return the application of a study that asks about its participants."""
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + FORM + SCALE, "utf-8")
-    yield from served(tiny_study)
-
-
-def served(folder: Path) -> Iterator[Flask]:
-    app = create_app(folder)
-    yield app
-    with app.app_context():
-        running().database.close()
+    return serve(added=FORM + SCALE)
 
 
 def stored(app: Flask) -> dict[str, str]:
@@ -118,21 +107,10 @@ def test_lines_are_counted_and_stored_as_the_browser_counts_them(asking: Flask) 
     assert stored(asking)["work"] == lines.replace("\r\n", "\n")
 
 
-@pytest.fixture
-def checking(tiny_study: Path, clock: SetClock) -> Iterator[Flask]:
-    """Return the application of a study with an attention check, on a clock the test moves."""
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + "\n[attention]\ntrials = 1\n", "utf-8")
-    for app in served(tiny_study):
-        with app.app_context():
-            here = running()
-        attach(app, replace(here, clock=clock))
-        yield app
-
-
 def test_an_attention_check_looks_like_every_page_and_says_what_to_answer(
-    checking: Flask, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
+    checking = serve(added="\n[attention]\ntrials = 1\n")
     visitor = Visitor(checking, clock).enrol().begin()
     with checking.app_context(), running().database.reading() as session:
         trials = session.scalars(select(Trial).order_by(Trial.position)).all()

@@ -1,17 +1,15 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 from flask import Flask, render_template_string
 
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.design.message import Message
-from studyapp.web.app import create_app
 from studyapp.web.errors import told
 from studyapp.web.language import _, language_of, ngettext, say, speak
-from studyapp.web.running import running
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 
 NEXT = {"en": "Next", "de": "Weiter", "ja": "次へ"}
@@ -82,17 +80,13 @@ def test_scripts_get_their_texts_and_no_others() -> None:
 
 
 @pytest.mark.parametrize("code", NEXT)
-def test_a_study_is_served_in_the_language_of_its_file(tiny_study: Path, code: str) -> None:
-    definition = tiny_study / "study.toml"
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace("[page]", f'[page]\nlanguage = "{code}"'), "utf-8")
-    app = create_app(tiny_study)
+def test_a_study_is_served_in_the_language_of_its_file(serve: Serve, code: str) -> None:
+    app = serve(("[page]", f'[page]\nlanguage = "{code}"'))
 
     page = PageReader(app.test_client().get("/").text)
     missing = app.test_client().get("/nowhere", headers={"Accept": "application/json"})
 
     with app.app_context():
-        running().database.close()
         assert _("This page does not exist.") in missing.json["problem"]
     assert page.value("html", "lang") == code
     assert page.value("html", "dir") == "ltr"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
@@ -20,11 +19,10 @@ from studyapp.database.tables import Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
-from studyapp.web.app import create_app
 from studyapp.web.media_store.bucket import Bucket
 from studyapp.web.media_store.record import FILE, Place
 from studyapp.web.media_store.store import SIGNED_SECONDS, MediaStore
-from studyapp.web.running import attach, running
+from studyapp.web.running import running
 from tests.studyapp.s3_stand_in import (
     BUCKET,
     KEY,
@@ -35,6 +33,7 @@ from tests.studyapp.s3_stand_in import (
     use_keys,
 )
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor
 
 
@@ -71,15 +70,10 @@ def study(published: tuple[Path, Store], tmp_path: Path, empty_sqlite: Path) -> 
 
 
 @pytest.fixture
-def from_store(study: Path, store: Store, clock: SetClock) -> Iterator[Flask]:
+def from_store(study: Path, store: Store, serve: Serve) -> Flask:
     """Return the application of a study whose videos are in the store."""
     served = ServedStudy.read(study)
-    made = create_app(study, served=served, store=MediaStore.of(study, served))
-    with made.app_context():
-        here = running()
-    attach(made, replace(here, clock=clock))
-    yield made
-    here.database.close()
+    return serve(folder=study, served=served, store=MediaStore.of(study, served))
 
 
 def silent(_done: int, _total: int) -> None:

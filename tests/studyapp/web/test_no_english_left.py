@@ -6,21 +6,18 @@ would be English for everybody.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from flask import Flask
 
 from studyapp.study.settings.study import Study
-from studyapp.web.app import create_app
 from studyapp.web.language import Language, language_of, speak
-from studyapp.web.running import attach, running
+from studyapp.web.running import running
 from tests.functional.shown_studies import NAMES, write_shown_study
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.brackets import bracketed, left_in_english
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.walking import Walker
 
@@ -44,13 +41,9 @@ def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
 
 
 @pytest.fixture
-def walker(folder: Path, tmp_path: Path, clock: SetClock) -> Iterator[Walker]:
-    app = create_app(folder, database_url=f"sqlite:///{tmp_path / 'responses.db'}")
-    with app.app_context():
-        here = running()
-    attach(app, replace(here, clock=clock))
-    with closing(here.database):
-        yield Walker(app, clock)
+def walker(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Walker:
+    database_url = f"sqlite:///{tmp_path / 'walked.db'}"
+    return Walker(serve(folder=folder, database_url=database_url), clock)
 
 
 def study_of(app: Flask) -> Study:
@@ -106,11 +99,8 @@ def test_a_whole_study_can_be_taken_in_every_language(walker: Walker, code: str)
     assert last.heading == language.texts.gettext("Thank you – you have finished")
 
 
-def test_what_is_not_bracketed_is_seen(tiny_study: Path) -> None:
-    app = create_app(tiny_study)
-    study = study_of(app)
-    with app.app_context():
-        running().database.close()
+def test_what_is_not_bracketed_is_seen(serve: Serve) -> None:
+    study = study_of(serve())
     page = PageReader(f'<p title="⟦Help⟧ me">⟦say ⟦it⟧⟧ now, {study.title} A</p>')
 
     assert left_in_english(page, study) == "now me"

@@ -11,10 +11,10 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import Response, StudySession, Trial
-from studyapp.web.app import AT_ONCE, create_app
+from studyapp.web.app import AT_ONCE
 from studyapp.web.running import running
-from tests.functional.redefining import redefine
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
 
@@ -225,9 +225,9 @@ def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
     assert "than there was time for" in answer.json["problem"]
 
 
-def test_a_rehearsals_clock_may_run_faster(tiny_study: Path) -> None:
+def test_a_rehearsals_clock_may_run_faster(tiny_study: Path, serve: Serve) -> None:
     (tiny_study / "responses.db").unlink()
-    app = create_app(tiny_study, rehearsal_speed=1e6)
+    app = serve(rehearsal_speed=1e6)
     client = app.test_client()
     visitor = Visitor(app, SetClock()).enrol().begin()
     page = visitor.page()
@@ -237,8 +237,6 @@ def test_a_rehearsals_clock_may_run_faster(tiny_study: Path) -> None:
     assert client.post(address, json=WATCHED).json["missing"] == 0
     assert (tiny_study / "rehearsal.db").exists()
     assert not (tiny_study / "responses.db").exists()
-    with app.app_context():
-        running().database.close()
 
 
 def test_a_refresh_shows_the_same_trial_with_what_was_watched(visitor: Visitor) -> None:
@@ -290,11 +288,8 @@ def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
     assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
 
 
-def instructions(folder: Path) -> str:
-    app = create_app(folder)
+def instructions(app: Flask) -> str:
     text = Visitor(app, SetClock()).enrol().page().text
-    with app.app_context():
-        running().database.close()
     return re.sub(r"\s+", " ", text)
 
 
@@ -307,9 +302,8 @@ GENERATED = (
 )
 
 
-def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
-    redefine(tiny_study, *GENERATED)
-    text = instructions(tiny_study)
+def test_instructions_say_that_no_motion_is_recorded(serve: Serve) -> None:
+    text = instructions(serve(*GENERATED))
 
     assert "made by a computer" in text
     assert "Judge the gestures, not the face" in text
@@ -317,20 +311,17 @@ def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
     assert "practice" not in text
 
 
-def test_of_motion_that_is_brought_nobody_says_who_made_it(tiny_study: Path) -> None:
-    redefine(tiny_study, GENERATED[0])
-
-    assert "made by a computer" not in instructions(tiny_study)
+def test_of_motion_that_is_brought_nobody_says_who_made_it(serve: Serve) -> None:
+    assert "made by a computer" not in instructions(serve(GENERATED[0]))
 
 
-def test_instructions_follow_the_study(tiny_study: Path) -> None:
-    redefine(
-        tiny_study,
+def test_instructions_follow_the_study(serve: Serve) -> None:
+    app = serve(
         ('title = "Gestures', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
         ("practice = 1", "practice = 2"),
     )
 
-    text = instructions(tiny_study)
+    text = instructions(app)
 
     assert "The first 2 pairs are for practice" in text
     assert (
@@ -339,41 +330,40 @@ def test_instructions_follow_the_study(tiny_study: Path) -> None:
     )
 
 
-def test_a_study_with_a_recording_does_not_claim_to_have_none(tiny_study: Path) -> None:
-    redefine(tiny_study, ('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
+def test_a_study_with_a_recording_does_not_claim_to_have_none(
+    tiny_study: Path, serve: Serve
+) -> None:
     stimuli = tiny_study / "stimuli.json"
     stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
 
-    assert "made by a computer" not in instructions(tiny_study)
+    app = serve(('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
+
+    assert "made by a computer" not in instructions(app)
 
 
 @pytest.mark.parametrize("announced", [True, False])
 def test_practice_is_marked_only_where_the_study_announces_it(
-    tiny_study: Path, announced: bool
+    serve: Serve, announced: bool
 ) -> None:
-    if announced:
-        redefine(tiny_study, ("practice = 1", "practice = 1\nannounce_practice = true"))
-    app = create_app(tiny_study)
-    page = Visitor(app, SetClock()).enrol().begin().page()
-    with app.app_context():
-        running().database.close()
+    said = "practice = 1\nannounce_practice = true" if announced else "practice = 1"
+    page = Visitor(serve(("practice = 1", said)), SetClock()).enrol().begin().page()
 
     assert ("ractice" in page.text) is announced
 
 
 def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
-    tiny_study: Path, clock: SetClock
+    serve: Serve, clock: SetClock
 ) -> None:
     hostile = "<script>alert(1)</script>' onload='x"
     keys = (("title", "Gestures and speech"), ("contact", "gestures@example.org"))
-    redefine(tiny_study, *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys))
-    redefine(tiny_study, ("In which video do the gestures fit", hostile), ("You will", hostile))
-    app = create_app(tiny_study)
+    app = serve(
+        *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys),
+        ("In which video do the gestures fit", hostile),
+        ("You will", hostile),
+    )
     visitor = Visitor(app, clock)
     seen = [PageReader(visitor.client.get("/").text), visitor.enrol().page()]
     seen.append(visitor.begin().page())
-    with app.app_context():
-        running().database.close()
 
     for page in seen:
         assert hostile in page.soup.get_text()

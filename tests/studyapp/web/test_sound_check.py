@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import wave
-from collections.abc import Iterator
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -17,11 +15,10 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
 from studyapp.study.settings.page import Language
-from studyapp.web.app import create_app
 from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
-from tests.functional.redefining import redefine
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
 
@@ -59,12 +56,8 @@ def test_every_digit_sounds_different_and_is_heard_where_it_stands(language: Lan
 
 
 @pytest.fixture
-def listening(tiny_study: Path) -> Iterator[Flask]:
-    redefine(tiny_study, ("[page]\n", "[page]\nsound_check = true\n"))
-    app = create_app(tiny_study)
-    yield app
-    with app.app_context():
-        running().database.close()
+def listening(serve: Serve) -> Flask:
+    return serve(("[page]\n", "[page]\nsound_check = true\n"))
 
 
 @pytest.fixture

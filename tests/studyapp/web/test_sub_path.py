@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,12 +10,12 @@ from flask import Flask
 
 from motion.errors import InputError
 from studyapp.researchers.links import first_owner_link
-from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
+from studyapp.web.running import running
 from studyapp.web.sub_path import checked_prefix
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.walking import Walker
 
@@ -28,20 +25,10 @@ STATIC = Path(__file__).parents[3] / "studyapp" / "web" / "static"
 
 
 @pytest.fixture
-def below(
-    tiny_study: Path, clock: SetClock, empty_sqlite: Path, cheap_passwords: None
-) -> Iterator[Flask]:
+def below(serve: Serve, cheap_passwords: None) -> Flask:
     """Return the application of a study with every kind of page, below a path."""
-    definition = tiny_study / "study.toml"
-    text = definition.read_text("utf-8").replace("[page]", "[page]\nsound_check = true\n")
-    definition.write_text(text + FORM, "utf-8")
-    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
-    app = create_app(tiny_study, prefix=f"{PREFIX}/")
-    with app.app_context():
-        here = replace(running(), clock=clock)
-    attach(app, here)
-    yield app
-    here.database.close()
+    sound = ("[page]", "[page]\nsound_check = true\n")
+    return serve(sound, added=FORM, prefix=f"{PREFIX}/")
 
 
 def addresses(page: PageReader) -> list[str]:

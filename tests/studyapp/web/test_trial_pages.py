@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,9 +12,9 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import Response, Trial, Video
-from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
+from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
 
@@ -25,26 +23,21 @@ Arrive = Callable[..., Visitor]
 
 @pytest.fixture
 def arrive(
-    tmp_path: Path, finished_study: Callable[[str], Path], empty_sqlite: Path, clock: SetClock
-) -> Iterator[Arrive]:
+    tmp_path: Path,
+    finished_study: Callable[[str], Path],
+    empty_sqlite: Path,
+    serve: Serve,
+    clock: SetClock,
+) -> Arrive:
     """Return a function that brings a participant to the first trial of a protocol's study."""
-    with ExitStack() as closing:
 
-        def make(protocol: str, scale: str = "mean_opinion") -> Visitor:
-            folder = Path(shutil.copytree(finished_study(protocol), tmp_path / protocol))
-            shutil.copyfile(empty_sqlite, folder / "responses.db")
-            if scale != "slider":
-                path = folder / "study.toml"
-                text = path.read_text("utf-8")
-                path.write_text(text.replace('scale = "slider"', f'scale = "{scale}"'), "utf-8")
-            app = create_app(folder)
-            with app.app_context():
-                here = running()
-            attach(app, replace(here, clock=clock))
-            closing.callback(here.database.close)
-            return Visitor(app, clock).enrol().begin()
+    def make(protocol: str, scale: str = "mean_opinion") -> Visitor:
+        folder = Path(shutil.copytree(finished_study(protocol), tmp_path / protocol))
+        shutil.copyfile(empty_sqlite, folder / "responses.db")
+        scales = [('scale = "slider"', f'scale = "{scale}"')] if protocol == "rating" else []
+        return Visitor(serve(*scales, folder=folder), clock).enrol().begin()
 
-        yield make
+    return make
 
 
 def application(visitor: Visitor) -> Flask:

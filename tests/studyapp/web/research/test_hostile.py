@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from itertools import product
-from pathlib import Path
 
 from flask import Flask
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.links import invite, join
-from studyapp.web.app import create_app
-from studyapp.web.running import running
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -34,8 +32,8 @@ def test_a_script_that_somebody_stored_is_shown_as_text(
     owner.post("/research/study-sessions/1/exclusion", decision="exclude", **reason)
     owner.post("/research/newcomers/more", more="1", **reason)
     with stored.writing() as session:
-        sitting = session.get_one(StudySession, 1)
-        sitting.recruiter_participant = sitting.recruiter_study = SCRIPT
+        study_session = session.get_one(StudySession, 1)
+        study_session.recruiter_participant = study_session.recruiter_study = SCRIPT
         session.add(RefusalLine(study_session_id=1, at=clock.now(), kind="odd", detail=SCRIPT))
         session.add(
             FormAnswer(
@@ -156,10 +154,7 @@ def test_a_name_that_no_database_can_store_is_only_wrong(browser: ResearchBrowse
         assert "do not go together" in answer.text
 
 
-def test_a_rehearsal_has_no_pages_for_researchers(tiny_study: Path) -> None:
-    app = create_app(tiny_study, rehearsal_speed=10.0)
-    answer = app.test_client().get("/research/log-in")
-    with app.app_context():
-        running().database.close()
+def test_a_rehearsal_has_no_pages_for_researchers(serve: Serve) -> None:
+    answer = serve(rehearsal_speed=10.0).test_client().get("/research/log-in")
 
     assert answer.status_code == 404

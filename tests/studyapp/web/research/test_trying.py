@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from flask import Flask
 from sqlalchemy import func, select
 
@@ -15,9 +12,8 @@ from studyapp.database.tables import Base, Place, StudySession
 from studyapp.recruitment.tries import make_test_participation
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.visitor import Visitor
 
@@ -32,24 +28,6 @@ def rows(database: Database) -> dict[str, int | None]:
             for table in Base.metadata.sorted_tables
             if table.name not in CHANGED_BY_LOGGING_IN
         }
-
-
-@pytest.fixture
-def tried(tiny_study: Path, clock: SetClock) -> Iterator[Callable[[], Flask]]:
-    """Return a function that makes the application for tests, on a clock that the test moves."""
-    made: list[Database] = []
-
-    def make() -> Flask:
-        app = create_app(tiny_study, tried=True)
-        with app.app_context():
-            here = running()
-        attach(app, replace(here, clock=clock))
-        made.append(here.database)
-        return app
-
-    yield make
-    for database in made:
-        database.close()
 
 
 def test_a_researcher_takes_part_without_taking_a_place(
@@ -71,12 +49,12 @@ def test_a_researcher_takes_part_without_taking_a_place(
 
 
 def test_a_test_goes_through_the_whole_study_marked_on_every_page(
-    app: Flask, stored: Database, tried: Callable[[], Flask], tiny_study: Path, clock: SetClock
+    app: Flask, stored: Database, serve: Serve, tiny_study: Path, clock: SetClock
 ) -> None:
     served = ServedStudy.read(tiny_study)
     token = make_test_participation(tiny_study, served, clock, by="Ada")
     before = rows(stored)
-    tester = Visitor(tried(), clock).enrol(f"?invitation={token}").begin()
+    tester = Visitor(serve(tried=True), clock).enrol(f"?invitation={token}").begin()
 
     while (page := tester.page()).soup.select("video"):
         assert MARK in page.text
@@ -89,13 +67,13 @@ def test_a_test_goes_through_the_whole_study_marked_on_every_page(
 
 
 def test_there_is_a_place_for_every_test_and_all_are_erased(
-    tiny_study: Path, clock: SetClock, log_in: LogIn, tried: Callable[[], Flask]
+    tiny_study: Path, clock: SetClock, log_in: LogIn, serve: Serve
 ) -> None:
     served = ServedStudy.read(tiny_study)
     places = sum(arm.places for arm in served.study.arms)
     for _ in range(places + 1):
         token = make_test_participation(tiny_study, served, clock, by="Ada")
-        Visitor(tried(), clock).enrol(f"?invitation={token}")
+        Visitor(serve(tried=True), clock).enrol(f"?invitation={token}")
     database = Database.open(sqlite_url(StudyFolder(tiny_study).tries))
     with database.reading() as session:
         assert session.scalar(select(func.count(StudySession.id))) == places + 1
@@ -108,6 +86,6 @@ def test_there_is_a_place_for_every_test_and_all_are_erased(
     database.close()
 
 
-def test_without_a_link_there_is_nothing_to_try(app: Flask, tried: Callable[[], Flask]) -> None:
+def test_without_a_link_there_is_nothing_to_try(app: Flask, serve: Serve) -> None:
     assert app.test_client().get("/try/").status_code == 404
-    assert tried().test_client().get("/").status_code == 403
+    assert serve(tried=True).test_client().get("/").status_code == 403
