@@ -130,8 +130,7 @@ class SpeechModel(nn.Module):
 
     def latent(self, part: Part, filterbank: Tensor) -> Tensor:
         """Return one latent (batch, latent) of filterbanks; the other encoders are not asked."""
-        encoders = {"content": self.content, "emotion": self.emotion, "style": self.style}
-        found: Tensor = encoders[part](filterbank)[0]
+        found: Tensor = self.get_submodule(part)(filterbank)[0]
         return found
 
     def forward(self, filterbank: Tensor) -> HeardSpeech:
