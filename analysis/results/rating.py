@@ -22,6 +22,7 @@ from analysis.results.grouping import (
     nested,
     parts,
     set_name,
+    shown_conditions,
 )
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.participants import LeftOut
@@ -109,7 +110,7 @@ def rating_results(
     apart: list[PairHeterogeneity] = []
     models: dict[tuple[str, str], RatingModel] = {}
     for name, question, answers in parts(table, analysed):
-        shown = _conditions(table, answers)
+        shown = shown_conditions(answers)
         of = set_name(table, name)
         models[name, question] = rating_model(answers, shown)
         conditions += [
@@ -130,11 +131,6 @@ def rating_results(
         equivalence=tuple(equivalents),
         heterogeneity=corrected_tests(apart),
     )
-
-
-def _conditions(table: AnswerTable, answers: pd.DataFrame) -> tuple[str, ...]:
-    """Return the conditions that were rated, in the order of the table."""
-    return tuple(table.conditions[place] for place in np.unique(codes(answers, "condition")))
 
 
 def scores_of(table: AnswerTable) -> tuple[int, ...]:
