@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from motion.errors import InputError
-from studyapp.study.creation.written_rehearsal import with_others
+from studyapp.cli.rehearse_command import with_others
 from tests.studyapp.made_study import make_study
 
 
