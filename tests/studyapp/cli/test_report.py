@@ -69,21 +69,16 @@ def test_rules_of_the_command_line_are_applied_last_and_marked_exploratory(tmp_p
     assert found["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
 
 
-@pytest.mark.parametrize(
-    ("family", "inside"), [("against=ours", 2), ("primary=ours,other", 1), ("all", 3)]
-)
-def test_the_command_line_can_name_the_family_of_tests(
-    family: str, inside: int, tmp_path: Path
-) -> None:
+def test_the_command_line_can_name_the_family_of_tests(tmp_path: Path) -> None:
     table, out = tmp_path / "answers.csv", tmp_path / "out"
     pairwise_table(participants=6, segments=4).to_csv(table, index=False)
     run(
         *("--responses", str(table), "--protocol", "pairwise", "--out", str(out)),
-        *("--family", family),
+        *("--family", "primary=ours,other"),
     )
     found = json.loads((out / "results.json").read_text("utf-8"))
-    corrected = [one["decision"]["p_holm"] for one in found["comparisons"]]
-    assert sum(p is not None for p in corrected) == inside
+    corrected = [one["decision"]["p_holm"] is not None for one in found["comparisons"]]
+    assert sorted(corrected) == [False, False, True]
 
 
 @pytest.mark.parametrize(
