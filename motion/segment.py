@@ -29,7 +29,7 @@ def check_name(name: str, kind: str, where: object = "") -> str:
     """Return `name` if it is safe as a file name in a study folder, else raise `InputError`."""
     if not _NAME.fullmatch(name):
         raise InputError(
-            f"{name!r} is no usable {kind} name",
+            f"{name!r} is not a usable {kind} name",
             where=where,
             remedy="Use letters, digits, '_', '-' and '.', starting with a letter or digit",
         )

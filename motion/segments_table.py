@@ -80,7 +80,7 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
         return _parse(text, table)
     except csv.Error as error:
         raise InputError(
-            f"the table is no CSV: {error}", where=table, remedy="Save it as CSV in UTF-8"
+            f"the table is not CSV: {error}", where=table, remedy="Save it as CSV in UTF-8"
         ) from error
 
 
@@ -126,7 +126,7 @@ def _seconds(row: Mapping[str, str], column: str) -> float:
         return float(row[column])
     except ValueError as error:
         raise InputError(
-            f"{column} {row[column]!r} is no number", remedy="Give seconds such as 12.5"
+            f"{column} {row[column]!r} is not a number", remedy="Give seconds such as 12.5"
         ) from error
 
 

@@ -35,7 +35,7 @@ def said_plainly(
         said = error.response.get("Error", {})
         why = said.get("Message") or said.get("Code", "it gives no reason")
         raise InputError(f"{service} does not {what}: {why}", where=where, remedy=correct) from None
-    except (BotoCoreError, ValueError) as error:  # the latter of an endpoint that is no address
+    except (BotoCoreError, ValueError) as error:  # the latter of an endpoint that is not an address
         raise InputError(
             f"{service} cannot be asked to {what} ({type(error).__name__})",
             where=where,

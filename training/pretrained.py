@@ -55,7 +55,7 @@ class SavedNetworks:
         try:
             facts = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
-            raise self.refused("the file is no JSON", path) from error
+            raise self.refused("the file is not JSON", path) from error
         kind = facts.get("model_type") if isinstance(facts, dict) else None
         if kind not in self.types:
             wanted = " or ".join(self.types.values())

@@ -67,7 +67,7 @@ def renamed(
 def not_weights(file: Path, why: str) -> InputError:
     """Return the error for a file that holds no weights."""
     return InputError(
-        f"this is no file of network weights: {why}",
+        f"this is not a file of network weights: {why}",
         where=file,
         remedy="Give what torch.save(state_dict) or safetensors wrote, with tensors only",
     )

@@ -118,7 +118,7 @@ def excluded_by_hand() -> ExclusionRule:
 def incomplete() -> ExclusionRule:
     """Return the rule that removes who did not get through all trials.
 
-    A trial whose video would not play counts as done: that is no fault of the participant.
+    A trial whose video would not play counts as done: that is not a fault of the participant.
     """
 
     def judge(facts: ParticipantFacts) -> str | None:

@@ -207,7 +207,7 @@ def by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
 def _finite(values: NDArray[np.float32]) -> FloatArray:
     if not np.isfinite(values).all():
         raise InputError(
-            "the feature network says something of the clip that is no number",
+            "the feature network says something of the clip that is not a number",
             remedy="Train the network again",
         )
     return values

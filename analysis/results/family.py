@@ -79,7 +79,7 @@ def read_family(
     wanted = {"against": (1,), "primary": (2, 3)}.get(form.strip(), ())
     if len(parts) not in wanted or not all(parts):
         raise InputError(
-            f"{text!r} is no family of tests", where=where, remedy=f"Write one of: {FORMS}"
+            f"{text!r} is not a family of tests", where=where, remedy=f"Write one of: {FORMS}"
         )
     about, question = parts[:2] if form.strip() == "primary" else parts, "".join(parts[2:])
     for name, known in ((about, conditions), ((question,) if question else (), questions)):

@@ -45,7 +45,7 @@ class SignedRank:
         interval of that level exists.
     rank_biserial : float
         Share of the ranks above zero minus that below, in [-1, 1] (Kerby 2014); NaN where there
-        is no test.
+        is not a test.
     statistic : float
         Sum of the ranks of positive values; NaN where there is no test.
     p_value : float

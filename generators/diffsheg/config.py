@@ -130,7 +130,7 @@ class DenoiserConfig:
 
 def _check(fits: bool, what: str, remedy: str) -> None:
     if not fits:
-        raise InputError(f"this is no DiffSHEG network: {what}", remedy=remedy)
+        raise InputError(f"this is not a DiffSHEG network: {what}", remedy=remedy)
 
 
 BEAT: Final = DenoiserConfig(

@@ -37,7 +37,7 @@ def body_archive(path: Path) -> Iterator[NpzFile]:
                 yield archive
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(
-            "the file cannot be read as a body model: it is no NumPy archive, or damaged",
+            "the file cannot be read as a body model: it is not a NumPy archive, or damaged",
             where=path,
             remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
         ) from error

@@ -53,7 +53,7 @@ def read_expression_matrix(path: Path) -> FloatArray:
         )
     if not (np.abs(given) <= LARGEST_VALUE).all():
         raise InputError(
-            "the expression matrix holds a value that is no usable number",
+            "the expression matrix holds a value that is not a usable number",
             where=path,
             remedy="Replace NaN, infinite and huge values",
         )

@@ -128,7 +128,7 @@ def _parse(path: Path) -> _FaceFile:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise InputError(
-            f"the file is no JSON of facial weights ({place or 'whole file'}: {first['msg']})",
+            f"the file is not JSON of facial weights ({place or 'whole file'}: {first['msg']})",
             where=path,
             remedy="Give 'names' and 'frames' with 'time' and 'weights', as BEAT has them",
         ) from error

@@ -150,7 +150,7 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
     Raises
     ------
     InputError
-        If the file is no BVH, a row has the wrong number of columns or holds no finite
+        If the file is not a BVH, a row has the wrong number of columns or holds no finite
         numbers, or the header contradicts the rows and no `frame_rate` is given
         (`BvhFrameCountError`). The message names file and line.
     """
@@ -166,7 +166,7 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
     )
     if not lines or lines[0][1].upper() != "HIERARCHY" or motion_at is None:
         raise InputError(
-            "the file is no BVH: it has no HIERARCHY followed by MOTION",
+            "the file is not a BVH file: it has no HIERARCHY followed by MOTION",
             where=path,
             remedy="Give a BVH file, or export the motion again",
         )
@@ -217,7 +217,7 @@ def _rate_of(frame_time: str, where: str) -> float:
         seconds = Decimal(frame_time)
     except InvalidOperation as error:
         raise InputError(
-            f"frame time {frame_time!r} is no number", where=where, remedy="Give seconds"
+            f"frame time {frame_time!r} is not a number", where=where, remedy="Give seconds"
         ) from error
     if not seconds.is_finite() or not _SHORTEST_FRAME <= seconds <= _LONGEST_FRAME:
         raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
@@ -263,7 +263,7 @@ def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArr
             values[index] = [float(cell) for cell in cells]
         except ValueError as error:
             raise InputError(
-                f"the row holds a word that is no number ({error})",
+                f"the row holds a word that is not a number ({error})",
                 where=where,
                 remedy="Repair the row",
             ) from error

@@ -126,7 +126,9 @@ def _offset(words: list[str], where: str) -> tuple[float, float, float]:
         x, y, z = (float(word) for word in words[1:])
     except ValueError as error:
         raise InputError(
-            f"{' '.join(words)!r} is no offset of three numbers", where=where, remedy="Repair it"
+            f"{' '.join(words)!r} is not an offset of three numbers",
+            where=where,
+            remedy="Repair it",
         ) from error
     if not np.isfinite([x, y, z]).all():
         raise InputError("the offset is not finite", where=where, remedy="Repair it")
@@ -138,7 +140,7 @@ def _channels(words: list[str], where: str) -> tuple[str, ...]:
     unknown = [name for name in names if name not in _CHANNELS]
     if words[1:2] != [str(len(names))] or unknown or len(set(names)) != len(names):
         raise InputError(
-            f"{' '.join(words)!r} is no list of channels",
+            f"{' '.join(words)!r} is not a list of channels",
             where=where,
             remedy="Give their number, then names such as Xposition or Zrotation",
         )

@@ -147,7 +147,7 @@ def _load(path: Path, *, only: Collection[str]) -> Arrays:
         raise InputError("there is no such motion file", remedy="Check the path")
     if not zipfile.is_zipfile(path):
         raise InputError(
-            "the file is no .npz archive, or is truncated", remedy="Copy or export it again"
+            "the file is not an .npz archive, or is truncated", remedy="Copy or export it again"
         )
     arrays: dict[str, NDArray[Any]] = {}
     try:
@@ -289,5 +289,5 @@ def _provenance(arrays: Arrays) -> dict[str, str]:
         return _PROVENANCE.validate_json(str(arrays["provenance"]))
     except ValidationError as error:
         raise InputError(
-            "provenance is no JSON object of texts", remedy="Remove the key or generate again"
+            "provenance is not a JSON object of texts", remedy="Remove the key or generate again"
         ) from error

@@ -21,7 +21,7 @@ _JUMPS_AS_LARGE: Final = 3.0
 """How many times the later changes from row to row that must be."""
 
 _NEARLY_ALL: Final = 0.95
-"""Share of the later changes that counts: a glitch somewhere is no reason to show a T-pose."""
+"""Share of the later changes that counts: a glitch somewhere is not a reason to show a T-pose."""
 
 
 def settle_first_frame(motion: BvhMotion) -> BvhMotion:

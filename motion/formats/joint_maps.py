@@ -162,7 +162,7 @@ def read_joint_map(path: Path) -> JointMap:
         return _OWN_MAP.validate_python(tomllib.loads(path.read_text("utf-8-sig")))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, ValidationError) as error:
         raise InputError(
-            "the file is no joint map",
+            "the file is not a joint map",
             where=path,
             remedy='Give a line such as pelvis = "Hips" for each joint: SMPL-X\'s name, then the '
             "one in the motion file",

@@ -127,7 +127,7 @@ def _named(recording: _Recording, joint_map: JointMap | None) -> dict[str, Float
     if not finite.all():
         frame, joint = map(int, np.argwhere(~finite)[0])
         raise InputError(
-            f"{recording.names[joint]} is no number in frame {frame}",
+            f"{recording.names[joint]} is not a number in frame {frame}",
             remedy="Fill the gap or cut the frame",
         )
     if joint_map is not None:

@@ -61,7 +61,7 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
     Raises
     ------
     InputError
-        If the rest pose is no standing figure.
+        If the rest pose is not a standing figure.
     """
     return retarget_piece(motion, joint_map, None)[0]
 
@@ -212,7 +212,7 @@ def _figure_turn(source: Places, target: Places) -> Rotation:
         legs = source["pelvis"] - feet
         if np.degrees(np.arctan2(np.linalg.norm(np.cross(legs, up)), legs @ up)) > _UPRIGHT:
             raise InputError(
-                "the skeleton's rest pose (all rotations zero) is no standing figure",
+                "the skeleton's rest pose (all rotations zero) is not a standing figure",
                 remedy="Export the BVH with a T-pose or A-pose as its rest pose",
             )
     turn = _align((up, left), _axes(target))

@@ -49,7 +49,7 @@ def read_semantic_scores(path: Path) -> tuple[SemanticSpan, ...]:
     Raises
     ------
     InputError
-        If the file cannot be read or a row is no annotation; the message names file and line.
+        If the file cannot be read or a row is not an annotation; the message names file and line.
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
@@ -106,7 +106,7 @@ def _span(row: list[str], where: str) -> SemanticSpan:
 
 def _no_annotation(where: str) -> InputError:
     return InputError(
-        "the row is no annotation of a gesture",
+        "the row is not an annotation of a gesture",
         where=where,
         remedy="Give name, start, end, duration and score, separated by tabs; 0 <= start <= end",
     )

@@ -185,7 +185,7 @@ def _read_text_grid(path: Path) -> tuple[Word, ...]:
         entries = (named or tiers)[0].entries
     except Exception as error:  # praatio raises whatever its parsing runs into
         raise InputError(
-            "the file is no TextGrid with a tier of words",
+            "the file is not a TextGrid with a tier of words",
             remedy="Save it with Praat or an aligner, with intervals in a tier named words",
         ) from error
     return _words([(one.label, one.start, one.end) for one in entries])

@@ -95,7 +95,7 @@ def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np
     if not np.isfinite(joints).all():
         frame, joint = map(int, np.argwhere(~np.isfinite(joints))[0, :2])
         raise InputError(
-            f"{names[joint]} is no number in frame {frame}",
+            f"{names[joint]} is not a number in frame {frame}",
             remedy="Fill the gap or leave the frame out",
         )
     return {name: joints[:, index].astype(np.float64) for index, name in enumerate(names)}

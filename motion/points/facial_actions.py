@@ -93,7 +93,7 @@ def _check(shifts: FloatArray, count: int) -> None:
     if not np.isfinite(shifts).all():
         frame, landmark = map(int, np.argwhere(~np.isfinite(shifts))[0, :2])
         raise InputError(
-            f"landmark {landmark} is no number in frame {frame}",
+            f"landmark {landmark} is not a number in frame {frame}",
             remedy="Fill the gap or leave the frame out",
         )
     farthest = float(np.linalg.norm(shifts, axis=2).max(initial=0))

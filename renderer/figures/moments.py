@@ -44,7 +44,7 @@ class Moment:
             return cls(seconds=float(number), word=word.strip())
         except ValueError:
             raise InputError(
-                f"{text!r} is no moment", remedy="Give seconds such as 2.4, or 'word=2.4'"
+                f"{text!r} is not a moment", remedy="Give seconds such as 2.4, or 'word=2.4'"
             ) from None
 
     @property

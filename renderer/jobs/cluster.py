@@ -180,7 +180,7 @@ def _connected(address: str) -> Any:
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     client: Any = Client  # its methods carry no types
     try:
-        # A client made for what is no address hangs, and complains, when it is thrown away.
+        # A client made for what is not an address hangs, and complains, when it is thrown away.
         resolve_address(address)
         return client(address, timeout=_CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -112,7 +112,7 @@ def _packets(original: Any, wanted: list[Any], picture: Any, end: int) -> list[A
 
 def _unreadable(video: Path) -> InputError:
     return InputError(
-        "this is no video that can be played",
+        "this is not a video that can be played",
         where=video,
         remedy="Bring it as H.264 and AAC in MP4",
     )

@@ -22,7 +22,7 @@ def existing_study(root: Path) -> StudyFolder:
     folder = StudyFolder(root)
     if not folder.definition.exists():
         raise InputError(
-            "this is no study folder, study.toml is missing",
+            "this is not a study folder, study.toml is missing",
             where=folder.root,
             remedy=f"Make one with 'motionjury init {folder.root}'",
         )
@@ -150,7 +150,7 @@ def _checked_address(address: str) -> str:
     is_found = parts.scheme in ("http", "https") and parts.hostname
     if address and (not is_found or parts.query or parts.fragment):
         raise InputError(
-            "this is no address of a study",
+            "this is not an address of a study",
             where=f"address {address!r}",
             remedy="Give one such as https://study.example.org/",
         )

@@ -141,7 +141,7 @@ def _scale(text: str, protocol: str) -> tuple[int, int]:
     ends = re.fullmatch(r"(\d{1,4})-(\d{1,4})", text.strip())
     if ends is None or not int(ends[1]) < int(ends[2]) or protocol != "rating":
         raise InputError(
-            f"{text!r} is no scale of a {protocol} table",
+            f"{text!r} is not a scale of a {protocol} table",
             where="--scale",
             remedy="Of ratings, write the lowest and the highest, such as 1-5",
         )

@@ -88,7 +88,7 @@ def read_manifest(archive: Path) -> Manifest:
     Raises
     ------
     InputError
-        If it is no backup.
+        If it is not a backup.
     """
     with _opened(archive) as tar:
         return _manifest(tar, archive)
@@ -162,11 +162,11 @@ def _copied(tar: tarfile.TarFile, member: tarfile.TarInfo, place: Path | None) -
 def _manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
     member = tar.next()
     if member is None or member.name != NAME or member.size > LARGEST_MANIFEST:
-        raise InputError("this is no backup of a study", where=archive, remedy=REMEDY)
+        raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
     text = _text(tar, member, NAME, archive)
     digest = tar.next()
     if digest is None or digest.size > LARGEST_DIGEST:
-        raise InputError("this is no backup of a study", where=archive, remedy=REMEDY)
+        raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
     if _text(tar, digest, DIGEST, archive) != _digest_line(text):
         raise InputError(f"{NAME} is not what was written", where=archive, remedy=REMEDY)
     try:

@@ -210,7 +210,7 @@ def dated_name(study: str, manifest: Manifest) -> str:
 def remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list[Path]:
     """Remove the backups of one study in `folder` but for the newest `keep`, and return which.
 
-    Left alone is whatever is no backup, is of another study, or has another name than this
+    Left alone is whatever is not a backup, is of another study, or has another name than this
     command gives.
 
     Parameters

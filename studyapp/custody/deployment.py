@@ -127,7 +127,7 @@ def planned_deployment(
 def _name_of(folder: PurePosixPath) -> str:
     if not folder.is_absolute() or ".." in folder.parts or UNSAFE.search(str(folder)):
         raise InputError(
-            "this is no folder that a service could be given",
+            "this is not a folder that a service could be given",
             where=f"folder {str(folder)!r}",
             remedy="Name the whole path on the server, without quotes, $ and \\",
         )
@@ -153,7 +153,7 @@ def _checked_host(text: str) -> str:
     is_number = host.rpartition(".")[2].isdigit()
     if HOST.fullmatch(host) is None or len(host) > LONGEST_HOST or is_number:
         raise InputError(
-            "this is no name of a host",
+            "this is not a name of a host",
             where=f"host {text!r}",
             remedy="Give the name alone, such as study.example.org, without https://, port and "
             "path; letters other than a to z in the form xn--…",
@@ -165,7 +165,7 @@ def _checked_mail(text: str) -> str:
     found = MAIL.fullmatch(text)
     if text and (found is None or HOST.fullmatch(found[1].lower()) is None):
         raise InputError(
-            "this is no mail address",
+            "this is not a mail address",
             where=f"contact {text!r}",
             remedy="Give one such as ada@example.org",
         )

@@ -36,7 +36,7 @@ def _belongs(path: str) -> str:
         or (len(parts) > 1 and parts[0] in MEDIA and ".." not in parts and "\0" not in path)
     ) and path == "/".join(parts):
         return path
-    raise ValueError(f"{path!r} is no file of a study")
+    raise ValueError(f"{path!r} is not a file of a study")
 
 
 class _Part(BaseModel):

@@ -189,7 +189,7 @@ def _require_free(root: Path) -> None:
     if not root.exists():
         return
     if not root.is_dir():
-        raise InputError("this is no folder", where=root, remedy="Give a new or empty folder")
+        raise InputError("this is not a folder", where=root, remedy="Give a new or empty folder")
     there = sorted(path.name for path in root.iterdir() if path.name not in MEDIA)
     if any(name.startswith(_UNFINISHED) for name in there):
         raise InputError(

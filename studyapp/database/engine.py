@@ -91,7 +91,7 @@ class Database:
         Raises
         ------
         InputError
-            If the address is unusable, the file is no database or damaged, or a newer version
+            If the address is unusable, the file is not a database or damaged, or a newer version
             of Motion Jury made it.
         """
         with _explained(url):

@@ -100,7 +100,7 @@ def _written(out: Path) -> list[tuple[str, str]]:
     heading, *rows = _rows(out) or [[]]
     if tuple(heading) != COLUMNS or any(len(row) != len(COLUMNS) for row in rows):
         raise InputError(
-            "this is no table of invitations",
+            "this is not a table of invitations",
             where=out,
             remedy=f"Name another file with --out; its columns are {', '.join(COLUMNS)}",
         )

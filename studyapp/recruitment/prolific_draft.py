@@ -128,7 +128,7 @@ def require_public(address: str) -> None:
     """Raise `InputError` unless `address` is one that recruiters accept."""
     if not address.startswith("https://") or "?" in address or "#" in address:
         raise InputError(
-            "this is no address that a recruiter accepts",
+            "this is not an address that a recruiter accepts",
             where=address,
             remedy="Give the one at which the whole internet reaches the study, with https://",
         )

@@ -91,7 +91,7 @@ class PseudonymKey:
             secret = b""
         if len(secret) != KEY_BYTES:
             raise InputError(
-                "this is no key of pseudonyms",
+                "this is not a key of pseudonyms",
                 where=path,
                 remedy="Put a backup of it in its place; without it, participants get other "
                 "pseudonyms than in earlier exports, and then it may be removed",

@@ -197,5 +197,5 @@ def _labels(table: Path) -> Mapping[str, _Label]:
             }
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(
-            "the table is no CSV in UTF-8", where=table, remedy="Save it as CSV in UTF-8"
+            "the table is not CSV in UTF-8", where=table, remedy="Save it as CSV in UTF-8"
         ) from error

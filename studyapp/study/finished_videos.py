@@ -57,7 +57,7 @@ def seconds_of(video: Path) -> float:
             return (container.duration or 0) / av.time_base
     except (av.FFmpegError, OSError):
         raise InputError(
-            "this is no video that can be played",
+            "this is not a video that can be played",
             where=video,
             remedy="Bring it as H.264 and AAC in MP4",
         ) from None
@@ -79,7 +79,7 @@ def finished_segments(
     Raises
     ------
     InputError
-        If there is no video, no segment is left, or a file's name is no segment's.
+        If there is no video, no segment is left, or a file's name is not a segment's.
     """
     brought = {
         condition: {

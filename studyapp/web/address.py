@@ -68,7 +68,7 @@ def believed_proxies() -> tuple[Network, ...] | None:
     Raises
     ------
     InputError
-        If the environment names something that is no network.
+        If the environment names something that is not a network.
     """
     named = os.environ.get(PROXIES, "127.0.0.1,::1").split(",")
     if "*" in named:

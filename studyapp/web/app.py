@@ -92,7 +92,7 @@ def create_app(
     Raises
     ------
     InputError
-        If the study, its media or its database cannot be used, `prefix` is no path, or the
+        If the study, its media or its database cannot be used, `prefix` is not a path, or the
         study's design is not the one that its participants were asked about.
     """
     if rehearsal_speed is not None and not rehearsal_speed > 0:

@@ -121,7 +121,7 @@ def run_server(
     ------
     InputError
         Before anything is served: if the study or a video is missing, here or in the store, the
-        address is taken, the database cannot be used, `prefix` is no path,
+        address is taken, the database cannot be used, `prefix` is not a path,
         ``FORWARDED_ALLOW_IPS`` names no network, alarms cannot be sent as the study says, or the
         design has changed and `new_version` is not given.
     """

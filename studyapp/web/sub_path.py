@@ -64,12 +64,12 @@ def checked_prefix(text: str) -> str:
     Raises
     ------
     InputError
-        If it is no path that can stand in an address as it is.
+        If it is not a path that can stand in an address as it is.
     """
     path = text.rstrip("/")
     if path and PREFIX.fullmatch(path) is None:
         raise InputError(
-            "this is no path that a study can be served below",
+            "this is not a path that a study can be served below",
             where=f"prefix {text!r}",
             remedy="Begin it with / and use letters, digits, '-' and '_', such as /studies/one",
         )

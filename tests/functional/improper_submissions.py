@@ -150,7 +150,7 @@ class Attacker(Participant):
         first = judgement.asks[0]
         out_of_range = str(max(first.values) + 1)
         yield "a value that is out of range", {**good, first.field: [out_of_range]}
-        yield "a value that is no number", {**good, first.field: ["A"]}
+        yield "a value that is not a number", {**good, first.field: ["A"]}
         two = [str(value) for value in first.values[:2]]
         yield "two values for one question", {**good, first.field: two}
         for ask in {ask.question: ask for ask in judgement.asks}.values():

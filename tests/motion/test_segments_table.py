@@ -68,11 +68,11 @@ def test_spreadsheet_export_is_read(speech: Path) -> None:
     [
         ("s1,a.wav,0,5,x,neutral,", "segment 's1' is already on line 2"),
         ("s2,gone.wav,0,5,x,neutral,", "no file 'gone.wav'"),
-        ("s2,a.wav,zero,5,x,neutral,", "start 'zero' is no number"),
+        ("s2,a.wav,zero,5,x,neutral,", "start 'zero' is not a number"),
         ("s2,a.wav,0,nan,x,neutral,", "make no excerpt"),
         ("s2,a.wav,5,1,x,neutral,", "make no excerpt"),
         ("s2,a.wav,0,5,x,bored,", "unknown emotion 'bored'"),
-        ("s/2,a.wav,0,5,x,neutral,", "no usable segment name"),
+        ("s/2,a.wav,0,5,x,neutral,", "not a usable segment name"),
         ("s2,../a.wav,0,5,x,neutral,", "plain file name"),
         ("s2,a.wav,0,5,x,neutral,one, two", "8 cells for 7 columns"),
     ],
@@ -106,7 +106,7 @@ def test_table_without_rows_is_refused(speech: Path) -> None:
 
 
 def test_table_with_a_cell_beyond_measure_is_refused(speech: Path) -> None:
-    with pytest.raises(InputError, match=r"segments\.csv: the table is no CSV"):
+    with pytest.raises(InputError, match=r"segments\.csv: the table is not CSV"):
         read_segments(table(speech, f's1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n'))
 
 

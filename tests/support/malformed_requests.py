@@ -134,7 +134,7 @@ def _start(known: Known, chance: random.Random) -> bytes:
 
 
 def _answers(known: Known, chance: random.Random) -> bytes:
-    """Answer a trial with what is no answer."""
+    """Answer a trial with what is not an answer."""
     trial = chance.choice((*known.trials, "nobody's", "")).encode()
     value = chance.choice((*NUMBERS, "3", "-3", "", "clearly A")).encode()
     fields = [b"trial=" + trial, b"rhythm=" + value]

@@ -132,7 +132,7 @@ def test_bad_takes_are_named_and_cost_nobody_else_anything(tmp_path: Path, huber
     messages = {
         10: "values, the skeleton has",
         11: "not finite",
-        12: "no JSON of facial weights",
+        12: "not JSON of facial weights",
         13: "truncated",
         14: "more than 0.5 s apart",
         15: "the file is empty",

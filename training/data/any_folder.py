@@ -60,7 +60,7 @@ def read_takes(
         raise InputError(
             f"the folder holds no take of {known}"
             + (
-                f"; the first of {len(findings.skipped)} files is no take because "
+                f"; the first of {len(findings.skipped)} files is not a take because "
                 f"{findings.skipped[0].what}"
                 if findings.skipped
                 else ""

@@ -19,7 +19,7 @@ def read_beat_bvh(take: Take) -> BvhMotion:
     Raises
     ------
     InputError
-        If the file is no BVH or is damaged, or neither frame rate fits the sound.
+        If the file is not a BVH or is damaged, or neither frame rate fits the sound.
     """
     try:
         motion = read_bvh(take.motion)

@@ -204,7 +204,7 @@ def _computed(take: Take, feature: Feature) -> FloatArray:
     if not np.isfinite(values).all():
         frame, channel = map(int, np.argwhere(~np.isfinite(values))[0])
         raise InputError(
-            f"its {feature.name} is no number at frame {frame}, channel {channel}",
+            f"its {feature.name} is not a number at frame {frame}, channel {channel}",
             remedy="Repair or cut the recording",
         )
     return values

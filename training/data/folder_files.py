@@ -97,5 +97,5 @@ def has_arrays(path: Path, *keys: str) -> bool:
             return any(f"{key}.npy" in archive.namelist() for key in keys)
     except (OSError, zipfile.BadZipFile) as error:
         raise InputError(
-            "the file is no .npz archive, or is truncated", where=path, remedy="Copy it again"
+            "the file is not an .npz archive, or is truncated", where=path, remedy="Copy it again"
         ) from error

@@ -135,7 +135,7 @@ def _json_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
                 yield from ((name, word, str(path)) for name in names)
     except (ValueError, ValidationError) as error:
         raise InputError(
-            f"the split list is no JSON of names by split ({str(error).splitlines()[0]})",
+            f"the split list is not JSON of names by split ({str(error).splitlines()[0]})",
             where=path,
             remedy=_FORMS,
         ) from error

@@ -90,7 +90,8 @@ def train(
     Raises
     ------
     InputError
-        If the run kept in `folder` is another one, a loss is no number, or the device is missing.
+        If the run kept in `folder` is another one, a loss is not a number, or the device is
+        missing.
     TrainingStopped
         After Ctrl-C, or a request to end: the state is saved.
     """
@@ -232,7 +233,7 @@ class _Run(Generic[Network]):
         for name, value in values.items():
             if not math.isfinite(value):
                 raise InputError(
-                    f"{name} is no number any more after step {self._step}",
+                    f"{name} is no longer a number after step {self._step}",
                     where=self._folder.root,
                     remedy="Train with a smaller learning rate, in another place",
                 )

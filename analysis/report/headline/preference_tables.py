@@ -42,7 +42,7 @@ def sums_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
         f"{of_set(group.set)}Preferences in the layout of AMUSE's Table A.5: clear and slight "
         f"preferences for {group.one} and for {group.other}, in % of the n answers after "
         "exclusions. That table leaves “no difference” out; here it stands beside. The larger "
-        "share is bold, which is no test."
+        "share is bold, which is not a test."
     )
     return table_by_question(
         {(row.label, row.question): _sums(row) for row in group.rows},

@@ -49,7 +49,7 @@ def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -
         ("mean", "SD", "n"),
         caption=f"{of_set(conditions[0].set)}Mean and standard deviation of all ratings after "
         "exclusions, in the layout of S2UE's Table 2; n: ratings. Higher is better; the best mean "
-        "is bold and the second best underlined, which is no test.",
+        "is bold and the second best underlined, which is not a test.",
         name=name,
         data=data,
     )

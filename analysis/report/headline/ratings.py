@@ -203,7 +203,7 @@ def cumulative_pictures(
             caption=f"{of_set(conditions[0].set)}"
             "How many of a condition's ratings are a score or a higher one, in %, after exclusions "
             "(cumulative lower bound). A line that stays above another belongs to better ratings; "
-            "the figure is no test.",
+            "the figure is not a test.",
             data=_DATA,
             mark=mark,
         ),

@@ -121,14 +121,14 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     Raises
     ------
     InputError
-        If it is no amount with a currency, or nothing though the channel is a recruiting site.
+        If it is not an amount with a currency, or nothing though the channel is a recruiting site.
     """
     given = "" if text == "-" else text.strip().replace(",", ".")
     amount, _, currency = given.partition(" ")
     if re.fullmatch(r"\d+(\.\d)?", amount):
         amount = f"{Decimal(amount):.2f}"
     if not re.fullmatch(MONEY, amount):
-        raise InputError(f"{amount!r} is no amount", remedy="Give one such as 2.50 EUR")
+        raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
     if not amount or not Decimal(amount):
         if channel in RECRUITING_SITES:
             raise InputError("recruiting sites must be told what participants get")
@@ -136,7 +136,7 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     currency = currency or ("USD" if channel == "mturk" else "")
     if not re.fullmatch(r"[A-Za-z]{3}", currency):
         raise InputError(
-            f"{currency!r} is no currency" if currency else "an amount needs a currency",
+            f"{currency!r} is not a currency" if currency else "an amount needs a currency",
             remedy="Give its three letters after the amount, such as 2.50 EUR",
         )
     return Pay(amount=amount, currency=currency.upper())
@@ -148,7 +148,7 @@ def read_count(most: int, *, what: str) -> Callable[[str], int]:
     def read(text: str) -> int:
         if not text.isdecimal() or not 1 <= int(text) <= most:
             raise InputError(
-                f"{text!r} is no number of {what}",
+                f"{text!r} is not a number of {what}",
                 remedy=f"Give a whole number from 1 to {most}",
             )
         return int(text)

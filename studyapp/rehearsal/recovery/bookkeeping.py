@@ -28,7 +28,7 @@ class Check:
     remark : str
         What a difference would mean, or where it can come from; empty where it says itself.
     allowed : bool
-        Whether a difference is no fault.
+        Whether a difference is not a fault.
     """
 
     what: str

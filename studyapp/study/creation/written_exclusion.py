@@ -40,7 +40,7 @@ def read_exclusion(text: str, *, where: object) -> ExclusionSection:
     section = next((one for one in SECTIONS if _name(one) == name), None)
     if head is None or section is None:
         raise InputError(
-            f"{text!r} is no exclusion rule",
+            f"{text!r} is not an exclusion rule",
             where=where,
             remedy=f"Write one of {', '.join(map(_example, SECTIONS))}",
         )

@@ -43,7 +43,7 @@ def part_problems(key: str, parts: Sequence[Part], conditions: Collection[str]) 
         unknown = [name for name in part.conditions if name not in conditions]
         if unknown:
             known = ", ".join(conditions)
-            problems.append(f"{key}.{part.name}: {unknown[0]!r} is no condition ({known})")
+            problems.append(f"{key}.{part.name}: {unknown[0]!r} is not a condition ({known})")
         if len(set(part.conditions)) != len(part.conditions):
             problems.append(f"{key}.{part.name}: a condition is named twice")
     return problems

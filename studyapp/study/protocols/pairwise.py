@@ -91,7 +91,9 @@ class PairwiseStudy(Study):
         known = ", ".join(self.conditions)
         problems = super().problems()
         if self.reference not in self.conditions:
-            problems.append(f"reference {self.reference!r} is no condition of it ({known})")
+            problems.append(
+                f"reference {self.reference!r} is not a condition of the study ({known})"
+            )
         unused = "participants" if self.has_reference_arms else "participants_per_comparison"
         if unused in self.model_fields_set:
             problems.append(f"{unused} has no meaning with comparisons = {self.comparisons!r}")

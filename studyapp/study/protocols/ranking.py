@@ -81,7 +81,7 @@ class RankingStudy(GroupedStudy):
         problems = [*super().problems(), *part_problems("blocks", self.blocks, self.conditions)]
         if self.reference is not None and self.reference not in self.conditions:
             known = ", ".join(self.conditions)
-            problems.append(f"reference {self.reference!r} is no condition ({known})")
+            problems.append(f"reference {self.reference!r} is not a condition ({known})")
         for block in self.blocks:
             if self.reference in block.conditions:
                 problems.append(f"blocks.{block.name}: the reference is not ranked")

@@ -130,7 +130,7 @@ def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[st
         problems.append(f"catch condition {catch.condition!r} must not be one of the conditions")
     if catch.against is not None and catch.against not in conditions:
         known = ", ".join(conditions)
-        problems.append(f"catch.against {catch.against!r} is no condition ({known})")
+        problems.append(f"catch.against {catch.against!r} is not a condition ({known})")
     if catch.generator not in generator_names():
         problems.append(_unknown_generator("catch", catch.generator))
     elif needs_model(catch.generator):

@@ -251,7 +251,7 @@ def test_a_declared_family_alone_decides(
 
 @pytest.mark.parametrize(
     ("family", "words"),
-    [("againstx", "no family"), ("against=zebra", "zebra"), ("primary=a,b,speed", "speed")],
+    [("againstx", "not a family"), ("against=zebra", "zebra"), ("primary=a,b,speed", "speed")],
 )
 def test_a_family_that_cannot_be_is_refused(
     family: str, words: str, five: pd.DataFrame, tmp_path: Path

@@ -74,7 +74,7 @@ def test_a_pickle_that_runs_code_is_refused_unrun(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "net.pt").write_bytes(pickle.dumps({"encoder": _Trap()}, protocol=2))
-    with pytest.raises(InputError, match="no file of network weights"):
+    with pytest.raises(InputError, match="not a file of network weights"):
         load_released(tmp_path / "net.pt")
     assert not Path("sprung").exists()
 
@@ -82,7 +82,7 @@ def test_a_pickle_that_runs_code_is_refused_unrun(
 @pytest.mark.parametrize("content", [b"", b"no network", b"\x80\x02garbage"])
 def test_a_file_that_is_no_checkpoint_is_refused(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "net.pt").write_bytes(content)
-    with pytest.raises(InputError, match="no file of network weights"):
+    with pytest.raises(InputError, match="not a file of network weights"):
         load_released(tmp_path / "net.pt")
 
 

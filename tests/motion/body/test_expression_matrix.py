@@ -54,7 +54,7 @@ def test_empty_table_is_refused(tmp_path: Path) -> None:
     [
         ("m.npy", np.zeros((100, 51)), r"shape \(100, 51\)"),
         ("m.npz", np.zeros(5200), r"shape \(5200,\)"),
-        ("m.npy", np.full((100, 52), np.nan), "no usable number"),
+        ("m.npy", np.full((100, 52), np.nan), "not a usable number"),
         ("m.npy", np.full((100, 52), "x"), "type <U1"),
         ("m.npy", np.full((100, 52), None), "cannot be read"),
     ],

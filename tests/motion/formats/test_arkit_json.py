@@ -70,7 +70,7 @@ GOOD = np.full((3, 2), 0.5)
         (GOOD, {"names": ("jawOpen", "smirk")}, "unknown facial actions smirk"),
         (GOOD, {"names": ("jawOpen", "JawOpen")}, "occurs twice"),
         (GOOD, {"frames": []}, "frames: "),
-        (GOOD * np.nan, {}, "no JSON of facial weights"),
+        (GOOD * np.nan, {}, "not JSON of facial weights"),
         (
             GOOD,
             {"frames": [{"weights": [0, 0], "time": t} for t in (0, 0.1, 0.1)]},

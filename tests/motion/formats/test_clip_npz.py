@@ -176,8 +176,8 @@ BAD_POSES[2, 7] = np.nan
         ({"mocap_frame_rate": "fast"}, "holds no numbers"),
         ({"gender": "robot"}, "unknown gender 'robot'"),
         ({"gender": np.array(["male", "female"])}, "gender holds 2 values"),
-        ({"provenance": "{"}, "provenance is no JSON"),
-        ({"provenance": '{"seed": 1}'}, "provenance is no JSON object of texts"),
+        ({"provenance": "{"}, "provenance is not a JSON"),
+        ({"provenance": '{"seed": 1}'}, "provenance is not a JSON object of texts"),
         ({"gender": np.array({"a": 1}, dtype=object)}, "without running code"),
     ],
 )
@@ -207,7 +207,9 @@ def test_truncated_and_damaged_archives_are_refused_by_name(tmp_path: Path) -> N
     write_clip(path, random_clip())
     content = path.read_bytes()
     path.write_bytes(content[:-200])
-    with pytest.raises(InputError, match=r"a\.npz: the file is no \.npz archive, or is truncated"):
+    with pytest.raises(
+        InputError, match=r"a\.npz: the file is not an \.npz archive, or is truncated"
+    ):
         read_clip(path)
     path.write_bytes(content[:60] + bytes(440) + content[500:])
     with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):

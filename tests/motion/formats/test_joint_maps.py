@@ -28,7 +28,7 @@ def test_an_own_map_is_read_from_plain_lines(tmp_path: Path) -> None:
 def test_a_file_that_is_no_joint_map_is_named(tmp_path: Path, text: str) -> None:
     path = tmp_path / "joints.toml"
     path.write_text(text)
-    with pytest.raises(InputError, match=r"joints.toml: the file is no joint map"):
+    with pytest.raises(InputError, match=r"joints.toml: the file is not a joint map"):
         read_joint_map(path)
 
 

@@ -143,7 +143,10 @@ def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
         ({"joints": np.zeros((3, 22, 2)), "names": BODY_JOINTS}, "not in a picture"),
         ({"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS}, "no frame rate"),
         ({"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS, "fps": 30}, "one point in frame 0"),
-        ({"joints": np.full((3, 22, 3), np.nan), "names": BODY_JOINTS, "fps": 9}, "is no number"),
+        (
+            {"joints": np.full((3, 22, 3), np.nan), "names": BODY_JOINTS, "fps": 9},
+            "is not a number",
+        ),
         ({"joints": np.zeros((0, 22, 3)), "names": BODY_JOINTS, "fps": 30}, "no frame"),
         ({"joints": np.zeros((3, 1, 3)), "names": ["pelvis"], "fps": 30}, "lack left_shoulder"),
     ],

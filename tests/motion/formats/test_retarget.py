@@ -236,7 +236,7 @@ def test_rest_pose_that_does_not_stand_is_refused() -> None:
         x, y, z = offset
         return (x, -y, z) if "knee" in name or "ankle" in name else offset
 
-    with pytest.raises(InputError, match=r"no standing figure.*T-pose"):
+    with pytest.raises(InputError, match=r"not a standing figure.*T-pose"):
         at_rest(changed(folded))
 
 

@@ -26,7 +26,7 @@ def test_annotations_are_read_as_beat_writes_them(tmp_path: Path) -> None:
 def test_a_row_that_is_no_annotation_is_named(tmp_path: Path, row: str) -> None:
     path = tmp_path / "a.txt"
     path.write_text(f"ok\t0\t1\t1\t0.5\n{row}\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"a\.txt, line 2: the row is no annotation"):
+    with pytest.raises(InputError, match=r"a\.txt, line 2: the row is not an annotation"):
         read_semantic_scores(path)
 
 

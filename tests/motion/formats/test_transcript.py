@@ -76,7 +76,7 @@ def test_plain_text_is_spread_over_where_somebody_speaks(tmp_path: Path, audio: 
         ("a.csv", "word,from,to\na,0,1\n", "has no words"),
         ("a.csv", "word,start,end\na,x,1\n", r"line 2.*tells no time"),
         ("a.csv", "word,start,end\na,2,1\n", "is said from 2 to 1 s"),
-        ("a.TextGrid", "nothing", "no TextGrid"),
+        ("a.TextGrid", "nothing", "not a TextGrid"),
     ],
 )
 def test_what_is_no_transcript_of_the_speech_is_refused(

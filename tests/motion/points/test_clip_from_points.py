@@ -178,7 +178,10 @@ def test_a_recording_comes_back_from_ten_joints(
         (lambda p, n: (p[:, 1:], n[1:]), "lack pelvis"),
         (lambda p, n: (p, ("nose", *n[1:])), "unknown joint 'nose'"),
         (lambda p, n: (p, (*n[:-1], n[0])), "named twice"),
-        (lambda p, n: (p * np.where(np.arange(10)[:, None] == 3, np.nan, 1), n), "head is no num"),
+        (
+            lambda p, n: (p * np.where(np.arange(10)[:, None] == 3, np.nan, 1), n),
+            "head is not a num",
+        ),
         (lambda p, n: (1000 * p, n), "Give metres"),
         (lambda p, n: (0 * p, n), "are one point in frame 0"),
     ],
@@ -195,7 +198,7 @@ def test_what_is_wrong_with_joints_is_said(change: object, sentence: str) -> Non
     [
         (lambda s: s[:, 1:], "landmarks have shape"),
         (lambda s: s[1:], "2 frames of landmarks and 3 of joints"),
-        (lambda s: s + np.nan, "landmark 0 is no number in frame 0"),
+        (lambda s: s + np.nan, "landmark 0 is not a number in frame 0"),
         (lambda s: 1000 * s, "Give metres"),
     ],
 )

@@ -101,6 +101,6 @@ def test_what_is_no_video_is_named_and_nothing_is_written(tmp_path: Path, conten
         lambda: end_of(broken),
         lambda: copy_video(broken, tmp_path / "copy.mp4", lasts=LASTS, sound=True),
     ):
-        with pytest.raises(InputError, match=r"broken.mp4: this is no video"):
+        with pytest.raises(InputError, match=r"broken.mp4: this is not a video"):
             attempt()
     assert list(tmp_path.iterdir()) == [broken]

@@ -53,4 +53,4 @@ def test_a_bad_host_is_one_clear_sentence(tiny_study: Path) -> None:
     status, said = deploy(tiny_study, "--host", "https://study.example.org", "--print", "install")
 
     assert status == 1
-    assert said.startswith("Error: host 'https://study.example.org': this is no name of a host")
+    assert said.startswith("Error: host 'https://study.example.org': this is not a name of a host")

@@ -45,7 +45,7 @@ def test_videos_are_published_and_tried_as_a_browser_will(
         (["s3://Bucket_1"], "this names no bucket"),
         (["s3://bucket/../other"], "this names no bucket"),
         (["s3://bucket", "--endpoint", "http://s3.example.org"], "by https alone"),
-        (["s3://bucket", "--address", "study.example.org"], "no address of a study"),
+        (["s3://bucket", "--address", "study.example.org"], "not an address of a study"),
         ([], "nobody has said where"),
     ],
 )

@@ -85,8 +85,8 @@ def test_the_command_line_can_name_the_family_of_tests(tmp_path: Path) -> None:
     ("protocol", "arguments", "said"),
     [
         ("pairwise", ("--family", "against=nobody"), "names nobody"),
-        ("pairwise", ("--scale", "1-5"), "is no scale of a pairwise table"),
-        ("rating", ("--scale", "5"), "is no scale of a rating table"),
+        ("pairwise", ("--scale", "1-5"), "is not a scale of a pairwise table"),
+        ("rating", ("--scale", "5"), "is not a scale of a rating table"),
         ("rating", ("--scale", "2-5"), "on the scale from 2 to 5"),
     ],
 )

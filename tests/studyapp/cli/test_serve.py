@@ -60,9 +60,9 @@ def test_trying_prints_a_link_for_one_test(
     ("address", "said"),
     [
         ("https://study.example.org/two", "do not fit together"),
-        ("study.example.org/one", "no address of a study"),
-        ("https://study.example.org/one?a=b", "no address of a study"),
-        ("ftp://study.example.org/one", "no address of a study"),
+        ("study.example.org/one", "not an address of a study"),
+        ("https://study.example.org/one?a=b", "not an address of a study"),
+        ("ftp://study.example.org/one", "not an address of a study"),
     ],
 )
 def test_an_address_that_nobody_would_find_is_refused(

@@ -152,7 +152,7 @@ def test_a_file_that_changes_meanwhile_is_named(tmp_path: Path) -> None:
     ],
 )
 def test_no_path_leads_out_of_the_study(path: str) -> None:
-    with pytest.raises(ValidationError, match="no file of a study"):
+    with pytest.raises(ValidationError, match="not a file of a study"):
         entry(path, b"")
 
 
@@ -221,9 +221,9 @@ def test_a_manifest_that_is_none_is_refused(
 
 
 def test_other_archives_are_no_backups(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="this is no backup"):
+    with pytest.raises(InputError, match="this is not a backup"):
         read_manifest(forged(tmp_path / "out.tar", ("holiday.jpg", b"")))
-    with pytest.raises(InputError, match="this is no backup"):
+    with pytest.raises(InputError, match="this is not a backup"):
         read_manifest(forged(tmp_path / "empty.tar"))
 
 

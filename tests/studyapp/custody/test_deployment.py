@@ -27,7 +27,7 @@ GIVEN: dict[str, Any] = {
     ],
 )
 def test_what_is_no_host_is_refused(host: str) -> None:
-    with pytest.raises(InputError, match=r"no name of a host\. Give .*study\.example\.org"):
+    with pytest.raises(InputError, match=r"not a name of a host\. Give .*study\.example\.org"):
         planned_deployment(**GIVEN | {"host": host})
 
 
@@ -50,7 +50,7 @@ def test_a_folder_that_no_service_could_have_is_refused(folder: str) -> None:
 
 @pytest.mark.parametrize("contact", ["ada", "a@b@c", "ada@exa mple.org", "a\n@b.org", "}@b.org"])
 def test_what_is_no_mail_address_is_refused(contact: str) -> None:
-    with pytest.raises(InputError, match="no mail address"):
+    with pytest.raises(InputError, match="not a mail address"):
         planned_deployment(**GIVEN | {"contact": contact})
 
 

@@ -171,7 +171,7 @@ def test_a_database_of_another_schema_is_refused_and_stays_as_it_is(
 
 def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "damaged.db"
-    path.write_bytes(b"this is no database" * 1000)
+    path.write_bytes(b"this is not a database" * 1000)
 
     with pytest.raises(InputError, match=r"damaged\.db.*not a database.*backup"):
         Database.open(sqlite_url(path))

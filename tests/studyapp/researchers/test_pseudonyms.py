@@ -47,7 +47,7 @@ def test_a_damaged_key_is_refused_and_not_replaced(tmp_path: Path, content: byte
     path.write_bytes(content)
     path.chmod(0o600)
 
-    with pytest.raises(InputError, match="no key of pseudonyms"):
+    with pytest.raises(InputError, match="not a key of pseudonyms"):
         PseudonymKey.read_or_make(path)
     assert path.read_bytes() == content
 

@@ -153,7 +153,7 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
         (["strip", "--segment", SEGMENT, "--at", "x=1.5"], "0 to 1.00 s"),
         (["strip", "--segment", SEGMENT, *["--at", "0.1"] * 17], "1 to 16"),
         (["still", "--segment", SEGMENT, "--condition", "broken=x", "--at", "0"], "ground_truth, "),
-        (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is no moment"),
+        (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is not a moment"),
         (["strip", "--segment", SEGMENT, "--output", "strip.svg"], ".pdf or .png"),
         ([*BROKEN, "--at", "1", "--output", "a.jpg"], "as PNG"),
         (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),

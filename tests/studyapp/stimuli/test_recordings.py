@@ -230,7 +230,7 @@ def test_a_segment_length_that_is_no_number_is_refused(folder: StudyFolder, take
 def test_speech_whose_name_cannot_name_segments_is_told(
     folder: StudyFolder, take: MakeTake
 ) -> None:
-    with pytest.raises(InputError, match=r"my take\.wav: 'my take' is no usable segment name"):
+    with pytest.raises(InputError, match=r"my take\.wav: 'my take' is not a usable segment name"):
         import_take(folder, take(name="my take"))
 
 

@@ -156,7 +156,7 @@ def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
     for condition in study.study().conditions:
         for segment in study.segments():
             study.clip(condition, segment.name).write_text("torn")
-    with pytest.raises(InputError, match=r"take_01\.npz: the file is no \.npz archive"):
+    with pytest.raises(InputError, match=r"take_01\.npz: the file is not an \.npz archive"):
         render(study, processes=1)
     assert not study.videos.exists()
 

@@ -82,7 +82,7 @@ def test_a_table_tells_emotions_and_which_clips_are_of_one_recording(
     [
         (b"name,feeling\na,calm\n", "no column 'emotion'"),
         (b"", "no column 'emotion'"),
-        (b"name,emotion\na,\xff\n", "no CSV in UTF-8"),
+        (b"name,emotion\na,\xff\n", "not CSV in UTF-8"),
     ],
 )
 def test_a_table_that_cannot_be_used_is_named(

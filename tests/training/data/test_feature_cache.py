@@ -135,7 +135,7 @@ def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> N
     assert [take.name for take in found.takes] == ["take03"]
     broken, nan, empty = map(str, found.skipped)
     assert "take00.bvh: take take00: the motion is broken. Copy it again." in broken
-    assert "take01: its digit is no number at frame 3, channel 1" in nan
+    assert "take01: its digit is not a number at frame 3, channel 1" in nan
     assert "take02: its digit has shape (0, 2)" in empty
 
 

@@ -133,7 +133,7 @@ def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
     found = read_takes(tmp_path)
     assert [take.name for take in found.takes] == ["good"]
     bad, other = said(found)
-    assert "bad.npz: the file is no .npz archive, or is truncated" in bad
+    assert "bad.npz: the file is not an .npz archive, or is truncated" in bad
     assert "other.npz: the file holds no poses" in other
 
 
@@ -273,5 +273,5 @@ def test_its_files_are_those_it_has() -> None:
 
 @pytest.mark.parametrize("changes", [{"name": "a/b"}, {"name": ""}, {"emotion": "boredom"}])
 def test_unusable_names_and_emotions_are_refused(changes: dict[str, str]) -> None:
-    with pytest.raises(InputError, match=r"no usable take name|unknown emotion 'boredom'"):
+    with pytest.raises(InputError, match=r"not a usable take name|unknown emotion 'boredom'"):
         take(**changes)

@@ -91,9 +91,9 @@ def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> N
         ("a.csv", "first,second,third\n1,2,3\n", "has the columns first, second, third"),
         ("a.csv", "name,split\na,elsewhere\n", "names no split"),
         ("a.csv", "", "is empty"),
-        ("a.json", '["a"]', "no JSON of names by split"),
-        ("a.json", "{", "no JSON of names by split"),
-        ("a.json", '{"train": "a", "test": ["b"]}', "no JSON of names by split"),
+        ("a.json", '["a"]', "not JSON of names by split"),
+        ("a.json", "{", "not JSON of names by split"),
+        ("a.json", '{"train": "a", "test": ["b"]}', "not JSON of names by split"),
     ],
 )
 def test_unusable_lists_say_what_is_wrong(

@@ -162,7 +162,9 @@ def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -
 
 
 def test_a_loss_that_is_no_number_stops_the_run_and_says_what_to_do(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"loss is no number.*step 1.*smaller learning rate"):
+    with pytest.raises(
+        InputError, match=r"loss is no longer a number.*step 1.*smaller learning rate"
+    ):
         train(Line(factor=float("inf")), CONFIG, RunFolder(tmp_path))
     assert not (tmp_path / "checkpoint.safetensors").exists()
 

@@ -59,7 +59,7 @@ def test_import_says_which_flags_belong_together(tmp_path: Path, flags: list[str
 def test_import_of_a_broken_file_names_it(tmp_path: Path) -> None:
     invoke("init", tmp_path / "s")
     motion, speech = tmp_path / "take.bvh", tmp_path / "take.wav"
-    motion.write_text("this is no BVH")
+    motion.write_text("this is not a BVH")
     speech.write_bytes(b"nor is this sound")
     result = invoke(
         "import", motion, "--speech", speech, "--condition", "ground_truth",

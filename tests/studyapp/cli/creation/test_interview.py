@@ -77,12 +77,12 @@ def test_wrong_answers_are_told_and_asked_again(tmp_path: Path) -> None:
         "'broken' is what catch trials show",
         "there is no condition 'nobody' yet",
         "'theirs' is none of the conditions",
-        "'none' is no number of participants",
+        "'none' is not a number of participants",
         "recruiting sites must be told what participants get",
-        "'1.999' is no amount",
+        "'1.999' is not an amount",
         "an amount needs a currency",
-        "'pounds' is no currency",
-        "'1000' is no number of minutes",
+        "'pounds' is not a currency",
+        "'1000' is not a number of minutes",
         "'nobody' does not say how to reach anybody",
     ):
         assert said in result.output
@@ -211,7 +211,7 @@ def test_all_of_it_goes_by_options_too(tmp_path: Path) -> None:
         (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
         (["--recruit", "prolific"], "must be told --pay and --minutes"),
         (["--pay", "2.50"], "needs a currency"),
-        (["--pay", "much EUR"], "'much' is no amount"),
+        (["--pay", "much EUR"], "'much' is not an amount"),
     ],
 )
 def test_options_that_make_no_study_are_refused_and_nothing_is_written(

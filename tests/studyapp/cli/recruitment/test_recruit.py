@@ -271,7 +271,7 @@ def test_a_table_of_something_else_is_not_written_over(tiny_study: Path) -> None
 
     refused = run(tiny_study, "invite", "--count", "1", "--address", ADDRESS, "--out", str(other))
 
-    assert "no table of invitations" in refused.output
+    assert "not a table of invitations" in refused.output
     assert other.read_text("utf-8") == "a,b\n1,2\n"
 
 

@@ -239,7 +239,7 @@ def test_a_damaged_key_stops_the_export(answered: Answered, tmp_path: Path) -> N
     folder.pseudonym_key.write_text("no key\n")
     folder.pseudonym_key.chmod(0o600)
 
-    with pytest.raises(InputError, match="no key of pseudonyms"):
+    with pytest.raises(InputError, match="not a key of pseudonyms"):
         export(folder, tmp_path / "answers.csv")
     assert not (tmp_path / "answers.csv").exists()
 

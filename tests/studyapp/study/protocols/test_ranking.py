@@ -121,7 +121,7 @@ def test_ties_are_accepted_only_where_the_study_says_so(
     ("changes", "said"),
     [
         ({"reference": "ours"}, "the reference is not ranked"),
-        ({"reference": "nobody"}, "'nobody' is no condition"),
+        ({"reference": "nobody"}, "'nobody' is not a condition"),
         ({"blocks": [{**BLOCKS[0], "longest": 3}]}, "shortest is above longest"),
         ({"blocks": [{**BLOCKS[0], "conditions": ["ours"]}]}, "conditions"),
         ({"catch": {"trials": 1, "against": "real"}}, "the reference is shown apart"),

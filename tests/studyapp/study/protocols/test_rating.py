@@ -93,7 +93,10 @@ def test_a_slider_and_the_mean_opinion_have_the_five_quality_categories() -> Non
         ({"questions": [question("q", labels=LABELS, scale="mean_opinion")]}, "labels of its own"),
         ({"questions": [question("q", labels=LABELS, parts=["two"])]}, "unknown part 'two'"),
         ({"questions": [question("q", labels=LABELS, parts=["four"])]}, "asked in 'three'"),
-        ({"sets": [{"name": "a", "conditions": ["ours", "nobody"]}]}, "'nobody' is no condition"),
+        (
+            {"sets": [{"name": "a", "conditions": ["ours", "nobody"]}]},
+            "'nobody' is not a condition",
+        ),
         ({"sets": [{"name": "a", "conditions": ["ours", "ours"]}]}, "named twice"),
         ({"sets": KEYS["rating"]["sets"][:1] * 2}, "the same name"),
         ({"sets": []}, "sets"),

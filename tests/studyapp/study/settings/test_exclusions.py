@@ -133,7 +133,7 @@ def test_blanks_and_hyphens_do_not_matter(text: str, meant: str) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "'' is no exclusion rule"),
+        ("", "'' is not an exclusion rule"),
         ("coverage", "Write coverage<NUMBER"),
         ("coverage>0.9", "Write coverage<NUMBER"),
         ("catch>=1", "Write catch>NUMBER"),

@@ -46,7 +46,7 @@ def test_the_template_follows_the_published_design(study_file: Path) -> None:
     [
         ({"referenze": "x"}, "referenze: unknown key"),
         ({"video__colour": "red"}, "video.colour: unknown key"),
-        ({"reference": "amuse"}, "reference 'amuse' is no condition"),
+        ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
         ({"trials": 0}, "trials: Input should be greater"),
         ({"trials": "6"}, "trials: must be a whole number"),
         ({"practice": 20, "trials": 10}, "practice 20 is more than trials 10"),
@@ -152,7 +152,7 @@ def test_sources_are_made_before_what_starts_from_them(study_file: Path) -> None
 
 @pytest.mark.parametrize(
     ("family", "said"),
-    [("by question", ""), ("against=nobody", "names nobody"), ("the main ones", "no family")],
+    [("by question", ""), ("against=nobody", "names nobody"), ("the main ones", "not a family")],
 )
 def test_a_study_states_the_family_of_its_tests(family: str, said: str, study_file: Path) -> None:
     changed(study_file, family=family)

@@ -194,7 +194,7 @@ def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
     key = StudyFolder(tiny_study).pseudonym_key
     for text, reason in (
         (None, "drawn at the first export"),
-        ("nonsense", "this is no key of pseudonyms"),
+        ("nonsense", "this is not a key of pseudonyms"),
     ):
         if text is not None:
             key.write_text(text)

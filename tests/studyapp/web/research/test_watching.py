@@ -79,7 +79,7 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     people(app, clock)
     viewer = log_in("viewer")
     assert viewer.client.get("/research/rehearsal/").status_code == 404
-    (tiny_study / "rehearsal.db").write_bytes(b"this is no database" * 100)
+    (tiny_study / "rehearsal.db").write_bytes(b"this is not a database" * 100)
     damaged = viewer.get("/research/rehearsal/", status=409)
     assert "Run 'motionjury rehearse' again." in damaged.soup.get_text()
     path = shutil.copyfile(empty_sqlite, tiny_study / "rehearsal.db")
