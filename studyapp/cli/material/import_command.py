@@ -58,7 +58,7 @@ def command(
     """Bring MOTION into the study FOLDER.
 
     With --speech, one motion file and its recording become new segments. Without it, each
-    motion file must be named after a segment that the study has. With --from-video, FOLDER is no
+    motion file must be named after a segment that the study has. With --from-video, FOLDER is not a
     study but a folder of takes, which 'motionjury train' reads.
     """
     if video is not None:

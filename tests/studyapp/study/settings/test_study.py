@@ -11,7 +11,7 @@ from renderer.avatars import AVATARS
 from studyapp.study.creation.study_file import new_study
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import read_study
-from studyapp.study.settings.study import Video
+from studyapp.study.settings.video import Video
 
 
 @pytest.fixture
