@@ -19,7 +19,7 @@ import pandas as pd
 
 from analysis.answers.cells import Cells
 from analysis.answers.columns import PAIRWISE
-from analysis.answers.facts_of_participants import KnownFacts
+from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.known_values import KnownValue

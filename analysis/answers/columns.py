@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
+
+if TYPE_CHECKING:
+    # Serving a study reads kinds of trials, and need not wait for pandas.
+    import pandas as pd
 
 Needed = Literal["always", "analysed", "no"]
 

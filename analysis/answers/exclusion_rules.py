@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.answers.facts_of_participants import ParticipantFacts
+from analysis.answers.participant_facts import ParticipantFacts
 
 BY_HAND: Final = "researcher"
 """Name of the rule that removes whom researchers exclude one by one."""

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from analysis.results.grouping import Place
 from analysis.stats.holm import holm
 from motion.errors import InputError
+
+if TYPE_CHECKING:
+    # Serving a study reads families, and need not wait for pandas.
+    from analysis.results.grouping import Place
 
 FORMS = "all, by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]"
 

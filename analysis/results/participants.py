@@ -17,7 +17,8 @@ from analysis.answers.exclusion_rules import (
     failed_catch_trials,
     marked,
 )
-from analysis.answers.facts_of_participants import NOTHING_KNOWN, KnownFacts, facts_of
+from analysis.answers.facts_of_participants import NOTHING_KNOWN, facts_of
+from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.table import AnswerTable
 
 MAX_CATCH_FAILURES: Final = 1

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from analysis.answers.facts_of_participants import KnownFacts
+from analysis.answers.participant_facts import KnownFacts
 from studyapp.results.stored_answers import StoredAnswers
 from studyapp.session.exclusion import JudgedTrial
 from studyapp.study.design.asking import AnswerKey

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final, NamedTuple
 
-from analysis.answers.facts_of_participants import ParticipantFacts
+from analysis.answers.participant_facts import ParticipantFacts
 from studyapp.database.tables import StudySession, Trial
 from studyapp.study.settings.study import Study
 

@@ -19,7 +19,7 @@ from analysis.answers.exclusion_rules import (
     straight_lined,
     watched_less,
 )
-from analysis.answers.facts_of_participants import ParticipantFacts, SameAnswer
+from analysis.answers.participant_facts import ParticipantFacts, SameAnswer
 
 
 def someone(name: str = "a", **facts: object) -> ParticipantFacts:

@@ -10,12 +10,8 @@ import pandas as pd
 import pytest
 
 from analysis.answers.columns import LAYOUTS
-from analysis.answers.facts_of_participants import (
-    KnownFacts,
-    ParticipantFacts,
-    SameAnswer,
-    facts_of,
-)
+from analysis.answers.facts_of_participants import facts_of
+from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.reading import read_answers
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
 
