@@ -290,8 +290,9 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
             self._drop(conn)
 
     def _is_overdue(self, conn: Any, now: float) -> bool:
-        # Who sends slowly does not keep a server from ending.
-        hurry = REQUEST_SECONDS - CLOSING_SECONDS if conn.arrived and not self.alive else 0.0
+        # Who sends slowly, or has sent nothing yet, does not keep a server from ending.
+        hurries = not self.alive and (conn.arrived or conn.parser is None)
+        hurry = REQUEST_SECONDS - CLOSING_SECONDS if hurries else 0.0
         return self._until[conn] - hurry <= now
 
     def handle_error(self, req: Any, client: socket.socket, addr: Any, exc: Exception) -> None:
