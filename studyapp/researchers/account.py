@@ -31,7 +31,7 @@ class Right(Enum):
     STEER = "pause, resume, extend and close the study, and exclude participants from the analysis"
     UNBLIND = "look at results before the end, which is logged"
     NAME = "see by which name a recruiter knows a participant"
-    MANAGE = "invite researchers, change their roles, and shut them out"
+    MANAGE = "invite researchers, change their roles, and remove their access"
 
 
 RIGHTS: Final[Mapping[Role, frozenset[Right]]] = {
