@@ -113,7 +113,7 @@ soak-render: develop  ## Render 10,000 frames and print whether memory stays fla
 	$(BIN)/python -m benchmarks.rendering.soak
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m tools.pictures demo-study
 
 screens: setup-browser  ## Take every page of every protocol, in every size, light and dark.
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
@@ -124,7 +124,7 @@ command-pages: $(VENV)/.developed  ## Bring docs/commands up to date with the co
 guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh folder, and write what they print into them.
 	rm -rf build/guide
 	$(BIN)/python -m tools.handbook.guide build/guide
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/guide_pictures.py build/guide
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m tools.guide_pictures build/guide
 
 deploy-page: $(VENV)/.developed  ## Bring the files that docs/deploy.md shows up to date.
 	$(BIN)/python -m tools.handbook.deploy_page

@@ -1,4 +1,4 @@
-"""How long a report of a million answers takes, and what memory: ``… bench.report_benchmark``.
+"""How long a report of a million answers takes, and what memory: ``python -m benchmarks.report``.
 
 Prints ``name: value`` lines: seconds of the processor, seconds by the clock, and the most memory
 held, of a process of its own for each protocol's table and for a study's database.

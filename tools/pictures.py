@@ -1,4 +1,4 @@
-"""Take the pictures in docs/ from a study: ``python scripts/pictures.py demo-study``.
+"""Take the pictures in docs/ from a study: ``python -m tools.pictures demo-study``.
 
 A participant's page with its video playing, the first screen of the report, one rendered frame
 of every condition, everyone whom a study can show, and a figure as a paper shows it.
@@ -87,9 +87,8 @@ def picture_frames(folder: StudyFolder) -> None:
     clips = read_stimuli(folder.stimuli).clips
     for condition in dict.fromkeys(clip.condition for clip in clips):
         with av.open(str(folder.videos / "clips" / condition / f"{SEGMENT}.mp4")) as video:
-            frames.append(
-                next(f.to_image() for f in video.decode(video=0) if (f.time or 0) >= MOMENT)
-            )
+            at = next(f for f in video.decode(video=0) if (f.time or 0) >= MOMENT)
+            frames.append(Image.fromarray(at.to_ndarray(format="rgb24")))
     sheet = Image.new("RGB", (sum(frame.width for frame in frames), frames[0].height))
     for k, frame in enumerate(frames):
         sheet.paste(frame, (k * frame.width, 0))

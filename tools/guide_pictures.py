@@ -1,4 +1,4 @@
-"""Take the pictures of docs/guide.md in the folder it was run in: ``guide_pictures.py FOLDER``.
+"""Take the pictures of docs/guide.md where it was run: ``python -m tools.guide_pictures FOLDER``.
 
 A participant's page with its videos playing, the researchers' overview of the rehearsal, the first
 figure of the report, and the strip of frames.
@@ -11,7 +11,6 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
-from pictures import CHROMIUM_FLAGS, DOCS, play_first_trial, served
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
@@ -19,6 +18,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.links import first_owner_link
 from studyapp.study.folder import StudyFolder
+from tools.pictures import CHROMIUM_FLAGS, DOCS, play_first_trial, served
 
 PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"

@@ -1,6 +1,6 @@
 """Record the digits of the sound check with espeak-ng, in every language of the pages.
 
-Usage: python scripts/spoken_digits.py. It writes the files studyapp/web/digit_recordings/*/*.wav
+Usage: python -m tools.spoken_digits. It writes the files studyapp/web/digit_recordings/*/*.wav
 anew: 16 kHz, mono, cut close, each at the loudness of the videos.
 """
 
@@ -56,7 +56,7 @@ def cut_close(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def levelled(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return `samples` at `LOUDNESS`; one digit is too short to measure, so it is repeated."""
-    measured = pyloudnorm.Meter(RATE).integrated_loudness(np.tile(samples, 8))
+    measured: float = pyloudnorm.Meter(RATE).integrated_loudness(np.tile(samples, 8))
     return samples * 10 ** ((LOUDNESS - measured) / 20)
 
 
