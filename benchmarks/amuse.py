@@ -16,17 +16,17 @@ import torch
 from torch import Tensor
 
 from benchmarks.diffsheg import in_turns
-from generators.amuse.config import AMUSE, PARTS, SPEECH
+from generators.amuse.config import PARTS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import SpeechModel
-from training.layers.packing import pack
-from training.threads import torch_threads
+from training.device import torch_threads
+from training.layers.transformers import pack
 
 
 def speech_model(attention: str) -> SpeechModel:
     """Return a speech model of the released size that attends in this way."""
     torch.manual_seed(1)
-    model = SpeechModel(SPEECH).eval().requires_grad_(False)
+    model = SpeechModel(SpeechConfig()).eval().requires_grad_(False)
     for encoder in (model.content, model.emotion, model.style):
         encoder.transformer.config._attn_implementation = attention
     return model
@@ -59,8 +59,8 @@ def main() -> None:
     options.add_argument("--rounds", type=int, default=5)
     options.add_argument("--threads", type=int, default=torch.get_num_threads())
     given = options.parse_args()
-    motion = MotionModel(AMUSE).eval().requires_grad_(False)
-    latents, noise = [torch.randn(1, 1, 256) for _ in PARTS], torch.randn(1, 1, AMUSE.width)
+    motion = MotionModel(MotionConfig()).eval().requires_grad_(False)
+    latents, noise = [torch.randn(1, 1, 256) for _ in PARTS], torch.randn(1, 1, motion.config.width)
 
     def moved() -> Tensor:
         return motion.prior.decode(motion.sample(noise, latents))[0]
@@ -72,7 +72,8 @@ def main() -> None:
         finally:
             torch.backends.mha.set_fastpath_enabled(True)
 
-    heard, packed = torch.randn(1, SPEECH.frames, SPEECH.bands), speech_model("sdpa")
+    packed = speech_model("sdpa")
+    heard = torch.randn(1, packed.config.frames, packed.config.bands)
     pack(packed)
     plain = {name: speech_model(name) for name in ("eager", "sdpa")}
 

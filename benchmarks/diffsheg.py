@@ -31,8 +31,8 @@ from generators.diffsheg.sampling import (
     stream,
 )
 from generators.diffsheg.settings import Sampling, evaluations
+from training.device import torch_threads
 from training.hearing.speech_frames import SpeechFrames
-from training.threads import torch_threads
 
 SAMPLING: Final = Sampling()
 SEED: Final = 1

@@ -22,11 +22,9 @@ from generators.rule_based.generator import RuleBased
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
 from motion.formats import read_motion
-from motion.hands import FINGERS
 from motion.resample import resample
-from motion.rest_pose import REST_JOINTS
 from motion.segment import EMOTIONS, Segment
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import FINGERS, REST_JOINTS, forward_kinematics, joint_index
 
 FRAME_RATE: Final = 15.0
 RESTS: Final = 0.03

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -18,26 +18,28 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.cells import Cells
-from analysis.answers.columns import PAIRWISE
 from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.reading import Order, answers_in
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import PAIRWISE, AnswerTable
 from analysis.results.known_values import KnownValue
 from analysis.results.net_preference import sided
 from analysis.results.participants import LeftOut, leave_out
 from analysis.results.preference import win_share
 from motion.files import write_text
 from motion.segment import EMOTIONS, Segment
-from studyapp.rehearsal.simulation.conduct import Conduct
-from studyapp.rehearsal.simulation.judgement import judge
-from studyapp.rehearsal.simulation.kinds import DESCRIPTIONS, KINDS, Kind
-from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.judgement import Conduct, judge
+from studyapp.rehearsal.simulation.population import (
+    DESCRIPTIONS,
+    KINDS,
+    Kind,
+    Population,
+    default_population,
+)
+from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
-from studyapp.study.creation.template_language import template_text
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
+from studyapp.study.template_language import template_text
 
 REHEARSALS: Final = 200
 SEGMENTS_EACH: Final = 3
@@ -72,7 +74,7 @@ class Tally:
     Attributes
     ----------
     truth, found, widths : list of float
-        By rehearsal: the share put in, the share found, and half the width of its interval.
+        By rehearsal: the true share, the share found, and half the width of its interval.
     inside, right, wrong : int
         How many intervals hold the truth, and how many exclude one half on the right and on the
         wrong side.
@@ -215,7 +217,7 @@ def measure(rehearsals: int = REHEARSALS) -> list[str]:
         f"for its comparison of `{study.reference}` with `{study.others[0]}`, {len(segments)} "
         f"segments, {study.trials} analysed pairs each, its own population and rules.",
         "",
-        "| question | participants | put in | found | ± half interval | holds what was put in "
+        "| question | participants | true value | found | ± half interval | holds the true value "
         "| better one found | worse one found |",
         "|---|---|--:|--:|--:|--:|--:|--:|",
         *(_question_line(name, "after exclusions", kept[name]) for name in kept),
@@ -239,7 +241,8 @@ def _removed(made: Simulated, left_out: LeftOut) -> Iterator[tuple[Kind, str]]:
 
 def _add(tally: Tally, study: PairwiseStudy, answers: pd.DataFrame, entry: KnownValue) -> None:
     own = answers[answers["question"] == entry.question]
-    share = win_share(sided(own, (own["right"] == study.reference).to_numpy(bool)))
+    of_reference = (own["right"] == study.reference).to_numpy(bool)
+    share = win_share(replace(sided(own), on_right=of_reference))
     tally.add(entry.value, share.estimate, share.low, share.high)
 
 

@@ -16,8 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.measurement.joint_motion import joint_motion
-from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, WRISTS, select
+from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, WRISTS, joint_motion, select
 from analysis.metrics.result import Metric, MetricResult
 from motion.clip import MotionClip
 from motion.errors import InputError

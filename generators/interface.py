@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -163,3 +165,17 @@ def required_source(source: StudyClips | None, generator: str) -> StudyClips:
             remedy="Name that condition as its source in study.toml",
         )
     return source
+
+
+def provenance_of(generator: str, seed: int, speech: SpeechSegment) -> dict[str, str]:
+    """Return what the provenance of every generated clip says."""
+    return {"generator": generator, "seed": str(seed), "segment": speech.segment.name}
+
+
+def with_length(clip: MotionClip, frames: int) -> MotionClip:
+    """Return `clip` cut to `frames`, or continued without a jump where it is too short.
+
+    It continues by running backwards from its last frame, then forwards again from its first.
+    """
+    there_and_back = np.concatenate([np.arange(len(clip)), np.arange(len(clip) - 2, 0, -1)])
+    return clip.frames(np.resize(there_and_back, frames))

@@ -1,21 +1,163 @@
-"""Which generators there are; none is imported before it is asked for."""
+"""Which generators there are, and what can be trained of them; each is imported when asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any, Final, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, cast
+
+from pydantic import TypeAdapter
 
 from generators.interface import Generator
 from generators.settings import ModelSettings, Settings
-from generators.trainable import Trainable
 from motion.errors import InputError
+
+if TYPE_CHECKING:
+    from training.data.take import TakeFolder
+
+Show = Callable[[int, int, str], None]
+"""Told how much is done, of how much, and what was last."""
+
+
+def unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+Device = Literal["cpu", "cuda"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingChoice:
+    """A setting that only this generator has.
+
+    Attributes
+    ----------
+    name : str
+        As the command line tells it, such as ``ablation``.
+    help : str
+        What it does, for whoever reads the command's help.
+    values : tuple of str
+        What it may be; a path where there are none.
+    file : bool
+        Whether that is a file's path, and not a folder's.
+    """
+
+    name: str
+    help: str
+    values: tuple[str, ...] = ()
+    file: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trainable:
+    """What can be trained of a generator.
+
+    Attributes
+    ----------
+    summary : str
+        One sentence for the list of commands.
+    explanation : str
+        What a researcher should know before.
+    configs : mapping of str to str
+        Sizes by name, with what each is for; the first is usual.
+    home : str
+        Where its `TrainGenerator` lives, ``module:function``.
+    choices : tuple of TrainingChoice
+        Settings of its own.
+    taken_by : str
+        The command that takes the network's file, which stands for ``{out}`` in it.
+    """
+
+    summary: str
+    explanation: str
+    configs: Mapping[str, str]
+    home: str
+    choices: tuple[TrainingChoice, ...] = ()
+    taken_by: str
+
+    def load(self) -> TrainGenerator:
+        """Return what trains it; its module is imported now."""
+        return cast("TrainGenerator", _named(self.home))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingRequest:
+    """What a researcher asks for.
+
+    Attributes
+    ----------
+    takes : TakeFolder
+        The recordings.
+    out : Path
+        File of the network, which the generator takes as its checkpoint.
+    cache : Path
+        Folder that keeps what is computed of the recordings.
+    config : str
+        One of `Trainable.configs`.
+    changes : mapping
+        Fields of `training.config.TrainingConfig` that are to differ from the config's.
+    choices : mapping of str to str
+        Of the generator's own choices, those that were made.
+    device : {'cpu', 'cuda'}
+        Where it is computed.
+    show_preparing, show_training : callable
+        Told about progress.
+    """
+
+    takes: TakeFolder
+    out: Path
+    cache: Path
+    config: str
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    choices: Mapping[str, str] = field(default_factory=dict)
+    device: Device = "cpu"
+    show_preparing: Show = unseen
+    show_training: Show = unseen
+
+    @property
+    def run(self) -> Path:
+        """Folder of the run."""
+        return run_of(self.out)
+
+
+def run_of(out: Path) -> Path:
+    """Return the folder of the run that makes the network's file `out`."""
+    return out.with_suffix(".run")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainedGenerator:
+    """What came out.
+
+    Attributes
+    ----------
+    sentences : tuple of str
+        What was learned, from what, and how well, for whoever asked.
+    skipped : tuple of InputError
+        Recordings that could not be used.
+    warnings : tuple of str
+        What should make them doubt it.
+    """
+
+    sentences: tuple[str, ...]
+    skipped: tuple[InputError, ...]
+    warnings: tuple[str, ...] = ()
+
+
+TrainGenerator = Callable[[TrainingRequest], TrainedGenerator]
+"""Trains a generator's network and writes its file, or goes on where an earlier call stopped.
+
+Raises InputError if the recordings do not fit or the run that is kept is another one, and
+`training.run.loop.TrainingStopped` after Ctrl-C; the state is saved then.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """Where a generator lives, what it takes, and how it is trained.
+    """Where a generator lives and what it takes.
 
     Attributes
     ----------
@@ -27,42 +169,37 @@ class Entry:
     settings : str or None
         Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
         One whose weights must be given has `generators.settings.ModelSettings`.
-    trainable : mapping of str to str
-        Its networks that learn, by the name that trains them: `generators.trainable.Trainable`,
-        ``module:name``.
     """
 
     home: str
     needs_source: bool = False
     settings: str | None = None
-    trainable: Mapping[str, str] = field(default_factory=dict)
 
 
 GENERATORS: Final = {
     "rule_based": Entry(home="generators.rule_based.generator:RuleBased"),
-    "mismatched": Entry(home="generators.mismatched:Mismatched", needs_source=True),
-    "static": Entry(home="generators.static:Static"),
-    "broken": Entry(home="generators.broken:Broken", needs_source=True),
+    "mismatched": Entry(home="generators.controls:Mismatched", needs_source=True),
+    "static": Entry(home="generators.controls:Static"),
+    "broken": Entry(home="generators.controls:Broken", needs_source=True),
     "diffsheg": Entry(
         home="generators.diffsheg.generate:DiffSheg",
         settings="generators.diffsheg.settings:DiffShegSettings",
-        trainable={"diffsheg": "generators.diffsheg.config:TRAINABLE"},
     ),
     "amuse": Entry(
         home="generators.amuse.generate:Amuse",
         settings="generators.amuse.settings:AmuseSettings",
-        trainable={
-            "amuse": "generators.amuse.config:TRAINABLE",
-            "amuse-speech": "generators.amuse.config:TRAINABLE_SPEECH",
-        },
     ),
     "s2ue": Entry(
         home="generators.s2ue.generate:S2ue",
         settings="generators.s2ue.settings:S2ueSettings",
-        trainable={"s2ue": "generators.s2ue.config:TRAINABLE"},
     ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""
+
+TRAINABLE: Final = TypeAdapter(dict[str, Trainable]).validate_python(
+    tomllib.loads(Path(__file__).with_name("trainables.toml").read_text("utf-8"))
+)
+"""What can be trained, under the name that trains it."""
 
 
 def generator_names() -> tuple[str, ...]:
@@ -88,7 +225,7 @@ def settings_type(name: str) -> type[Settings]:
 
 def trainable_names() -> tuple[str, ...]:
     """Return the names of the networks that can be trained here."""
-    return tuple(name for entry in GENERATORS.values() for name in entry.trainable)
+    return tuple(TRAINABLE)
 
 
 def trainable_of(name: str) -> Trainable:
@@ -99,9 +236,8 @@ def trainable_of(name: str) -> Trainable:
     InputError
         If nothing learns under that name.
     """
-    for entry in GENERATORS.values():
-        if name in entry.trainable:
-            return cast("Trainable", _named(entry.trainable[name]))
+    if name in TRAINABLE:
+        return TRAINABLE[name]
     raise InputError(
         f"the generator {name} does not learn" if name in GENERATORS else f"there is no {name!r}",
         remedy=f"Train one of {', '.join(trainable_names())}",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -22,8 +21,8 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
+from motion.files import sha256_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,8 +178,7 @@ def content(value: object) -> object:
     if value.is_dir():
         files = (path for path in sorted(value.rglob("*")) if path.is_file())
         return tuple((path.name, content(path)) for path in files)
-    with value.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return sha256_of(value)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,12 +11,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import correlate1d, maximum_filter1d
+from scipy.ndimage import maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import PARENTS, forward_kinematics, joint_index
+from motion.placement import averaged
+from motion.skeleton import PARENTS, REST_JOINTS, forward_kinematics, joint_index
 
 FloatArray = NDArray[np.float64]
 
@@ -126,14 +126,9 @@ def _smooth(turns: FloatArray, reach: int) -> FloatArray:
     """
     size = np.linalg.norm(turns, axis=1)
     largest = maximum_filter1d(size, 2 * reach + 1, mode="nearest")
-    around, sizes = _averaged(turns, 2 * reach), _averaged(size, 2 * reach)
-    share = _averaged(largest, reach) / np.maximum(sizes, 1e-9)
+    around, sizes = averaged(turns, 2 * reach), averaged(size, 2 * reach)
+    share = averaged(largest, reach) / np.maximum(sizes, 1e-9)
     return np.asarray(around * share[:, None])
-
-
-def _averaged(values: FloatArray, reach: int) -> FloatArray:
-    weights = np.hanning(2 * reach + 3)[1:-1]
-    return np.asarray(correlate1d(values, weights / weights.sum(), axis=0, mode="nearest"))
 
 
 def _with_arm_turned(clip: MotionClip, shoulder: int, turn: FloatArray) -> MotionClip:

@@ -1,8 +1,12 @@
-"""A motion clip: what one body and face do over time, in SMPL-X's own terms."""
+"""A motion clip: what one body and face do over time, in SMPL-X's own terms.
+
+A study holds some channels of all clips still, so that what a condition lacks does not give it
+away.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final, Self
@@ -11,17 +15,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from motion.skeleton import JOINT_COUNT
+from motion.skeleton import (
+    FACE_JOINTS,
+    FINGERS,
+    JOINT_COUNT,
+    LEFT_HAND_JOINTS,
+    RELAXED_HANDS,
+    RIGHT_HAND_JOINTS,
+    joint_index,
+)
 
 FloatArray = NDArray[np.float32]
 
-ARKIT_COUNT: Final = 52
+ARKIT_NAMES: Final = (
+    "browDownLeft", "browDownRight", "browInnerUp", "browOuterUpLeft", "browOuterUpRight",
+    "cheekPuff", "cheekSquintLeft", "cheekSquintRight", "eyeBlinkLeft", "eyeBlinkRight",
+    "eyeLookDownLeft", "eyeLookDownRight", "eyeLookInLeft", "eyeLookInRight", "eyeLookOutLeft",
+    "eyeLookOutRight", "eyeLookUpLeft", "eyeLookUpRight", "eyeSquintLeft", "eyeSquintRight",
+    "eyeWideLeft", "eyeWideRight", "jawForward", "jawLeft", "jawOpen", "jawRight", "mouthClose",
+    "mouthDimpleLeft", "mouthDimpleRight", "mouthFrownLeft", "mouthFrownRight", "mouthFunnel",
+    "mouthLeft", "mouthLowerDownLeft", "mouthLowerDownRight", "mouthPressLeft",
+    "mouthPressRight", "mouthPucker", "mouthRight", "mouthRollLower", "mouthRollUpper",
+    "mouthShrugLower", "mouthShrugUpper", "mouthSmileLeft", "mouthSmileRight",
+    "mouthStretchLeft", "mouthStretchRight", "mouthUpperUpLeft", "mouthUpperUpRight",
+    "noseSneerLeft", "noseSneerRight", "tongueOut",
+)  # fmt: skip
+"""The 52 facial actions of Apple's ARKit, in the order in which clips hold them."""
+
+ARKIT_COUNT: Final = len(ARKIT_NAMES)
 EXPRESSION_COUNT: Final = 100
 GENDERS: Final = ("neutral", "female", "male")
 MIN_FRAME_RATE: Final = 1.0
 MAX_FRAME_RATE: Final = 1000.0
 LARGEST_VALUE: Final = 1e6
 """Far beyond any radian, metre or coefficient of a body; larger numbers are damage."""
+
+
+def arkit_index(name: str) -> int:
+    """Return the index of facial action `name` in `ARKIT_NAMES`."""
+    return ARKIT_NAMES.index(name)
 
 
 def check_frame_rate(frame_rate: float) -> None:
@@ -51,7 +83,7 @@ class MotionClip:
     expressions : ndarray, shape (T, 100), float32, or None
         SMPL-X expression coefficients.
     arkit : ndarray, shape (T, 52), float32, or None
-        ARKit blendshape weights in [0, 1], in the order of `motion.face.ARKIT_NAMES`.
+        ARKit blendshape weights in [0, 1], in the order of `motion.clip.ARKIT_NAMES`.
     gender : str
         ``neutral``, ``female`` or ``male``: which SMPL-X template the betas belong to.
     provenance : mapping of str to str
@@ -142,3 +174,75 @@ class MotionClip:
     def with_provenance(self, **facts: str) -> Self:
         """Return the clip with `facts` added to its provenance."""
         return replace(self, provenance={**self.provenance, **facts})
+
+
+_LEGS: Final = ("hip", "knee", "ankle", "foot")
+_JOINTS_OF_CHANNEL: Final = MappingProxyType(
+    {
+        "face": FACE_JOINTS,
+        "hands": (*LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS),
+        "lower_body": tuple(f"{side}_{part}" for part in _LEGS for side in ("left", "right")),
+        "root": ("pelvis",),
+    }
+)
+CHANNELS: Final = tuple(_JOINTS_OF_CHANNEL)
+
+_TURNS: Final = 0.02
+"""Radians that a joint turns at least where it can be seen to move."""
+
+_SHIFTS: Final = 0.005
+"""Metres, of the root."""
+
+_FACIAL: Final = 0.05
+"""Of a facial action's weight or an expression's coefficient."""
+
+
+def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
+    """Return `clip` with `channels` held at neutral values in every frame.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion.
+    channels : collection of str
+        Any of `CHANNELS`. ``face``: jaw, eyes, expressions and ARKit weights are zero.
+        ``hands``: fingers are relaxed. ``lower_body``: legs are straight. ``root``:
+        the pelvis stays at the origin and faces +z.
+
+    Raises
+    ------
+    InputError
+        If a channel is unknown.
+    """
+    unknown = sorted(set(channels) - set(CHANNELS))
+    if unknown:
+        raise InputError(
+            f"unknown channel {unknown[0]!r} to freeze", remedy=f"Use any of {', '.join(CHANNELS)}"
+        )
+    poses = clip.poses.copy()
+    for channel in channels:
+        poses[:, [joint_index(name) for name in _JOINTS_OF_CHANNEL[channel]]] = 0
+    if "hands" in channels:
+        poses[:, FINGERS] = RELAXED_HANDS
+    frozen = replace(clip, poses=poses)
+    if "root" in channels:
+        frozen = replace(frozen, trans=np.zeros_like(clip.trans))
+    if "face" in channels:
+        frozen = replace(
+            frozen,
+            expressions=None if clip.expressions is None else np.zeros_like(clip.expressions),
+            arkit=None if clip.arkit is None else np.zeros_like(clip.arkit),
+        )
+    return frozen
+
+
+def moving_channels(clip: MotionClip) -> frozenset[str]:
+    """Return the channels of `clip` that can be seen to move."""
+    seen = {
+        name: [np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0) > _TURNS]
+        for name, joints in _JOINTS_OF_CHANNEL.items()
+    }
+    seen["root"].append(np.ptp(clip.trans, axis=0) > _SHIFTS)
+    facial = (value for value in (clip.expressions, clip.arkit) if value is not None)
+    seen["face"].extend(np.ptp(value, axis=0) > _FACIAL for value in facial)
+    return frozenset(name for name, parts in seen.items() if any(part.any() for part in parts))

@@ -1,8 +1,8 @@
-"""The one family of errors that a person is meant to read."""
+"""Messages: the one family of errors that a person is meant to read, and lists in sentences."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 
@@ -43,3 +43,8 @@ def found_at(where: object) -> Iterator[None]:
 def _without_stop(words: str) -> str:
     # Words of other libraries' errors, and of other messages, bring stops of their own.
     return words.rstrip(". \n")
+
+
+def listed(words: Sequence[str]) -> str:
+    """Return ``a, b and c``; empty where there are no words."""
+    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

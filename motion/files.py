@@ -1,17 +1,33 @@
-"""Writing files in one step, so that an interruption leaves the old file or the new one."""
+"""Files: written in one step, told apart by their content, and safe to open in a spreadsheet."""
 
 from __future__ import annotations
 
+import hashlib
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_FORMULA_STARTS: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "'")
+"""A spreadsheet takes a cell for a formula by its first character. An apostrophe is among them so
+that the ones written by `harmless_cell` can be told from those that were there."""
+
+_NUMBER: Final = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+
+APOSTROPHE: Final = "'"
 
 
 @contextmanager
 def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
     """Give a temporary path beside `path` that takes its place when the block succeeds.
+
+    An interruption leaves the old file or the new one, never half of one.
 
     Parameters
     ----------
@@ -44,3 +60,63 @@ def write_text(path: Path, text: str, *, private: bool = False) -> None:
     """Write UTF-8 `text` to `path` in one step, as `replacing` does."""
     with replacing(path, private=private) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file's content in hexadecimal digits."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def harmless_cell(text: str) -> str:
+    """Return `text` with an apostrophe before it where a spreadsheet might run it as a formula.
+
+    Spreadsheets take the apostrophe for 'this is text' and do not show it. Plain numbers such as
+    ``-2`` are no formulas and stay as they are.
+    """
+    # Spaces before a formula do not keep every spreadsheet from running it.
+    if not text.lstrip(" ").startswith(_FORMULA_STARTS) or _NUMBER.fullmatch(text):
+        return text
+    return APOSTROPHE + text
+
+
+def cell_as_given(text: str) -> str:
+    """Return what `harmless_cell` was given for `text`; all other text stays as it is."""
+    rest = text[1:]
+    return rest if text[:1] == APOSTROPHE and harmless_cell(rest) == text else text
+
+
+def harmless_frame(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return `frame` with `harmless_cell` of all its text, headings included."""
+    # Who has a frame has pandas already; who only wants cells need not wait for it.
+    import pandas as pd
+
+    return pd.DataFrame(
+        {
+            _harmless(name): frame.iloc[:, place].map(_harmless, na_action="ignore")
+            if _holds_text(frame.iloc[:, place])
+            else frame.iloc[:, place]
+            for place, name in enumerate(frame.columns)
+        },
+        index=frame.index,
+    )
+
+
+def _harmless(value: object) -> object:
+    return harmless_cell(value) if isinstance(value, str) else value
+
+
+def _holds_text(column: pd.Series[Any]) -> bool:
+    from pandas.api.types import is_object_dtype, is_string_dtype
+
+    return bool(is_object_dtype(column.dtype) or is_string_dtype(column.dtype))
+
+
+def digest(*parts: object) -> str:
+    """Return a short digest of `parts`: the contents of paths, the text form of all else."""
+    state = hashlib.sha256()
+    for part in parts:
+        content = part.read_bytes() if isinstance(part, Path) else repr(part).encode()
+        state.update(len(content).to_bytes(8, "little"))
+        state.update(content)
+    return state.hexdigest()[:32]

@@ -1,7 +1,9 @@
 """Putting a motion into the study's world: y up, facing +z, feet on the floor at the origin.
 
 Data sets disagree about which axis is up, which way a person faces and where they stand. None
-of it is gesture, but all of it would show in a video and give a condition away.
+of it is gesture, but all of it would show in a video and give a condition away. Many hold no
+translation, or drop it: the legs then move while the pelvis hangs in the air, and feet hover or
+sink.
 """
 
 from __future__ import annotations
@@ -10,14 +12,95 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import correlate1d
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
-from motion.ground import ground_height, sole_heights
-from motion.rest_pose import REST_JOINTS
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+
+FloatArray = NDArray[np.float64]
+
+_STILL: Final = 1e-4
+"""Metres within which a height that never changes lies; less than any recording's noise."""
+
+SINKS_AT_MOST: Final = 0.004
+"""Metres that a sole may be below the ground."""
+
+_SMOOTHED_OVER: Final = 0.1
+"""Seconds before and after a frame that its height may depend on."""
+
+_BEHIND_ANKLE: Final = 0.7
+_BEFORE_TOES: Final = 1.0
+"""How far heel and toes reach beyond ankle and foot joint, as shares of the way between those."""
 
 _TURN_WORTH_SAYING: Final = 1.0
 """Degrees of turning up to which nobody needs to know."""
+
+_SIDES: Final = ("left", "right")
+
+
+def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> MotionClip:
+    """Return `clip` with its lower foot on the ground in every frame, if its height says nothing.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion. Where its height changes at all it is returned as it is.
+    rest_joints : ndarray, shape (55, 3)
+        Joints of the unposed body that it is put on, in metres.
+
+    Returns
+    -------
+    MotionClip
+        Only `trans` differs, and only in height. No sole is further below the ground than
+        `SINKS_AT_MOST`; the height changes smoothly, so that soles may be a little above it while
+        the legs move fast. Sliding of the feet along the ground is left: without translation
+        nobody knows where the body went.
+    """
+    if np.ptp(clip.trans[:, 1]) > _STILL:
+        return clip
+    lift = ground_height(rest_joints) - sole_heights(clip, rest_joints)
+    trans = clip.trans.copy()
+    trans[:, 1] += _smooth(lift, round(_SMOOTHED_OVER * clip.frame_rate))
+    return replace(clip, trans=trans)
+
+
+def ground_height(rest_joints: NDArray[np.floating]) -> float:
+    """Return the height of the soles' joints of the unposed body, in metres.
+
+    The soles themselves lie lower by what is between the joints and the floor.
+    """
+    return float(min(rest_joints[joint_index(f"{side}_foot"), 1] for side in _SIDES))
+
+
+def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatArray:
+    """Return how high the lowest of both heels and toes is in each frame, shape (T,), in metres.
+
+    They are the ends of a flat plate at the height of the foot's joint, which turns with the foot.
+    """
+    positions, turned = forward_kinematics(clip.poses, clip.trans, rest_joints)
+    heights = []
+    for side in _SIDES:
+        ankle, foot = joint_index(f"{side}_ankle"), joint_index(f"{side}_foot")
+        along = rest_joints[foot] - rest_joints[ankle]
+        heel = np.array([-_BEHIND_ANKLE, 1.0, -_BEHIND_ANKLE]) * along
+        toes = np.array([_BEFORE_TOES, 0.0, _BEFORE_TOES]) * along
+        for joint, offset in ((ankle, heel), (foot, toes)):
+            heights.append((positions[:, joint] + turned[:, joint] @ offset)[:, 1])
+    return np.asarray(np.min(heights, axis=0))
+
+
+def averaged(values: FloatArray, reach: int) -> FloatArray:
+    """Return `values`, shape (T, …), averaged by a Hann window over `reach` frames to each side."""
+    weights = np.hanning(2 * reach + 3)[1:-1]
+    return np.asarray(correlate1d(values, weights / weights.sum(), axis=0, mode="nearest"))
+
+
+def _smooth(lift: FloatArray, reach: int) -> FloatArray:
+    """Return `lift` averaged with what is within `reach` frames, and hardly anywhere below it."""
+    smooth = averaged(lift, reach)
+    return np.maximum(smooth, lift - SINKS_AT_MOST)
 
 
 def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:

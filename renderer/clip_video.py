@@ -1,4 +1,4 @@
-"""One motion clip as a video with its speech, and as lossless frames to compose pairs from."""
+"""One motion clip: as a video with its speech, as lossless frames for pairs, as single pictures."""
 
 from __future__ import annotations
 
@@ -9,25 +9,24 @@ from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 from scipy import sparse
 
 from motion.audio import read_audio
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
+from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.files import replacing
 from motion.formats.clip_npz import read_clip
-from motion.freeze import freeze
-from motion.ground import stand_on_ground
+from motion.placement import stand_on_ground
 from motion.resample import resample
 from renderer.contact_shadow import ContactShadow, ShadowCaster
+from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.video.canvas import Canvas
-from renderer.video.channels import VIDEO
-from renderer.video.encoder import SOUND_RATE, VideoWriter
-from renderer.video.loudness import at_common_loudness
+from renderer.loudness import at_common_loudness
+from renderer.picture import SUPERSAMPLING, VIDEO, Canvas
 
 FRAMES_AT_ONCE: Final = 16
 """Frames whose vertices are in memory together, and that are drawn in one box round all of them."""
@@ -120,7 +119,7 @@ def write_clip_video(
         The excerpt of `speech` in seconds; the video has ``round((end - start) * frame_rate)``
         frames.
     frozen : tuple of str
-        Channels to hold still, as `motion.freeze.freeze` names them.
+        Channels to hold still, as `motion.clip.freeze` names them.
     frames : Path or None
         Where to write frames without loss, from which pairs are composed.
     video : Path or None
@@ -173,7 +172,7 @@ def as_shown(
     duration : float
         Seconds of the segment's speech.
     frozen : tuple of str
-        Channels to hold still, as `motion.freeze.freeze` names them.
+        Channels to hold still, as `motion.clip.freeze` names them.
     frame_rate : float
         Frames per second to show it at.
 
@@ -254,3 +253,32 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
         np.multiply(a[:, left], b[:, right], out=result[:, axis])
         result[:, axis] -= a[:, right] * b[:, left]
     return result
+
+
+def still(stage: Stage, clip: MotionClip, seconds: float) -> Image.Image:
+    """Return the frame of `clip` that is shown at `seconds`, as RGB of the look's size."""
+    return large_still(stage, frame_at(clip, seconds)).reduce(SUPERSAMPLING)
+
+
+def large_still(stage: Stage, pose: MotionClip) -> Image.Image:
+    """Return the first frame of `pose` as RGB, `SUPERSAMPLING` times the look's size."""
+    picture = next(stage.pictures(pose))
+    return Image.fromarray(picture[..., :3].copy())
+
+
+def frame_at(clip: MotionClip, seconds: float) -> MotionClip:
+    """Return the one frame of `clip` that is shown at `seconds`, as a clip of its own.
+
+    Raises
+    ------
+    InputError
+        If `seconds` is not within the clip.
+    """
+    if not 0 <= seconds <= clip.duration:
+        raise InputError(
+            f"there is no frame at {seconds:g} s of a motion of {clip.duration:.2f} s",
+            remedy=f"Give a time from 0 to {clip.duration:.2f} s",
+        )
+    # A moment given as the frame's own time must not fall to the frame before by rounding.
+    index = min(int(seconds * clip.frame_rate + 1e-6), len(clip) - 1)
+    return clip.frames(slice(index, index + 1))

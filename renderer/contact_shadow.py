@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
-from motion.ground import ground_height
+from motion.placement import ground_height
 from motion.skeleton import joint_index
 
 Floats = NDArray[np.float32]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,9 @@ from renderer.framing import Camera, looking
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
 from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
-from renderer.pixel_box import PixelBox
-from renderer.video.channels import RGB
+from renderer.picture import RGB, SUPERSAMPLING, PixelBox
 
 Floats = NDArray[np.float32]
-
-SUPERSAMPLING: Final = 2
-"""Each side of a frame is drawn this many times larger, to be averaged down."""
 
 
 class FrameRenderer:
@@ -101,7 +97,7 @@ class FrameRenderer:
         shadow : ContactShadow or None
             What the body casts on the ground.
         channels : ndarray, shape (4, 4)
-            One of `renderer.video.channels`.
+            One of `renderer.picture`.
 
         Returns
         -------

@@ -1,18 +1,111 @@
-"""How every stimulus of a study looks: size, frame rate, framing, avatar, light."""
+"""How every stimulus of a study looks: size, frame rate, framing, avatar, light.
+
+Avatars' files are made by `tools.avatars`. Versions are raised with every change that can be seen
+or heard, and whatever was made with another version is made anew; tests hold what each gives.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from motion.errors import InputError
-from renderer.avatars import FIRST, avatar_named
+
+RENDERER_VERSION: Final = "2"
+"""Of the pixels and the sound of clips, pairs and dubbed videos, avatars' bodies among them."""
+
+COPY_VERSION: Final = "1"
+"""Of copies for participants."""
+
+CELL_VERSION: Final = "1"
+"""Of the cells of contact sheets."""
+
+BODIES: Final = Path(__file__).parent / "bodies"
 
 BACKGROUND: Final = (0xEC, 0xEC, 0xEE)
 """sRGB of the plain background; pages that show the videos use the same."""
 
 FRAMINGS: Final = ("upper_body", "full_body")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Avatar:
+    """One avatar.
+
+    Attributes
+    ----------
+    name : str
+        As `study.toml` names it.
+    description : str
+        One line for people who choose.
+    has_face : bool
+        Whether it has eyes, brows and a mouth, and shows facial expression.
+    """
+
+    name: str
+    description: str
+    has_face: bool = True
+
+    @property
+    def body(self) -> Path:
+        """File of its body, in SMPL-X's ``.npz`` layout."""
+        # smplx recognises a model file by how its name starts.
+        return BODIES / f"smplx_anny_{self.name}.npz"
+
+
+_AVATARS: Final = (
+    Avatar(name="alex", description="slim, light skin, short brown hair, blue sweater"),
+    Avatar(name="maya", description="woman with light brown skin and a dark bob, in a jacket"),
+    Avatar(
+        name="jonas",
+        description="man with light skin, brown hair and a short beard, in a light-blue shirt",
+    ),
+    Avatar(
+        name="amara",
+        description="woman with dark skin and a bun, in a T-shirt with bare forearms",
+    ),
+    Avatar(
+        name="henry",
+        description="older man with grey hair and glasses, in a sweater over a shirt",
+    ),
+    Avatar(
+        name="mannequin",
+        description="neutral figure of one colour, without a face",
+        has_face=False,
+    ),
+)
+
+AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType({each.name: each for each in _AVATARS})
+"""All avatars by name; the first is the one shown where none is chosen."""
+
+FIRST_AVATAR: Final = _AVATARS[0].name
+
+
+def avatar_named(name: str) -> Avatar:
+    """Return avatar `name`.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    if name not in AVATARS:
+        raise InputError(f"there is no avatar {name!r}", remedy=f"Use one of {', '.join(AVATARS)}")
+    return AVATARS[name]
+
+
+def default_body(avatar: str = FIRST_AVATAR) -> Path:
+    """Return the file of an avatar's body, in SMPL-X's ``.npz`` layout.
+
+    Raises
+    ------
+    InputError
+        If there is no such avatar.
+    """
+    return avatar_named(avatar).body
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,16 +150,16 @@ class Look:
     framing : str
         ``upper_body`` or ``full_body``.
     avatar : str
-        One of `renderer.avatars.AVATARS`.
+        One of `renderer.look.AVATARS`.
     expression_matrix : Path or None
-        A file that `motion.body.expression_matrix` reads: turns the faces of clips into the body's
+        A file that `motion.body.abilities` reads: turns the faces of clips into the body's
         terms.
     """
 
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
-    avatar: str = FIRST
+    avatar: str = FIRST_AVATAR
     expression_matrix: Path | None = None
 
     def __post_init__(self) -> None:

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from motion.errors import InputError
 from renderer.contact_shadow import ELLIPSES, ContactShadow
 from renderer.opengl import PLATFORM, pyrender
-from renderer.pixel_box import PixelBox
-from renderer.video.channels import RGB
+from renderer.picture import RGB, PixelBox
 
 _SHADERS: Final = Path(__file__).parent / "shaders"
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
@@ -172,7 +171,7 @@ class OffscreenContext:
         box : PixelBox
             The part.
         channels : ndarray, shape (4, 4)
-            One of `renderer.video.channels`.
+            One of `renderer.picture`.
         shadow : ContactShadow or None
             What lies on the ground.
 

@@ -9,9 +9,11 @@ from pathlib import Path
 
 import av
 import numpy as np
+from av.audio.stream import AudioStream
+from av.video.stream import VideoStream
 
 from motion.audio import Audio
-from renderer.video.encoder import SOUND_RATE
+from renderer.encoder import SOUND_RATE
 
 
 def _second_of_sound() -> Audio:
@@ -49,11 +51,13 @@ def write_video(path: Path, told: Told) -> None:
     with av.open(str(path), "w") as container:
         container.metadata.update({"title": told.name, "comment": told.name})
         video = container.add_stream(told.codec, rate=told.rate, options=dict(told.encoder))
+        assert isinstance(video, VideoStream)
         video.width, video.height, video.pix_fmt = told.size, told.size, "yuv420p"
         video.metadata.update({"language": told.language, "handler_name": told.name})
         packets = []
         if told.sound is not None:
             audio = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
+            assert isinstance(audio, AudioStream)
             frame = av.AudioFrame.from_ndarray(
                 np.ascontiguousarray(told.sound.samples[None]), format="fltp", layout="mono"
             )

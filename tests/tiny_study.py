@@ -9,9 +9,8 @@ from pathlib import Path
 import av
 import numpy as np
 
-from motion.segment import Segment
-from motion.segments_table import write_segments
-from studyapp.study.stimuli import PairVideo, Stimuli, write_stimuli
+from motion.segment import Segment, write_segments
+from studyapp.study.media import PairVideo, Stimuli, write_stimuli
 
 EMOTIONS = ("happiness", "anger", "sadness", "neutral")
 PAIRS = (
@@ -83,7 +82,7 @@ def write_tiny_study(folder: Path, *, seconds: float = SECONDS) -> None:
         for index, emotion in enumerate(EMOTIONS)
     ]
     write_segments(folder / "speech", segments)
-    pairs = []
+    pairs: list[PairVideo] = []
     for segment in segments:
         for left, right in PAIRS:
             file = f"videos/pairs/{len(pairs):03}.mp4"

@@ -25,7 +25,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from studyapp.database.engine import sqlite_url
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import read_stimuli
+from studyapp.study.media import read_stimuli
 from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Final, Literal, Self, get_args
+from pathlib import Path
+from typing import Any, Final, Literal, Self, TypeVar, get_args
+
+from pydantic import TypeAdapter
 
 from motion.errors import InputError
-from training.run.batch_order import batches_per_epoch
+from training.run.batches import batches_per_epoch
 from training.run.passes import Pass
 
 Optimizer = Literal["adam", "adamw"]
@@ -61,7 +65,7 @@ class TrainingConfig:
     accumulate : int
         Parts into which the examples of an update are cut, at least 1; gradients are summed over
         them, so that memory need hold but one. Several processes share the parts, and make more
-        of them where they are too few: see `training.run.batch_order.parts_of_step`.
+        of them where they are too few: see `training.run.batches.parts_of_step`.
     learning_rate : float
         Above 0 and at most 1.
     decay : Decay or None
@@ -177,6 +181,15 @@ class Preset:
     def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
         """Return how it is trained on so many examples, with some settings changed."""
         return self.training.changed(changes, epochs=self.epochs, examples=examples)
+
+
+Told = TypeVar("Told")
+
+
+def read_presets(file: Path, kind: type[Told]) -> Mapping[str, Told]:
+    """Return the tables of a TOML file by name, each as the type `kind`."""
+    tables = tomllib.loads(file.read_text("utf-8"))
+    return TypeAdapter(dict[str, kind]).validate_python(tables)  # type: ignore[valid-type]
 
 
 def _check(name: str, value: object, fits: bool, wanted: str) -> None:

@@ -1,4 +1,4 @@
-"""Who speaks, as the network is told."""
+"""Who speaks, as networks are told: by name or number, or as a latent that can be sampled."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor, nn
 
-from motion.errors import InputError, found_at
-from motion.listing import listed
+from motion.errors import InputError, found_at, listed
 
 
 @dataclass(frozen=True)
@@ -79,3 +80,28 @@ class Speakers:
         vectors = np.zeros((len(names), self.width), np.float32)
         vectors[np.arange(len(names)), [self.stand_in(name) - 1 for name in names]] = 1
         return vectors
+
+
+class SpeakerEncoder(nn.Module):
+    """Who speaks, as mean and logarithm of the variance of a latent."""
+
+    def __init__(self, speakers: int, width: int) -> None:
+        super().__init__()
+        self.embedding = nn.Linear(speakers, width)
+        self.mean = nn.Linear(width, width)
+        self.variance = nn.Linear(width, width)
+
+    def forward(self, person: Tensor) -> tuple[Tensor, Tensor]:
+        """Return both, (B, D_k), of one-hot vectors (B, K)."""
+        embedded = self.embedding(person)
+        return self.mean(embedded), self.variance(embedded)
+
+
+def latent_loss(latents: Sequence[tuple[Tensor, Tensor]]) -> Tensor:
+    """Return how far the speakers' latents are from normal ones (Kullback & Leibler)."""
+    return torch.stack(
+        [
+            -0.5 * (1 + variance - mean.square() - variance.exp()).mean()
+            for mean, variance in latents
+        ]
+    ).sum()

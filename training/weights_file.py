@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
@@ -44,19 +44,35 @@ class WeightsFile:
     facts: Mapping[str, Any]
 
     def part(self, prefix: str) -> dict[str, Tensor]:
-        """Return the tensors whose names begin with ``prefix.``, without it."""
-        start = f"{prefix}."
+        """Return the tensors whose names begin with ``prefix.``, without it; all for no prefix."""
+        start = prefix and f"{prefix}."
         return {
             name.removeprefix(start): tensor
             for name, tensor in self.tensors.items()
             if name.startswith(start)
         }
 
-    def loaded(self, network: Network, part: str) -> Network:
-        """Return a network with the weights of a part, in evaluation mode."""
+    def loaded(self, network: Network, part: str = "") -> Network:
+        """Return a network with the weights of a part, or with all, in evaluation mode."""
         network.load_state_dict(self.part(part))
         network.requires_grad_(False).eval()
         return network
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainedNetwork(Generic[Network]):
+    """A network with what its file says of it.
+
+    Attributes
+    ----------
+    model : Module
+        In evaluation mode, on the CPU.
+    training : mapping
+        How it was trained, as JSON values; empty where nobody knows.
+    """
+
+    model: Network
+    training: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,32 +86,30 @@ class NetworkKind:
     wanted : str
         What it should hold, as in ``a DiffSHEG network``.
     remedy : str
-        What to do where it holds something else.
+        What to do where it holds something else, but to give what is wanted.
     """
 
     name: str
     wanted: str
-    remedy: str
+    remedy: str = ""
 
     def write(
         self,
         path: Path,
-        networks: Mapping[str, nn.Module],
+        network: nn.Module,
         config: DataclassInstance,
+        part: str = "",
         tensors: Mapping[str, Tensor] = MappingProxyType({}),
         **facts: Any,
     ) -> None:
-        """Write networks by name with their sizes, further tensors and further facts.
+        """Write a network, as a part of that name, with its sizes, further tensors and facts.
 
         Of processes that learned together only the leading one does.
         """
         if not is_leader():
             return
-        weights = {
-            f"{part}.{name}": tensor
-            for part, network in networks.items()
-            for name, tensor in network.state_dict().items()
-        }
+        start = part and f"{part}."
+        weights = {f"{start}{name}": tensor for name, tensor in network.state_dict().items()}
         known = {"network": self.name, "config": asdict(config), **facts}
         write_weights(path, {**weights, **tensors}, known)
 
@@ -109,13 +123,16 @@ class NetworkKind:
             If the file cannot be read, or a fact or a tensor is missing or of another shape.
         """
         file = read_weights(path)
+        usual = f"Give {self.wanted}: one that was trained here, or the released one"
         try:
             if file.facts["network"] != self.name:
                 raise ValueError("another network")
             yield file
         except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
             raise InputError(
-                f"the file holds weights, but not of {self.wanted}", where=path, remedy=self.remedy
+                f"the file holds weights, but not of {self.wanted}",
+                where=path,
+                remedy=self.remedy or usual,
             ) from error
 
 

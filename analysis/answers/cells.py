@@ -15,9 +15,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from analysis.answers.columns import Column
+from analysis.answers.table import Column
 from motion.errors import InputError
-from motion.spreadsheet import APOSTROPHE, cell_as_given
+from motion.files import APOSTROPHE, cell_as_given
 
 PARQUET: Final = (".parquet", ".pq")
 """Endings of Parquet files; everything else is read as CSV."""

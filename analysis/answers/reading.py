@@ -12,8 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.answers.cells import Cells, Checking, read_cells
-from analysis.answers.columns import ANALYSED_KINDS, MISSING, SHARED, Column, Layout
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import ANALYSED_KINDS, MISSING, SHARED, AnswerTable, Column, Layout
 
 NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})
 EXCLUDED: Final = frozenset({"true", "1", "yes", "y", "t", "x"})

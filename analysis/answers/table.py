@@ -1,11 +1,249 @@
-"""A checked table of answers, whatever protocol they were given in."""
+"""A table of answers: the columns of each protocol and their cells; the checked table."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
-import pandas as pd
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter
+
+if TYPE_CHECKING:
+    # Serving a study reads kinds of trials, and need not wait for pandas.
+    import pandas as pd
+
+Needed = Literal["always", "analysed", "no"]
+
+MISSING: Final = frozenset({"", "NA", "N/A", "NaN", "nan", "None", "null", "<NA>"})
+"""What programs write for a cell without a value."""
+
+KINDS: Final = ("practice", "main", "repeat", "catch", "attention")
+
+ANALYSED_KINDS: Final = ("main", "repeat")
+"""Kinds of trial whose answers are analysed; practice and catch trials and attention
+checks never are."""
+
+Rows = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One column.
+
+    Attributes
+    ----------
+    name : str
+        Its heading.
+    cells : TypeAdapter
+        Reads a list of cells that are not empty.
+    meaning : str
+        What a cell holds, in words that follow 'is not'.
+    needed : {'always', 'analysed', 'no'}
+        Which rows need a cell: all, those of main and repeated trials, or none.
+    missing : frozenset of str
+        What counts as an empty cell. A name may well be 'NA', a number cannot.
+    required : bool
+        Whether every table has the column.
+    """
+
+    name: str
+    cells: TypeAdapter[list[Any]]
+    meaning: str
+    needed: Needed = "no"
+    missing: frozenset[str] = MISSING
+    required: bool = True
+
+
+def name_column(name: str, *, needed: Needed = "analysed", required: bool = True) -> Column:
+    """Return a column that names something."""
+    return Column(
+        name=name,
+        cells=TypeAdapter(list[str]),
+        meaning="a name",
+        needed=needed,
+        missing=frozenset({""}) if required else MISSING,
+        required=required,
+    )
+
+
+_KIND: Final = Column(
+    name="kind",
+    cells=TypeAdapter(list[Literal["practice", "main", "repeat", "catch", "attention"]]),
+    meaning=f"one of {', '.join(KINDS)}",
+    required=False,
+)
+
+_CORRECT_SIDE: Final = Column(
+    name="correct_side",
+    cells=TypeAdapter(list[Literal["left", "right"]]),
+    meaning="left or right",
+    required=False,
+)
+
+_SECONDS: Final = Column(
+    name="response_seconds",
+    cells=TypeAdapter(list[Annotated[float, Field(ge=0, allow_inf_nan=False)]]),
+    meaning="a number of seconds, zero or more",
+    required=False,
+)
+
+_INSTRUCTED: Final = Column(
+    name="instructed",
+    cells=TypeAdapter(list[Annotated[float, Field(ge=0, allow_inf_nan=False)]]),
+    meaning="the answer asked for, a number",
+    required=False,
+)
+
+_WATCHED: Final = Column(
+    name="watched",
+    cells=TypeAdapter(list[Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]]),
+    meaning="a share from 0 to 1",
+    required=False,
+)
+
+SHARED: Final = (
+    name_column("participant", needed="always"),
+    name_column("segment"),
+    name_column("question"),
+    name_column("trial", needed="no", required=False),
+    _KIND,
+    name_column("set", required=False),
+    name_column("emotion", needed="no", required=False),
+    name_column("speaker", needed="no", required=False),
+    _SECONDS,
+    Column(
+        name="excluded",
+        cells=TypeAdapter(list[str]),
+        meaning="true, false or a reason",
+        required=False,
+    ),
+    _CORRECT_SIDE,
+    _INSTRUCTED,
+    _WATCHED,
+)
+"""Columns of every protocol."""
+
+PREFERENCE: Final = Column(
+    name="response",
+    cells=TypeAdapter(list[Annotated[int, Field(ge=1, le=5)]]),
+    meaning="a whole number from 1 (strongly left) to 5 (strongly right)",
+)
+
+RATING: Final = Column(
+    name="response",
+    cells=TypeAdapter(list[Annotated[int, Field(ge=0, le=1000)]]),
+    meaning="a whole number from 0 to 1000",
+)
+
+RANK: Final = Column(
+    name="rank",
+    cells=TypeAdapter(list[Annotated[float, Field(gt=0, allow_inf_nan=False)]]),
+    meaning="a number above zero, 1 for the best",
+)
+
+
+def speech_column(name: str) -> Column:
+    """Return the column that tells which speech a side was heard with."""
+    return Column(
+        name=name,
+        cells=TypeAdapter(list[Literal["own", "other"]]),
+        meaning="own or other",
+        needed="analysed",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """The columns of one protocol.
+
+    Attributes
+    ----------
+    protocol : str
+        Its name.
+    conditions : tuple of Column
+        Columns that name conditions, from left to right.
+    value : Column
+        The answer.
+    others : tuple of Column
+        What else tells what was shown.
+    has_sides : bool
+        Whether two videos stand side by side, so that a catch trial has a correct side.
+    answered_once : bool
+        Whether a participant answers one question about a segment's condition once, so that
+        rows need no trial to belong together.
+    wrong : callable
+        From the answers of main and repeated trials, which rows contradict themselves.
+    contradiction : str
+        What is wrong with such a row.
+    """
+
+    protocol: str
+    conditions: tuple[Column, ...]
+    value: Column
+    others: tuple[Column, ...] = ()
+    has_sides: bool
+    answered_once: bool = False
+    wrong: Callable[[pd.DataFrame], Rows]
+    contradiction: str = ""
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """All of them."""
+        return (*self.conditions, *self.others, self.value)
+
+
+def nothing_wrong(answers: pd.DataFrame) -> Rows:
+    """Find no row that contradicts itself."""
+    return np.zeros(len(answers), bool)
+
+
+def _same(answers: pd.DataFrame, left: str, right: str) -> Rows:
+    return np.asarray(answers[left].astype(object) == answers[right].astype(object), bool)
+
+
+PAIRWISE: Final = Layout(
+    protocol="pairwise",
+    conditions=(name_column("left"), name_column("right")),
+    value=PREFERENCE,
+    has_sides=True,
+    wrong=lambda answers: _same(answers, "left", "right"),
+    contradiction="left and right are the same condition",
+)
+
+RATING_OF_ONE: Final = Layout(
+    protocol="rating",
+    conditions=(name_column("condition"),),
+    value=RATING,
+    has_sides=False,
+    wrong=nothing_wrong,
+)
+
+RANKING: Final = Layout(
+    protocol="ranking",
+    conditions=(name_column("condition"),),
+    value=RANK,
+    has_sides=False,
+    answered_once=True,
+    wrong=nothing_wrong,
+)
+
+MISMATCH: Final = Layout(
+    protocol="mismatch",
+    conditions=(name_column("condition"),),
+    value=PREFERENCE,
+    others=(speech_column("left_speech"), speech_column("right_speech")),
+    has_sides=True,
+    wrong=lambda answers: _same(answers, "left_speech", "right_speech"),
+    contradiction="left_speech and right_speech are the same; one is own, the other is other",
+)
+
+LAYOUTS: Final[Mapping[str, Layout]] = MappingProxyType(
+    {layout.protocol: layout for layout in (PAIRWISE, RATING_OF_ONE, RANKING, MISMATCH)}
+)
+"""By the name that the command line takes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,8 +8,6 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from analysis.evaluators import autoencoder_network, emotion_network
-from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
     Channels,
@@ -17,7 +15,17 @@ from analysis.evaluators.clip_views import (
     Face,
     view_of,
 )
-from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork
+from analysis.evaluators.networks import (
+    AUTOENCODER_TINY,
+    EMOTION_FULL,
+    EMOTION_TINY,
+    FACE_FULL,
+    MOTION_FULL,
+    AutoencoderConfig,
+    AutoencoderNetwork,
+    EmotionConfig,
+    EmotionNetwork,
+)
 from motion.body.face_landmarks import FaceLandmarks
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES
@@ -38,13 +46,9 @@ CHANNELS_OF_KIND: Final = MappingProxyType[Kind, tuple[Channels, ...]](
 
 SIZES: Final = MappingProxyType[Kind, MappingProxyType[Size, EmotionConfig | AutoencoderConfig]](
     {
-        "emotion": MappingProxyType({"full": emotion_network.FULL, "tiny": emotion_network.TINY}),
-        "motion": MappingProxyType(
-            {"full": autoencoder_network.MOTION_FULL, "tiny": autoencoder_network.SMALL}
-        ),
-        "face": MappingProxyType(
-            {"full": autoencoder_network.FACE_FULL, "tiny": autoencoder_network.SMALL}
-        ),
+        "emotion": MappingProxyType({"full": EMOTION_FULL, "tiny": EMOTION_TINY}),
+        "motion": MappingProxyType({"full": MOTION_FULL, "tiny": AUTOENCODER_TINY}),
+        "face": MappingProxyType({"full": FACE_FULL, "tiny": AUTOENCODER_TINY}),
     }
 )
 
@@ -97,7 +101,7 @@ class Design(Facts):
     labels : tuple of str
         The emotions it tells apart; empty but for the kind ``emotion``.
     frozen : tuple of str
-        Channels that are held still before it looks (`motion.freeze`).
+        Channels that are held still before it looks (`motion.clip`).
 
     Raises
     ------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators import network_names as names
-from analysis.evaluators.clip_windows import TOLERANCE, long_enough, windows
-from motion.clip import MotionClip
+from analysis.evaluators.clip_views import TOLERANCE, long_enough, windows
+from motion.clip import MotionClip, freeze
 from motion.errors import InputError
-from motion.freeze import freeze
+from motion.files import sha256_of
 from motion.resample import resample
 
 if TYPE_CHECKING:
@@ -191,9 +190,7 @@ def load_evaluator(path: Path) -> Evaluator:
 
     path = Path(path)
     file = read_evaluator(path)
-    with path.open("rb") as content:
-        sha256 = hashlib.file_digest(content, "sha256").hexdigest()
-    return Evaluator(sha256=sha256, file=file)
+    return Evaluator(sha256=sha256_of(path), file=file)
 
 
 def by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:

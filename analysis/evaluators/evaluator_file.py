@@ -10,10 +10,9 @@ import torch
 from pydantic import Field, ValidationError
 from torch import Tensor
 
-from analysis.evaluators.autoencoder_network import AutoencoderConfig
 from analysis.evaluators.design import SIZES, Design, Facts, Network
-from analysis.evaluators.emotion_network import EmotionConfig
 from analysis.evaluators.examples import Normalisation
+from analysis.evaluators.networks import AutoencoderConfig, EmotionConfig
 from motion.body.face_landmarks import FaceLandmarks
 from motion.errors import InputError, found_at
 from training.weights_file import WeightsFile, read_weights, write_weights

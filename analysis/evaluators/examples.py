@@ -12,9 +12,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from analysis.evaluators.clip_windows import window_starts
+from analysis.evaluators.clip_views import window_starts
 from analysis.evaluators.design import Network
-from training.holdout import held_out_recordings
+from training.data.splitting import held_out_recordings
 
 FloatArray = NDArray[np.float32]
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
     Face,
+    WindowConfig,
     face_of,
     view_of,
 )
-from analysis.evaluators.clip_windows import WindowConfig
 from analysis.evaluators.design import SIZES, Design, EvaluatorRequest, Kind, Network
 from analysis.evaluators.evaluator_file import (
     DataFacts,
@@ -33,16 +33,14 @@ from analysis.evaluators.training_clips import (
     labels_in_order,
     read_training_clips,
 )
-from motion.clip import MotionClip
+from motion.clip import MotionClip, freeze
 from motion.errors import InputError
-from motion.freeze import freeze
 from motion.resample import resample
 from motion.segment import EMOTIONS
 from training.device import check_device
-from training.run.facts import package_versions
-from training.run.folder import RunFolder
 from training.run.launching import is_leader
 from training.run.loop import Show, Trained, train
+from training.run.records import RunFolder, package_versions
 
 FEWEST_WINDOWS: Final = 32
 """Fewer windows than this teach a network nothing that holds for other motion."""

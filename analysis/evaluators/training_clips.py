@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.evaluators.clip_windows import long_enough
+from analysis.evaluators.clip_views import long_enough
 from motion.clip import MotionClip
 from motion.errors import InputError
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.measurement.measured_clips import Bench, MeasuredClip
+from analysis.measurement.measured_clips import MeasuredClip, Setup
 from analysis.measurement.recorded_spread import RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import (
@@ -19,14 +19,14 @@ from analysis.metrics.correct_motion import (
     percent_correct_motion,
     semantic_recall,
 )
-from analysis.metrics.derivatives import FEET, foot_sliding, mean_derivative
 from analysis.metrics.diversity import l1_deviation
-from analysis.metrics.joint_positions import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
+from analysis.metrics.joint_motion import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
+from analysis.metrics.kinematics import FEET, foot_sliding, mean_derivative
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.result import MetricResult
-from motion.formats.semantic_txt import SemanticSpan, semantic_weights
+from motion.audio_analysis import DETECTOR
+from motion.formats.beat_tracks import SemanticSpan, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
-from motion.speech.onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]
 
@@ -38,19 +38,19 @@ _ON_THE_FACE: Final = {
 
 def clip_metrics(
     clip: MeasuredClip,
-    bench: Bench,
+    setup: Setup,
     *,
     onsets: FloatArray | None = None,
     recorded: MeasuredClip | None = None,
     semantics: tuple[SemanticSpan, ...] | None = None,
 ) -> Iterator[MetricResult]:
-    """Yield every metric of the bench's preset that the given material allows.
+    """Yield every metric of the setup's preset that the given material allows.
 
     Parameters
     ----------
     clip : MeasuredClip
         The clip that is measured.
-    bench : Bench
+    setup : Setup
         How; without a spread of all recordings there is nothing that is normalised by them.
     onsets : ndarray or None
         Onsets of the speech in seconds; without them there is no beat alignment.
@@ -59,9 +59,9 @@ def clip_metrics(
     semantics : tuple of SemanticSpan or None
         Which gestures carry meaning; without them there is no semantic recall.
     """
-    positions, frame_rate, preset = clip.joints.relative, bench.frame_rate, bench.preset
+    positions, frame_rate, preset = clip.joints.relative, setup.frame_rate, setup.preset
     if onsets is not None:
-        yield from _beats(positions, onsets, bench)
+        yield from _beats(positions, onsets, setup)
     for settings in preset.derivatives:
         measured = select(positions, settings.joints)
         yield mean_derivative(measured, frame_rate=frame_rate, settings=settings)
@@ -71,7 +71,7 @@ def clip_metrics(
         world = positions + clip.joints.pelvis[:, None]
         yield foot_sliding(select(world, FEET), frame_rate=frame_rate)
     if recorded is not None:
-        yield from _correct(clip, recorded, bench, semantics)
+        yield from _correct(clip, recorded, setup, semantics)
         for norm in preset.velocity_errors:
             yield velocity_error(
                 select(positions, UPPER_BODY_JOINTS),
@@ -80,8 +80,8 @@ def clip_metrics(
                 norm=norm,
                 settings=pose_settings(frame_rate),
             )
-        yield from _joint_errors(positions, recorded.joints.relative, bench)
-        yield from _landmark_errors(clip, recorded, bench)
+        yield from _joint_errors(positions, recorded.joints.relative, setup)
+        yield from _landmark_errors(clip, recorded, setup)
 
 
 def pose_settings(frame_rate: float) -> dict[str, str]:
@@ -93,12 +93,12 @@ def pose_settings(frame_rate: float) -> dict[str, str]:
     }
 
 
-def _beats(positions: FloatArray, onsets: FloatArray, bench: Bench) -> Iterator[MetricResult]:
-    for settings in bench.preset.beats:
+def _beats(positions: FloatArray, onsets: FloatArray, setup: Setup) -> Iterator[MetricResult]:
+    for settings in setup.preset.beats:
         found = beat_alignment(
             select(positions, settings.joints),
             onsets,
-            frame_rate=bench.frame_rate,
+            frame_rate=setup.frame_rate,
             settings=settings,
             detector=DETECTOR,
         )
@@ -114,21 +114,21 @@ def _beats(positions: FloatArray, onsets: FloatArray, bench: Bench) -> Iterator[
 def _correct(
     clip: MeasuredClip,
     recorded: MeasuredClip,
-    bench: Bench,
+    setup: Setup,
     semantics: tuple[SemanticSpan, ...] | None,
 ) -> Iterator[MetricResult]:
-    for settings in bench.preset.correct:
-        one, other = (_represented(side, settings, bench.spread) for side in (clip, recorded))
+    for settings in setup.preset.correct:
+        one, other = (_represented(side, settings, setup.spread) for side in (clip, recorded))
         if one is None or other is None:
             continue
         found = [percent_correct_motion(one, other, settings=settings)]
         if semantics is not None:
-            weights = semantic_weights(semantics, max(len(one), len(other)), bench.frame_rate)
+            weights = semantic_weights(semantics, max(len(one), len(other)), setup.frame_rate)
             found.append(semantic_recall(one, other, weights, settings=settings))
         rotated = settings.representation != "positions"
         measured = {
             "joints": ", ".join(GESTURE_JOINTS if rotated else UPPER_BODY_JOINTS),
-            "frame rate": f"{bench.frame_rate:g} fps",
+            "frame rate": f"{setup.frame_rate:g} fps",
         }
         for result in found:
             yield replace(result, settings={**result.settings, **measured})
@@ -151,24 +151,24 @@ def _represented(
 
 
 def _joint_errors(
-    generated: FloatArray, recorded: FloatArray, bench: Bench
+    generated: FloatArray, recorded: FloatArray, setup: Setup
 ) -> Iterator[MetricResult]:
-    if bench.spread is None or not bench.preset.joint_errors:
+    if setup.spread is None or not setup.preset.joint_errors:
         return
-    rate = min(bench.frame_rate, S2UE_FRAME_RATE)
+    rate = min(setup.frame_rate, S2UE_FRAME_RATE)
     one, other = (
-        _slower(select(points, TED_JOINTS), bench.frame_rate, rate)
+        _slower(select(points, TED_JOINTS), setup.frame_rate, rate)
         for points in (generated, recorded)
     )
-    for settings in bench.preset.joint_errors:
-        yield point_error(one, other, frame_rate=rate, settings=settings, scale=bench.spread.scale)
+    for settings in setup.preset.joint_errors:
+        yield point_error(one, other, frame_rate=rate, settings=settings, scale=setup.spread.scale)
 
 
 def _landmark_errors(
-    clip: MeasuredClip, recorded: MeasuredClip, bench: Bench
+    clip: MeasuredClip, recorded: MeasuredClip, setup: Setup
 ) -> Iterator[MetricResult]:
     reason = clip.landmarks.reason or recorded.landmarks.reason
-    scale = math.nan if bench.spread is None else bench.spread.face_scale
+    scale = math.nan if setup.spread is None else setup.spread.face_scale
     if not reason and math.isnan(scale):
         reason = "no recording has a face that moves"
     none = np.zeros((1, 0, 3))
@@ -176,9 +176,9 @@ def _landmark_errors(
         none if reason or side.landmarks.positions is None else side.landmarks.positions
         for side in (clip, recorded)
     )
-    for settings in bench.preset.landmark_errors:
+    for settings in setup.preset.landmark_errors:
         result = point_error(
-            one, other, frame_rate=bench.face_rate, settings=settings, scale=scale, missing=reason
+            one, other, frame_rate=setup.face_rate, settings=settings, scale=scale, missing=reason
         )
         yield replace(result, settings={**result.settings, **_ON_THE_FACE})
 

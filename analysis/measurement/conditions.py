@@ -1,83 +1,104 @@
-"""Scores of whole conditions: means over clips, and distances between clips."""
+"""Scores of whole conditions: of all clips together, and in the features of each network."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.evaluators.feature_networks import Network, command_for
 from analysis.measurement.clip_scores import pose_settings
-from analysis.measurement.measured_clips import Bench
-from analysis.measurement.scores import ClipScore, ConditionScore
-from analysis.measurement.segment_scores import ClipFindings
+from analysis.measurement.feature_scores import (
+    FeatureScores,
+    feature_scores,
+    scores_without_network,
+)
+from analysis.measurement.measured_clips import Setup
+from analysis.measurement.scores import ClipScore, ConditionScore, clip_means, whole_condition
+from analysis.measurement.segment_scores import ClipFindings, SegmentFiles, SegmentScores
 from analysis.metrics.diversity import mean_pair_distance, motion_features
+from analysis.metrics.kinematics import Counts, speed_distance
 from analysis.metrics.result import Metric, MetricResult
-from analysis.metrics.speed_histogram import Counts, speed_distance
-
-_REASONS: Final = 3
-"""Different reasons that are named; clips of different lengths have one each."""
 
 _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 
 _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 
 
-def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:
-    """Return the score of a condition whose `clips` were measured together."""
-    return ConditionScore(
-        condition=condition,
-        name=result.name,
-        unit=result.unit,
-        value=result.value,
-        spread=math.nan,
-        scored=0 if result.reason else clips,
-        clips=clips,
-        settings=result.settings,
-        reason=result.reason,
-        better=result.better,
-        interval=result.interval,
-        remark=result.remark,
+def recorded_conditions(conditions: Iterable[str], found: Sequence[SegmentFiles]) -> frozenset[str]:
+    """Return the conditions that are recorded motion themselves."""
+    return frozenset(
+        condition
+        for condition in conditions
+        if all(
+            files.clips[condition] == files.recorded for files in found if condition in files.clips
+        )
     )
 
 
-def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[ConditionScore]:
-    """Yield the mean over clips of each metric, in the order in which the first clip has them."""
-    by_name: dict[str, list[MetricResult]] = {}
-    for score in scores:
-        by_name.setdefault(score.result.name, []).append(score.result)
-    for name, results in by_name.items():
-        values = np.array([result.value for result in results if not result.reason])
-        yield ConditionScore(
-            condition=condition,
-            name=name,
-            unit=results[0].unit,
-            value=float(values.mean()) if len(values) else math.nan,
-            spread=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
-            scored=len(values),
-            clips=len(results),
-            settings=results[0].settings,
-            reason=counted([result.reason for result in results if result.reason], len(results)),
-            better=results[0].better,
-        )
+def network_scores(
+    network: Network,
+    conditions: Iterable[str],
+    measured: Sequence[SegmentScores],
+    recordings: frozenset[str],
+    emotions: Mapping[str, str],
+) -> FeatureScores:
+    """Return the scores of one network."""
+    by_condition = {
+        condition: {
+            one.segment: one.clips[condition].features[network.name]
+            for one in measured
+            if condition in one.clips
+        }
+        for condition in conditions
+    }
+    recorded = {
+        one.segment: one.recorded.features[network.name]
+        for one in measured
+        if one.recorded is not None
+    }
+    return feature_scores(
+        network,
+        {condition: clips for condition, clips in by_condition.items() if clips},
+        recorded,
+        recordings=recordings,
+        emotions=emotions,
+    )
 
 
-def counted(reasons: Sequence[str], clips: int) -> str:
-    """Return each reason once, with how many of all clips it holds for; of many, the first."""
-    different = list(dict.fromkeys(reasons))
-    named = [
-        f"{reason} ({reasons.count(reason)} of {clips} clips)" for reason in different[:_REASONS]
+def condition_scores(
+    conditions: Sequence[str],
+    scores: Sequence[ClipScore],
+    measured: Sequence[SegmentScores],
+    setup: Setup,
+    seen: Sequence[FeatureScores],
+    recordings: Collection[str],
+) -> Iterator[ConditionScore]:
+    """Yield all scores of each condition: means over clips, distances, those of networks."""
+    given = {network.name.partition(", ")[0] for network in setup.networks}
+    recorded_speeds = [
+        one.recorded.speeds
+        for one in measured
+        if one.recorded is not None and one.recorded.speeds is not None
     ]
-    if len(different) > _REASONS:
-        rest = sum(reasons.count(reason) for reason in different[_REASONS:])
-        named.append(f"and others like that ({rest} of {clips} clips)")
-    return "; ".join(named)
+    for condition in conditions:
+        clips = [one.clips[condition] for one in measured if condition in one.clips]
+        is_recorded = condition in recordings
+        yield from clip_means(condition, [s for s in scores if s.condition == condition])
+        yield from distances(condition, clips, [] if is_recorded else recorded_speeds, setup)
+        for one in seen:
+            yield from (score for score in one.conditions if score.condition == condition)
+        for name in setup.preset.networks:
+            if name not in given:
+                yield from scores_without_network(
+                    name, command_for(name), condition, len(clips), recorded=is_recorded
+                )
 
 
 def distances(
-    condition: str, clips: Sequence[ClipFindings], recorded_speeds: Sequence[Counts], bench: Bench
+    condition: str, clips: Sequence[ClipFindings], recorded_speeds: Sequence[Counts], setup: Setup
 ) -> Iterator[ConditionScore]:
     """Yield the distances of a condition that the preset asks for.
 
@@ -87,35 +108,35 @@ def distances(
         Whose, and all its clips.
     recorded_speeds : sequence of ndarray
         Of the recordings; none for the recordings themselves.
-    bench : Bench
+    setup : Setup
         How the clips were measured.
     """
     bodies = [clip.upper_body for clip in clips if clip.upper_body is not None]
     if bodies:
-        yield whole_condition(condition, _of_bodies(bodies, bench), len(bodies))
-    if bench.preset.expression_distance and clips:
+        yield whole_condition(condition, _of_bodies(bodies, setup), len(bodies))
+    if setup.preset.expression_distance and clips:
         faces = [clip.face for clip in clips if clip.face is not None]
-        yield whole_condition(condition, _of_faces(faces, bench), len(clips))
+        yield whole_condition(condition, _of_faces(faces, setup), len(clips))
     speeds = [clip.speeds for clip in clips if clip.speeds is not None]
     if speeds and recorded_speeds:
         result = speed_distance(
-            np.stack(speeds), np.stack(recorded_speeds), frame_rate=bench.frame_rate
+            np.stack(speeds), np.stack(recorded_speeds), frame_rate=setup.frame_rate
         )
         yield whole_condition(condition, result, len(speeds))
 
 
-def _of_bodies(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResult:
+def _of_bodies(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
     return mean_pair_distance(
         motion_features([clip.astype(np.float64) for clip in clips]),
-        settings=pose_settings(bench.frame_rate)
+        settings=pose_settings(setup.frame_rate)
         | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
     )
 
 
-def _of_faces(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResult:
+def _of_faces(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
     kinds = {clip.shape[1] for clip in clips}
     reason = ""
-    if "face" in bench.motion.frozen:
+    if "face" in setup.motion.frozen:
         reason = "the study holds the face still"
     elif not clips:
         reason = "no clip has a face"
@@ -129,7 +150,7 @@ def _of_faces(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResul
         unit="",
         settings={
             "face": _FACES[kinds.pop()],
-            "frame rate": f"{bench.face_rate:g} fps",
+            "frame rate": f"{setup.face_rate:g} fps",
             "distance": "root mean square over frames and weights, clips cut to the shortest",
         },
     )

@@ -10,18 +10,22 @@ from typing import Final
 import numpy as np
 
 from analysis.evaluators import network_names as names
-from analysis.evaluators.feature_networks import Network
-from analysis.evaluators.published.published_distance import FAILED, RULES, Rule, published_distance
-from analysis.measurement.clip_features import ClipFeatures
-from analysis.measurement.conditions import counted, whole_condition
-from analysis.measurement.scores import ClipScore, ConditionScore
+from analysis.evaluators.feature_networks import ClipFeatures, Network
+from analysis.measurement.scores import ClipScore, ConditionScore, counted, whole_condition
 from analysis.metrics.diversity import feature_variance
 from analysis.metrics.emotion_accuracy import (
     EmotionConfusion,
     emotion_accuracy,
     emotion_confusion,
 )
-from analysis.metrics.frechet import frechet, frechet_extrapolated
+from analysis.metrics.frechet import (
+    FAILED,
+    RULES,
+    Rule,
+    frechet,
+    frechet_extrapolated,
+    published_distance,
+)
 from analysis.metrics.kernel_distance import kernel_distance
 from analysis.metrics.result import Better, Metric, MetricResult
 from analysis.metrics.samples import Embeddings, drawn, embeddings

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from motion.files import replacing
+from motion.files import replacing, sha256_of
 
 Array = NDArray[np.float32]
 
@@ -139,7 +139,7 @@ def _content(source: Path) -> str:
 @lru_cache(maxsize=8)
 def _content_at(source: Path, changed: int, size: int) -> str:
     """Return the hash of a file's content; all kinds of arrays of a clip ask for it in turn."""
-    return hashlib.sha256(source.read_bytes()).hexdigest()[:32]
+    return sha256_of(source)[:32]
 
 
 def _short(text: str) -> str:

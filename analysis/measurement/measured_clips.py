@@ -13,25 +13,22 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.evaluators.feature_networks import Network
-from analysis.measurement.clip_features import FEATURES, ClipFeatures, clip_features
-from analysis.measurement.joint_motion import JOINTS, JointMotion, packed_joints
+from analysis.evaluators.feature_networks import ClipFeatures, Network, clip_features
 from analysis.measurement.kept_arrays import KeptArrays, Kind
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
 from analysis.measurement.scores import SkippedFile
-from analysis.metrics.joint_positions import GESTURE_JOINTS
+from analysis.metrics.joint_motion import GESTURE_JOINTS, JointMotion, packed_joints
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio import read_audio
+from motion.audio_analysis import speech_onsets
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
-from motion.clip import MotionClip
+from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion
-from motion.freeze import freeze
 from motion.resample import resample
-from motion.skeleton import joint_index
-from motion.speech.onsets import speech_onsets
+from motion.skeleton import JOINT_COUNT, joint_index
 
 FloatArray = NDArray[np.float64]
 Array = NDArray[np.float32]
@@ -41,6 +38,8 @@ Excerpt = tuple[Path, float, float]
 _Source = TypeVar("_Source")
 _Found = TypeVar("_Found")
 
+JOINTS: Final = Kind("joints", "1", (None, JOINT_COUNT + 1, 3))
+FEATURES: Final = Kind("features", "1", (None, None))
 ONSETS: Final = Kind("onsets", "1", (None,))
 LANDMARKS: Final = Kind("landmarks", "1", (None, None, 3))
 DEPTHS: Final = Kind("depths", "1", (None,))
@@ -101,7 +100,7 @@ class SeenMotion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bench:
+class Setup:
     """How all clips are measured; the same for all segments.
 
     Attributes
@@ -164,11 +163,11 @@ class MeasuredClip:
     joints : JointMotion
         Where the joints are.
     rotations : ndarray, shape (T, G, 3), or None
-        Axis-angle of `analysis.metrics.joint_positions.GESTURE_JOINTS`, where a preset needs them.
+        Axis-angle of `analysis.metrics.joint_motion.GESTURE_JOINTS`, where a preset needs them.
     landmarks : Landmarks
-        At `Bench.face_rate`.
+        At `Setup.face_rate`.
     face : ndarray, shape (U, 52) or (U, 100), float32, or None
-        ARKit weights, else SMPL-X coefficients, at `Bench.face_rate`; None where the clip has
+        ARKit weights, else SMPL-X coefficients, at `Setup.face_rate`; None where the clip has
         neither and where no preset needs them.
     features : mapping of str to ClipFeatures
         What each network says, by its name.
@@ -195,11 +194,11 @@ class Reader:
         What was computed of files.
     """
 
-    def __init__(self, bench: Bench) -> None:
-        self._bench = bench
+    def __init__(self, setup: Setup) -> None:
+        self._bench = setup
         self._last: tuple[Path, MotionClip] | None = None
         self.skipped: list[SkippedFile] = []
-        self.kept = KeptArrays(bench.kept)
+        self.kept = KeptArrays(setup.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
         """Return what metrics look at in the motion file `path`; None where it is unusable."""
@@ -229,8 +228,8 @@ class Reader:
         return found.astype(np.float64)
 
     def _measured(self, path: Path) -> MeasuredClip:
-        bench, needs = self._bench, self._bench.preset
-        rate, motion = bench.frame_rate, bench.motion
+        setup, needs = self._bench, self._bench.preset
+        rate, motion = setup.frame_rate, setup.motion
         joints = self._kept(JOINTS, path, f"{rate!r} {motion}", lambda c: packed_joints(c, rate))
         rotations = landmarks = face = depths = None
         if needs.needs_rotations:
@@ -239,11 +238,11 @@ class Reader:
         if needs.needs_landmarks:
             landmarks = self._landmarks(path)
         if needs.expression_distance:
-            seen = resample(self._read(path), bench.face_rate)
+            seen = resample(self._read(path), setup.face_rate)
             face = seen.arkit if seen.arkit is not None else seen.expressions
-        features = {network.name: self._features(network, path) for network in bench.networks}
-        if bench.penetrable is not None:
-            body = bench.penetrable
+        features = {network.name: self._features(network, path) for network in setup.networks}
+        if setup.penetrable is not None:
+            body = setup.penetrable
             depths = self._kept(
                 DEPTHS,
                 path,
@@ -278,13 +277,13 @@ class Reader:
         )
 
     def _landmarks(self, path: Path) -> Landmarks:
-        bench, body = self._bench, self._bench.face
+        setup, body = self._bench, self._bench.face
         if body is None:
             return Landmarks(reason="no body is given whose face could have landmarks")
-        if "face" in bench.motion.frozen:
+        if "face" in setup.motion.frozen:
             return Landmarks(reason="the study holds the face still")
-        rate = bench.face_rate
-        settings = f"{rate!r} {bench.motion} {file_sha256(body.path, body.expression_matrix)}"
+        rate = setup.face_rate
+        settings = f"{rate!r} {setup.motion} {file_sha256(body.path, body.expression_matrix)}"
         try:
             found = self._kept(
                 LANDMARKS,

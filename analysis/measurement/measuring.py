@@ -3,38 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+import multiprocessing
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Self, TypeVar
 
-from analysis.evaluators.feature_networks import Network, Source, command_for, networks
-from analysis.measurement.conditions import clip_means, distances
-from analysis.measurement.feature_scores import (
-    FeatureScores,
-    feature_scores,
-    scores_without_network,
-)
+from threadpoolctl import threadpool_limits
+
+from analysis.evaluators.feature_networks import Source, networks
+from analysis.measurement.conditions import condition_scores, network_scores, recorded_conditions
 from analysis.measurement.kept_arrays import forget_unused
 from analysis.measurement.measured_clips import (
-    Bench,
     Excerpt,
     LandmarkBody,
     SeenMotion,
+    Setup,
     file_sha256,
     penetrable_body,
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
-from analysis.measurement.scores import ClipScore, ConditionScore, SkippedFile, StudyMetrics
+from analysis.measurement.scores import ClipScore, SkippedFile, StudyMetrics
 from analysis.measurement.segment_scores import (
     SegmentFiles,
     SegmentScores,
     recorded_extent,
     segment_scores,
 )
-from analysis.measurement.workers import Show, Workers
-from analysis.metrics.joint_positions import common_frame_rate
+from analysis.metrics.joint_motion import common_frame_rate
 from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError
 from motion.formats import read_motion
@@ -73,7 +72,7 @@ def study_metrics(
     recorded : mapping of segment to path, optional
         Recorded motion of the same speech, for metrics that compare with it.
     semantics : mapping of segment to path, optional
-        Which gestures of the recordings carry meaning (`motion.formats.semantic_txt`).
+        Which gestures of the recordings carry meaning (`motion.formats.beat_tracks`).
     emotions : mapping of segment to str, optional
         Which emotion each segment is spoken with, for gesture emotion accuracy.
     evaluators : iterable of Path or PublishedFile
@@ -124,7 +123,7 @@ def study_metrics(
         raise skipped[0].error()
     if not found:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
-    bench = Bench(
+    setup = Setup(
         frame_rate=common_frame_rate(rates),
         motion=SeenMotion(frozen=tuple(frozen), own_files=own_files, file_rate=file_rate),
         preset=preset,
@@ -134,28 +133,28 @@ def study_metrics(
     recorded_files = sorted({files.recorded for files in found if files.recorded is not None})
     looked_at = recorded_files if preset.needs_recorded_spread else []
     with Workers(processes, len(looked_at) + len(found), on_progress) as workers:
-        extents = workers.each(partial(recorded_extent, bench=bench), looked_at)
-        bench = replace(
-            bench,
+        extents = workers.each(partial(recorded_extent, setup=setup), looked_at)
+        setup = replace(
+            setup,
             spread=recorded_spread(extent for extent in extents if extent is not None),
             networks=given,
             penetrable=penetrable,
         )
-        measured = workers.each(partial(segment_scores, bench=bench), found)
+        measured = workers.each(partial(segment_scores, setup=setup), found)
     skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
     if not skip_unusable and skipped:
         raise skipped[0].error()
     forget_unused(frozenset[Path]().union(*(one.kept for one in measured)))
-    own = _recorded_conditions(clips, found)
-    seen = [_feature_scores(network, clips, measured, own, emotions or {}) for network in given]
+    own = recorded_conditions(clips, found)
+    seen = [network_scores(network, clips, measured, own, emotions or {}) for network in given]
     scores = list(_clip_scores(measured, penetrable))
     all_scores = [*scores, *(score for one in seen for score in one.clips)]
     return StudyMetrics(
-        frame_rate=bench.frame_rate,
+        frame_rate=setup.frame_rate,
         clips=tuple(
             score for condition in clips for score in all_scores if score.condition == condition
         ),
-        conditions=tuple(_condition_scores(tuple(clips), scores, measured, bench, seen, own)),
+        conditions=tuple(condition_scores(tuple(clips), scores, measured, setup, seen, own)),
         skipped=tuple(skipped),
         remarks=tuple(_remarks(found, preset, bool(recordings))),
         confusions=tuple(confusion for one in seen for confusion in one.confusions),
@@ -227,19 +226,6 @@ def _some(segments: Sequence[str], count: int) -> str:
     return f"{len(segments)} of {count} segments ({named})"
 
 
-def _recorded_conditions(
-    conditions: Iterable[str], found: Sequence[SegmentFiles]
-) -> frozenset[str]:
-    """Return the conditions that are recorded motion themselves."""
-    return frozenset(
-        condition
-        for condition in conditions
-        if all(
-            files.clips[condition] == files.recorded for files in found if condition in files.clips
-        )
-    )
-
-
 def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> Iterator[ClipScore]:
     """Yield the scores of all clips, then their self-penetration."""
     clips = [
@@ -256,59 +242,54 @@ def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> 
                     yield ClipScore(condition=condition, segment=segment, result=result)
 
 
-def _feature_scores(
-    network: Network,
-    conditions: Iterable[str],
-    measured: Sequence[SegmentScores],
-    recordings: frozenset[str],
-    emotions: Mapping[str, str],
-) -> FeatureScores:
-    """Return the scores of one network."""
-    by_condition = {
-        condition: {
-            one.segment: one.clips[condition].features[network.name]
-            for one in measured
-            if condition in one.clips
-        }
-        for condition in conditions
-    }
-    recorded = {
-        one.segment: one.recorded.features[network.name]
-        for one in measured
-        if one.recorded is not None
-    }
-    return feature_scores(
-        network,
-        {condition: clips for condition, clips in by_condition.items() if clips},
-        recorded,
-        recordings=recordings,
-        emotions=emotions,
-    )
+Show = Callable[[int, int], None]
+"""Told how many tasks are done, of how many."""
+
+_Task = TypeVar("_Task")
+_Found = TypeVar("_Found")
 
 
-def _condition_scores(
-    conditions: Sequence[str],
-    scores: Sequence[ClipScore],
-    measured: Sequence[SegmentScores],
-    bench: Bench,
-    seen: Sequence[FeatureScores],
-    recordings: Collection[str],
-) -> Iterator[ConditionScore]:
-    given = {network.name.partition(", ")[0] for network in bench.networks}
-    recorded_speeds = [
-        one.recorded.speeds
-        for one in measured
-        if one.recorded is not None and one.recorded.speeds is not None
-    ]
-    for condition in conditions:
-        clips = [one.clips[condition] for one in measured if condition in one.clips]
-        is_recorded = condition in recordings
-        yield from clip_means(condition, [s for s in scores if s.condition == condition])
-        yield from distances(condition, clips, [] if is_recorded else recorded_speeds, bench)
-        for one in seen:
-            yield from (score for score in one.conditions if score.condition == condition)
-        for name in bench.preset.networks:
-            if name not in given:
-                yield from scores_without_network(
-                    name, command_for(name), condition, len(clips), recorded=is_recorded
-                )
+class Workers:
+    """Does tasks in this process, or in several; results come in the order of the tasks.
+
+    Parameters
+    ----------
+    processes : int
+        How many.
+    steps : int
+        All tasks that will be given.
+    on_progress : callable, optional
+        Told how many of them are done.
+    """
+
+    def __init__(self, processes: int, steps: int, on_progress: Show | None) -> None:
+        self._pool = None
+        if processes > 1:
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(
+                processes, mp_context=context, initializer=_one_thread_each
+            )
+        self._done, self._steps = 0, steps
+        self._on_progress = on_progress
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def each(self, do: Callable[[_Task], _Found], tasks: Iterable[_Task]) -> list[_Found]:
+        """Return what `do` finds out about each of `tasks`."""
+        results = []
+        for found in map(do, tasks) if self._pool is None else self._pool.map(do, tasks):
+            results.append(found)
+            self._done += 1
+            if self._on_progress is not None:
+                self._on_progress(self._done, self._steps)
+        return results
+
+
+def _one_thread_each() -> None:
+    """Leave each process one thread for matrix products: together they have all processors."""
+    threadpool_limits(1)

@@ -16,7 +16,7 @@ from analysis.evaluators import network_names
 from analysis.metrics import beat_alignment, correct_motion
 from analysis.metrics.beat_alignment import BeatSettings
 from analysis.metrics.correct_motion import CorrectSettings
-from analysis.metrics.derivatives import (
+from analysis.metrics.kinematics import (
     GENEA,
     GENEA_ACCELERATION,
     HANDS,

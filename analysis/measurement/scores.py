@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
 
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.metrics.result import Better, MetricResult
@@ -63,7 +67,7 @@ class ConditionScore:
     reason : str
         Why clips have no score; empty where all have one.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores speak for a condition; `analysis.measurement.paper_tables` has what each paper
+        Which scores speak for a condition; `analysis.report.sections.metric` has what each paper
         says.
     interval : (float, float) or None
         95 % interval of a score of the whole condition; `settings` say how it was made.
@@ -111,3 +115,58 @@ class StudyMetrics:
     skipped: tuple[SkippedFile, ...] = ()
     remarks: tuple[str, ...] = ()
     confusions: tuple[EmotionConfusion, ...] = ()
+
+
+_REASONS: Final = 3
+"""Different reasons that are named; clips of different lengths have one each."""
+
+
+def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:
+    """Return the score of a condition whose `clips` were measured together."""
+    return ConditionScore(
+        condition=condition,
+        name=result.name,
+        unit=result.unit,
+        value=result.value,
+        spread=math.nan,
+        scored=0 if result.reason else clips,
+        clips=clips,
+        settings=result.settings,
+        reason=result.reason,
+        better=result.better,
+        interval=result.interval,
+        remark=result.remark,
+    )
+
+
+def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[ConditionScore]:
+    """Yield the mean over clips of each metric, in the order in which the first clip has them."""
+    by_name: dict[str, list[MetricResult]] = {}
+    for score in scores:
+        by_name.setdefault(score.result.name, []).append(score.result)
+    for name, results in by_name.items():
+        values = np.array([result.value for result in results if not result.reason])
+        yield ConditionScore(
+            condition=condition,
+            name=name,
+            unit=results[0].unit,
+            value=float(values.mean()) if len(values) else math.nan,
+            spread=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
+            scored=len(values),
+            clips=len(results),
+            settings=results[0].settings,
+            reason=counted([result.reason for result in results if result.reason], len(results)),
+            better=results[0].better,
+        )
+
+
+def counted(reasons: Sequence[str], clips: int) -> str:
+    """Return each reason once, with how many of all clips it holds for; of many, the first."""
+    different = list(dict.fromkeys(reasons))
+    named = [
+        f"{reason} ({reasons.count(reason)} of {clips} clips)" for reason in different[:_REASONS]
+    ]
+    if len(different) > _REASONS:
+        rest = sum(reasons.count(reason) for reason in different[_REASONS:])
+        named.append(f"and others like that ({rest} of {clips} clips)")
+    return "; ".join(named)

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.measurement.clip_features import ClipFeatures
+from analysis.evaluators.feature_networks import ClipFeatures
 from analysis.measurement.clip_scores import clip_metrics
-from analysis.measurement.measured_clips import Bench, Excerpt, MeasuredClip, Reader
+from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Reader, Setup
 from analysis.measurement.recorded_spread import ClipExtent
 from analysis.measurement.scores import SkippedFile
-from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
+from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, select
+from analysis.metrics.kinematics import Counts, speed_counts
 from analysis.metrics.result import MetricResult
-from analysis.metrics.speed_histogram import Counts, speed_counts
-from motion.formats.semantic_txt import read_semantic_scores
+from motion.formats.beat_tracks import read_semantic_scores
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 
 Array = NDArray[np.float32]
@@ -38,7 +38,7 @@ class SegmentFiles:
     speech : Excerpt or None
         What is said.
     semantics : Path or None
-        Which of the recording's gestures carry meaning (`motion.formats.semantic_txt`).
+        Which of the recording's gestures carry meaning (`motion.formats.beat_tracks`).
     """
 
     segment: str
@@ -61,7 +61,7 @@ class ClipFindings:
     face : ndarray, shape (T, 52) or (T, 100), float32, or None
         The face for distances between clips, where a preset asks for them and the clip has one.
     speeds : ndarray, shape (8, 80), int, or None
-        How often each speed occurs (`analysis.metrics.speed_histogram`), where that is asked for.
+        How often each speed occurs (`analysis.metrics.kinematics`), where that is asked for.
     features : mapping of str to ClipFeatures
         What each network says, by its name.
     depths : ndarray, shape (n,), float32, or None
@@ -101,9 +101,9 @@ class SegmentScores:
     kept: frozenset[Path]
 
 
-def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
+def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
     """Measure all clips of one segment; a file that cannot be used is named, never an error."""
-    reader, preset = Reader(bench), bench.preset
+    reader, preset = Reader(setup), setup.preset
     onsets = reader.onsets(files.speech) if preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
     semantics = None
@@ -115,35 +115,35 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
         clip = recorded if is_recorded else reader.clip(path)
         if clip is not None:
             beside = None if is_recorded else recorded
-            scores = clip_metrics(clip, bench, onsets=onsets, recorded=beside, semantics=semantics)
-            clips[condition] = _findings(clip, bench, tuple(scores))
+            scores = clip_metrics(clip, setup, onsets=onsets, recorded=beside, semantics=semantics)
+            clips[condition] = _findings(clip, setup, tuple(scores))
     return SegmentScores(
         segment=files.segment,
         clips=clips,
-        recorded=None if recorded is None else _findings(recorded, bench),
+        recorded=None if recorded is None else _findings(recorded, setup),
         skipped=tuple(reader.skipped),
         kept=frozenset(reader.kept.used),
     )
 
 
 def _findings(
-    clip: MeasuredClip, bench: Bench, scores: tuple[MetricResult, ...] = ()
+    clip: MeasuredClip, setup: Setup, scores: tuple[MetricResult, ...] = ()
 ) -> ClipFindings:
     upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
-    preset = bench.preset
+    preset = setup.preset
     return ClipFindings(
         scores=scores,
         upper_body=upper.astype(np.float32) if preset.pair_distance else None,
         face=clip.face,
-        speeds=speed_counts(upper, bench.frame_rate) if preset.speed_histogram else None,
+        speeds=speed_counts(upper, setup.frame_rate) if preset.speed_histogram else None,
         features=clip.features,
         depths=clip.depths,
     )
 
 
-def recorded_extent(path: Path, bench: Bench) -> ClipExtent | None:
+def recorded_extent(path: Path, setup: Setup) -> ClipExtent | None:
     """Return what one recording adds to the spread of all; None where it cannot be read."""
-    clip = Reader(bench).clip(path)
+    clip = Reader(setup).clip(path)
     if clip is None or clip.rotations is None:
         return None
     return ClipExtent.of(

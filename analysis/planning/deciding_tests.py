@@ -15,8 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.planning.drawn_answers import thresholds_of
-from analysis.planning.many_studies import clustered_tests, crossed_models
+from analysis.planning.many_studies import clustered_tests, crossed_models, thresholds_of
 from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import (
     Expected,
@@ -25,9 +24,9 @@ from analysis.results.net_preference import (
     net_preference,
 )
 from analysis.results.preference import FEWEST
-from analysis.stats.holm import holm_rows
-from analysis.stats.strengths.contrasts import difference_tests
-from analysis.stats.strengths.plackett_luce import plackett_luce
+from analysis.stats.multiple_testing import holm_rows
+from analysis.stats.plackett_luce import plackett_luce
+from analysis.stats.strength_differences import difference_tests
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -1,18 +1,129 @@
-"""All cells of a plan: simulated by several processes, kept, and never twice."""
+"""The cells of a plan, each a study of one size: simulated by several processes, and kept."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from analysis.planning.cell import USUAL, Cell, Task, keep_cell, kept_cell, simulated
-from analysis.planning.power import FEWEST_EXACT, Effort
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from analysis.planning.part import Opinions, Part, Size
+from analysis.planning.power import FEWEST_EXACT, Effort, Power, power_of
+from motion.files import write_text
+
+VERSION: Final = "2"
+"""Raised whenever the same task is simulated otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """How often a study of one size finds a difference of one size.
+
+    Attributes
+    ----------
+    size : Size
+        The study.
+    powers : tuple of Power
+        Of each part of the study.
+    """
+
+    size: Size
+    powers: tuple[Power, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """A cell that is to be simulated.
+
+    Attributes
+    ----------
+    size : Size
+        The study.
+    effect : float
+        By how much one condition is better than all others, in logits.
+    opinions : Opinions
+        How people answer.
+    effort : Effort
+        How much is simulated.
+    seed : int
+        The same seed gives the same numbers, whatever other cells a plan has.
+    """
+
+    size: Size
+    effect: float
+    opinions: Opinions
+    effort: Effort
+    seed: int
+
+    @property
+    def seconds(self) -> float:
+        """About how long it takes, in seconds of one processor."""
+        return sum(
+            _seconds(part, self.effort, with_null=self.effect > 0) for part in self.size.parts
+        )
+
+    @property
+    def key(self) -> str:
+        """A hash of everything that the numbers depend on, the code included."""
+        digest = hashlib.sha256(VERSION.encode())
+        settings = [self.effect, asdict(self.opinions), asdict(self.effort), self.seed]
+        digest.update(json.dumps(settings).encode())
+        for part in self.size.parts:
+            trials = part.trials
+            words = (part.name, part.kind, part.levels, part.blocks, part.family, part.test)
+            digest.update(json.dumps([*words, trials.conditions]).encode())
+            for codes in (trials.participants, trials.items, trials.left, trials.right):
+                digest.update(b"-" if codes is None else np.asarray(codes, "<i8").tobytes())
+        return digest.hexdigest()[:32]
+
+
+def simulated(task: Task) -> tuple[Power, ...]:
+    """Return the powers of a cell's parts."""
+    # The same noise for every effect: powers rise smoothly with it.
+    seed = (task.seed, *task.size.numbers)
+    # Small matrices: threads of the linear algebra would only wait for one another.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return power_of(task.size.parts, task.opinions, task.effect, task.effort, seed)
+
+
+def kept_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
+    """Return what was simulated before; None where nothing was, or it cannot be read."""
+    try:
+        rows = json.loads((folder / f"{task.key}.json").read_text("utf-8"))
+        return tuple(Power(**row) for row in rows)
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def keep_powers(task: Task, powers: Sequence[Power], folder: Path) -> None:
+    """Keep what was simulated for a later run."""
+    write_text(folder / f"{task.key}.json", json.dumps([asdict(power) for power in powers]))
+
+
+def _seconds(part: Part, effort: Effort, *, with_null: bool) -> float:
+    answers = len(part.trials.participants) * (
+        1 if part.kind == "pairs" else part.trials.conditions
+    )
+    quick = 2.5e-7 * answers * effort.quick * (2 if with_null else 1)
+    if part.kind == "ratings" or part.test == "crossed_lmm":
+        return quick
+    tests = len(part.trials.pairs) if part.kind == "pairs" else 1
+    each = (0.018 if part.kind == "pairs" else 0.006) * tests + 6e-6 * answers
+    return quick + each * min(effort.exact, USUAL)
+
+
+USUAL: Final = 90
+"""Models that are usually fitted until a power is precise enough."""
+
 
 Show = Callable[[int, int], None]
 """Told how many cells are done, and of how many."""
@@ -47,17 +158,17 @@ class Runner:
 
     def cells(self, tasks: Sequence[Task]) -> list[Cell]:
         """Return the cell of each task, in their order; an interrupted run goes on."""
-        found: dict[int, Cell] = {}
+        found: dict[int, tuple[Power, ...]] = {}
         for number, task in enumerate(tasks):
-            if (cell := kept_cell(task, self.folder)) is not None:
-                found[number] = cell
+            if (powers := kept_powers(task, self.folder)) is not None:
+                found[number] = powers
         waiting = [number for number in range(len(tasks)) if number not in found]
         self._tell(len(found), len(tasks))
-        for number, cell in self._simulated(tasks, waiting):
-            keep_cell(tasks[number], cell, self.folder)
-            found[number] = cell
+        for number, powers in self._simulated(tasks, waiting):
+            keep_powers(tasks[number], powers, self.folder)
+            found[number] = powers
             self._tell(len(found), len(tasks))
-        return [found[number] for number in range(len(tasks))]
+        return [Cell(size=task.size, powers=found[n]) for n, task in enumerate(tasks)]
 
     def _tell(self, done: int, total: int) -> None:
         if self.show is not None:
@@ -65,7 +176,7 @@ class Runner:
 
     def _simulated(
         self, tasks: Sequence[Task], waiting: Sequence[int]
-    ) -> Iterator[tuple[int, Cell]]:
+    ) -> Iterator[tuple[int, tuple[Power, ...]]]:
         work = sum(tasks[number].seconds for number in waiting)
         if min(self.processes, len(waiting)) < 2 or work < SHORT:
             for number in waiting:

@@ -154,6 +154,11 @@ class Size:
     trials: int
     parts: tuple[Part, ...]
 
+    @property
+    def numbers(self) -> tuple[int, int]:
+        """Participants and items, which tell the sizes of a plan apart."""
+        return self.participants, self.items
+
 
 @dataclass(frozen=True, kw_only=True)
 class Sketch:

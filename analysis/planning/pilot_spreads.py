@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
-from analysis.results.grouping import codes, parts
+from analysis.results.grouping import codes, compared, parts
 from analysis.results.net_preference import (
     net_preference,
     sided,
@@ -93,8 +93,8 @@ def _pooled(deviations: Sequence[tuple[float, int]]) -> float:
 
 def _spreads(table: AnswerTable, analysed: pd.DataFrame) -> Iterator[Spreads]:
     of = {
-        "pairwise": _of_pairs,
-        "mismatch": _of_mismatch,
+        "pairwise": _of_preferences,
+        "mismatch": _of_preferences,
         "rating": _of_ratings,
         "ranking": _of_rankings,
     }[table.protocol]
@@ -102,23 +102,13 @@ def _spreads(table: AnswerTable, analysed: pd.DataFrame) -> Iterator[Spreads]:
         yield from of(answers)
 
 
-def _of_pairs(answers: pd.DataFrame) -> Iterator[Spreads]:
-    left, right = codes(answers, "left"), codes(answers, "right")
-    low, high = np.minimum(left, right), np.maximum(left, right)
-    for pair in np.unique(np.stack([low, high], axis=1), axis=0):
-        chosen = (low == pair[0]) & (high == pair[1])
-        yield from _of_preferences(answers[chosen], right[chosen] == pair[0])
+def _of_preferences(answers: pd.DataFrame) -> Iterator[Spreads]:
+    for _, rows in compared(answers):
+        yield from _of_comparison(answers[rows])
 
 
-def _of_mismatch(answers: pd.DataFrame) -> Iterator[Spreads]:
-    condition = codes(answers, "condition")
-    for one in np.unique(condition):
-        own = answers[condition == one]
-        yield from _of_preferences(own, (own["right_speech"] == "own").to_numpy(bool))
-
-
-def _of_preferences(answers: pd.DataFrame, on_right: NDArray[np.bool_]) -> Iterator[Spreads]:
-    found = net_preference(sided(answers, on_right))
+def _of_comparison(answers: pd.DataFrame) -> Iterator[Spreads]:
+    found = net_preference(sided(answers))
     if found.reason:
         return
     thresholds = None

@@ -10,9 +10,8 @@ from typing import Final
 
 from scipy.stats import norm
 
-from analysis.planning.cell import Cell, Task
-from analysis.planning.drawn_answers import in_answers
-from analysis.planning.grid import Runner, minutes_of, within
+from analysis.planning.grid import Cell, Runner, Task, minutes_of, within
+from analysis.planning.many_studies import in_answers
 from analysis.planning.part import Opinions, Size
 from analysis.planning.power import Effort
 
@@ -143,7 +142,7 @@ class Plan:
     def cell(self, participants: int, items: int, effect: float) -> Cell | None:
         """Return one of the cells."""
         for cell in self.cells:
-            if (cell.participants, cell.items) == (participants, items) and all(
+            if cell.size.numbers == (participants, items) and all(
                 power.effect == effect for power in cell.powers
             ):
                 return cell
@@ -195,9 +194,7 @@ def plan(request: Request, runner: Runner) -> Plan:
 def _smallest(
     request: Request, size: Size, cells: Sequence[Cell], effort: Effort, runner: Runner
 ) -> tuple[Smallest, ...]:
-    known = [
-        cell for cell in cells if (cell.participants, cell.items) == (size.participants, size.items)
-    ]
+    known = [cell for cell in cells if cell.size.numbers == size.numbers]
     further: dict[float, Cell] = {}
 
     def simulated(effect: float) -> Cell:

@@ -18,7 +18,7 @@ from analysis.planning.deciding_tests import (
     decided_by_holm,
     right,
 )
-from analysis.planning.drawn_answers import drawn_answers
+from analysis.planning.many_studies import drawn_answers
 from analysis.planning.part import Opinions, Part, Trials
 
 Floats = NDArray[np.float64]

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Final
 
-from analysis.planning.cell import Cell
+from analysis.planning.grid import Cell
 from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
 from analysis.report.wording import share
-from motion.listing import listed
+from motion.errors import listed
 
 LITTLE: Final = 0.08
 """A doubling that raises the power by less adds little."""
@@ -76,20 +76,22 @@ def _as_it_stands(plan: Plan, number: int) -> Iterator[str]:
     if plan.request.own is None:
         return
     own = [
-        (cell, power)
-        for cell, power in _of(plan, number)
-        if (cell.participants, cell.items) == plan.request.own
+        (cell, power) for cell, power in _of(plan, number) if cell.size.numbers == plan.request.own
     ]
     if not own:
         return
     cell, part = own[0][0], plan.parts[number]
-    left = f" ({cell.analysed} of them analysed)" if cell.analysed < cell.participants else ""
+    left = (
+        f" ({cell.size.analysed} of them analysed)"
+        if cell.size.analysed < cell.size.participants
+        else ""
+    )
     found = [
         f"{logits(plan, part, power.effect)} with power {with_error(power)}"
         for _, power in own
         if power.effect > 0 and not power.reason
     ]
-    size = f"with {people(plan, cell.participants)}{left} and {segments(cell.items)}"
+    size = f"with {people(plan, cell.size.participants)}{left} and {segments(cell.size.items)}"
     if found:
         yield (
             f"As it stands, {size}, the study finds a difference of {listed(found)}."
@@ -108,7 +110,7 @@ def _untested(plan: Plan, number: int) -> Iterator[str]:
     reasons: dict[str, list[str]] = {}
     for cell, power in _of(plan, number):
         if power.reason:
-            size = f"{cell.participants} x {cell.items}"
+            size = f"{cell.size.participants} x {cell.size.items}"
             sizes = reasons.setdefault(power.reason, [])
             if size not in sizes:
                 sizes.append(size)
@@ -190,15 +192,15 @@ def _cheapest(plan: Plan, number: int) -> Iterator[str]:
             cell, power = max(known, key=lambda one: one[1].power)
             yield (
                 f"None of these studies finds {logits(plan, part, effect)} with power "
-                f"{_wanted()}; the best, with {people(plan, cell.participants)} and "
-                f"{segments(cell.items)}, has {with_error(power)}."
+                f"{_wanted()}; the best, with {people(plan, cell.size.participants)} and "
+                f"{segments(cell.size.items)}, has {with_error(power)}."
             )
             continue
-        cell, power = min(enough, key=lambda one: (one[0].participants, one[0].items))
+        cell, power = min(enough, key=lambda one: one[0].size.numbers)
         yield (
             f"The fewest participants that find {logits(plan, part, effect)} with power "
-            f"{_wanted()} are {people(plan, cell.participants)} with {segments(cell.items)} "
-            f"({with_error(power)}).{_cost(plan, cell)}"
+            f"{_wanted()} are {people(plan, cell.size.participants)} with "
+            f"{segments(cell.size.items)} ({with_error(power)}).{_cost(plan, cell)}"
         )
 
 
@@ -222,7 +224,7 @@ def _alone(plan: Plan, number: int) -> Iterator[str]:
 
 def _is_own(plan: Plan, cell: Cell) -> bool:
     size = plan.request.own or (plan.request.participants[0], plan.request.items[0])
-    return (cell.participants, cell.items) == size
+    return cell.size.numbers == size
 
 
 def _assumed(plan: Plan) -> Iterator[str]:
@@ -239,10 +241,14 @@ def _assumed(plan: Plan) -> Iterator[str]:
 
 
 def _cost(plan: Plan, cell: Cell) -> str:
-    whole = f" {cell.recruited} participants in all" if cell.recruited != cell.participants else ""
+    whole = (
+        f" {cell.size.recruited} participants in all"
+        if cell.size.recruited != cell.size.participants
+        else ""
+    )
     if plan.request.pay is None:
         return f"{whole}." if whole else ""
-    cost = f"{cell.recruited * plan.request.pay:,.2f}"
+    cost = f"{cell.size.recruited * plan.request.pay:,.2f}"
     if whole:
         return f"{whole} cost {cost}."
     return f" That costs {cost}."

@@ -1,18 +1,27 @@
-"""Writing a plan: its numbers for programs, its table, its figure and its words."""
+"""Writing a plan: its numbers for programs, its table, and its figure of power."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import io
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
+import matplotlib as mpl
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from analysis.planning.figure import FORMATS, power_figure
-from analysis.planning.plan import Plan
-from analysis.planning.words import sentences, with_error
-from analysis.report.writing import write_frame
+from analysis.planning.plan import WANTED, Plan
+from analysis.planning.power import Power
+from analysis.planning.words import segments, sentences, with_error
+from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
+from analysis.report.figures.style import INK, LINE, SOFT, STYLE, sign_of
+from analysis.report.figures.svg import as_pdf
+from analysis.report.tables import write_frame
 from analysis.results.report import as_json
 from motion.files import replacing, write_text
 
@@ -68,11 +77,11 @@ def rows(plan: Plan) -> pd.DataFrame:
         for power in cell.powers:
             row: dict[str, object] = {"part": power.part} if any(plan.parts) else {}
             row |= {
-                "participants": cell.participants,
-                "recruited": cell.recruited,
-                "analysed": cell.analysed,
-                "segments": cell.items,
-                "trials": cell.trials,
+                "participants": cell.size.participants,
+                "recruited": cell.size.recruited,
+                "analysed": cell.size.analysed,
+                "segments": cell.size.items,
+                "trials": cell.size.trials,
                 "effect": power.effect,
                 "in_answers": plan.meanings[power.part, power.effect],
                 "power": round(power.power, 4),
@@ -84,7 +93,7 @@ def rows(plan: Plan) -> pd.DataFrame:
                 "reason": power.reason,
             }
             if plan.request.pay is not None:
-                row["cost"] = round(cell.recruited * plan.request.pay, 2)
+                row["cost"] = round(cell.size.recruited * plan.request.pay, 2)
             found.append(row)
     return pd.DataFrame(found)
 
@@ -107,3 +116,134 @@ def lines(plan: Plan) -> Iterator[str]:
                 size = f"{participants} x {items}"
                 own = " (as it stands)" if plan.request.own == (participants, items) else ""
                 yield (size + own).ljust(_WIDE) + "".join(f"{one:>14}" for one in powers)
+
+
+_DASHES: Final = ("-", "--", "-.", ":")
+_HEIGHT: Final = 1.75
+"""Of a panel, in inches."""
+
+
+def power_figure(plan: Plan) -> Figure:
+    """Draw a panel for each part of the study and each effect."""
+    panels = {
+        f"{f'{part}: ' if part else ''}{effect:g} logits: {plan.meanings[part, effect]}": (
+            number,
+            effect,
+        )
+        for number, part in enumerate(plan.parts)
+        for effect in plan.request.effects
+    }
+    each = " in each comparison" if plan.request.per_comparison else ""
+
+    def draw(panel: Panel, title: str) -> Hints:
+        (axes,) = panel.axes
+        _panel(axes, plan, *panels[title])
+        axes.set_xlabel(f"participants{each}", fontsize=7.5)
+        if panel.is_first:
+            axes.set_ylabel("How often a true difference\nis found (± 2 errors)", fontsize=8)
+        axes.tick_params(labelleft=panel.is_first, left=panel.is_first)
+        return {}
+
+    signs = [
+        _line(place, [], [], label=segments(items))
+        for place, items in enumerate(plan.request.items)
+    ]
+    if plan.request.own is not None:
+        signs.append(_ring([], [], label="the study as it stands"))
+    columns = min(3, len(plan.request.effects))
+    what = PanelFigure(
+        told=dict.fromkeys(panels, ""),
+        draw=draw,
+        height=_HEIGHT,
+        columns=columns,
+        legend=signs,
+    )
+    return draw_sheet(what, list(panels)).figure
+
+
+def as_png(figure: Figure) -> bytes:
+    """Return the figure as PNG, 200 dots an inch."""
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        figure.savefig(stream, format="png", dpi=200, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def as_svg(figure: Figure) -> bytes:
+    """Return the figure as an SVG file without a date."""
+    stream = io.BytesIO()
+    with mpl.rc_context({**STYLE, "svg.hashsalt": "power"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()
+
+
+FORMATS: Final = {"png": as_png, "svg": as_svg, "pdf": as_pdf}
+"""How the figure is written, by the ending of its file."""
+
+
+def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
+    axes.axhline(WANTED, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
+    people = sorted(set(plan.request.participants))
+    for place, items in enumerate(plan.request.items):
+        cells = [plan.cell(count, items, effect) for count in people]
+        powers = [cell.powers[number] for cell in cells if cell is not None]
+        found = [power.power for power in powers]
+        colour, _ = sign_of(place)
+        axes.add_line(_line(place, people, found))
+        axes.errorbar(people, found, yerr=_reach(powers), fmt="none", ecolor=colour, elinewidth=0.8)
+        if plan.request.own is not None and plan.request.own[1] == items:
+            count = plan.request.own[0]
+            own = [power for power, each in zip(found, people, strict=True) if each == count]
+            axes.add_line(_ring([count] * len(own), own))
+    axes.set_ylim(0, 1)
+    axes.set_yticks([0, 0.2, 0.4, 0.6, 0.8, 1], ["0", ".2", ".4", ".6", ".8", "1"])
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(FixedLocator(people))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xticks(people, [str(count) for count in people])
+    margin = 1.12
+    axes.set_xlim(people[0] / margin, people[-1] * margin)
+    axes.grid(axis="y", color=LINE, linewidth=0.4)
+    axes.set_axisbelow(True)
+
+
+def _line(place: int, people: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
+    colour, marker = sign_of(place)
+    return Line2D(
+        people,
+        powers,
+        color=colour,
+        marker=marker,
+        markersize=4,
+        linestyle=_DASHES[place % len(_DASHES)],
+        linewidth=1.3,
+        clip_on=False,
+        zorder=3,
+        label=label,
+    )
+
+
+def _ring(people: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
+    """Return a ring around the powers of the study as it stands."""
+    return Line2D(
+        people,
+        powers,
+        marker="o",
+        markersize=9,
+        markerfacecolor="none",
+        markeredgecolor=INK,
+        markeredgewidth=0.9,
+        linestyle="none",
+        clip_on=False,
+        zorder=4,
+        label=label,
+    )
+
+
+def _reach(powers: Sequence[Power]) -> tuple[list[float], list[float]]:
+    """Return how far two errors reach down and up, within what a share can be."""
+    return (
+        [min(2 * power.error, power.power) for power in powers],
+        [min(2 * power.error, 1 - power.power) for power in powers],
+    )

@@ -1,12 +1,16 @@
-"""What a page is made of: plain data that the template only lays out."""
+"""What sections are made of, which the template lays out: words, figures, and tables of cells."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import TypeVar
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeVar
 
 from markupsafe import Markup
+
+from analysis.report import wording
+from analysis.results.grouping import ConditionPlace, PairPlace
 
 Row = TypeVar("Row")
 
@@ -103,37 +107,6 @@ class Section:
     tables: tuple[Table, ...] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Page:
-    """The whole report.
-
-    Attributes
-    ----------
-    title : str
-        The study's title.
-    mark : str
-        What must be said on every screen and every printed page; empty for real answers.
-    mark_short : str
-        The same in a word or two, for headings and captions.
-    answer : tuple of str
-        The sentences that answer the study's question.
-    picture : Picture or None
-        The first figure; None where nobody has answered.
-    flow : str
-        The participant flow in one line.
-    sections : tuple of Section
-        Everything after the first screen.
-    """
-
-    title: str
-    mark: str
-    mark_short: str
-    answer: tuple[str, ...]
-    picture: Picture | None
-    flow: str
-    sections: tuple[Section, ...]
-
-
 def cells(*texts: str) -> tuple[Cell, ...]:
     """Return plain cells."""
     return tuple(Cell(text=text) for text in texts)
@@ -177,4 +150,138 @@ def table_of(
         notes=tuple(notes),
         name=name,
         data=data,
+    )
+
+
+CONDITION: Final[tuple[Column[ConditionPlace], ...]] = (
+    ("question", lambda one: wording.heading(one.question)),
+    ("condition", lambda one: wording.name(one.condition)),
+)
+
+
+PAIR: Final[tuple[Column[PairPlace], ...]] = (
+    ("question", lambda one: wording.heading(one.question)),
+    ("first", lambda one: wording.name(one.a)),
+    ("second", lambda one: wording.name(one.b)),
+)
+
+
+_MOST_BESIDE: Final = 3
+"""Questions up to which a table shows them beside each other."""
+
+
+def counted(value: float, text: str, *, best: bool = False, second: bool = False) -> Cell:
+    """Return a cell that shows `text` and is sorted and filed by `value`, empty for NaN."""
+    return Cell(
+        text=text, value=None if math.isnan(value) else float(value), best=best, second=second
+    )
+
+
+def number_cell(value: float) -> Cell:
+    """Return a number with two decimals."""
+    return counted(value, wording.number(value))
+
+
+def share_cell(value: float) -> Cell:
+    """Return a share with two digits."""
+    return counted(value, wording.share(value))
+
+
+def p_cell(value: float) -> Cell:
+    """Return a p value."""
+    return counted(value, wording.p_value(value))
+
+
+def count_cell(value: int) -> Cell:
+    """Return a count."""
+    return Cell(text=str(value), value=value)
+
+
+def interval_cell(
+    low: float, high: float, written: Callable[[float], str] = wording.number
+) -> Cell:
+    """Return an interval, sorted by its lower end; a dash where there is none."""
+    return counted(low, "–" if math.isnan(low) else wording.between(written(low), written(high)))
+
+
+def table_by_question(
+    numbers: Mapping[tuple[str, str], Sequence[Cell]],
+    heading: str,
+    heads: Sequence[str],
+    *,
+    caption: str,
+    name: str,
+    data: str,
+) -> Table:
+    """Return a table with few questions beside each other, and more of them below each other.
+
+    Parameters
+    ----------
+    numbers : mapping of (str, str) to sequence of Cell
+        By what a row is about, as it is read, and question.
+    heading : str
+        Of the column that says what rows are about.
+    heads : sequence of str
+        Of the numbers.
+    caption, name, data
+        See `analysis.report.content.Table`.
+    """
+    questions = tuple(dict.fromkeys(question for _, question in numbers))
+    if len(questions) > _MOST_BESIDE:
+        return Table(
+            caption=caption,
+            header=("question", heading, *heads),
+            rows=tuple(
+                (*cells(wording.heading(question), about), *found)
+                for (about, question), found in numbers.items()
+            ),
+            text_columns=2,
+            name=name,
+            data=data,
+        )
+    none = cells(*["–"] * len(heads))
+    return Table(
+        caption=caption,
+        header=(heading, *(head for _ in questions for head in heads)),
+        groups=(("", 1), *((wording.heading(question), len(heads)) for question in questions)),
+        rows=tuple(
+            (
+                Cell(text=about),
+                *(cell for question in questions for cell in numbers.get((about, question), none)),
+            )
+            for about in dict.fromkeys(about for about, _ in numbers)
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def headline_section(
+    of: str | None,
+    end: str,
+    heading: str,
+    *,
+    reason: str,
+    pictures: Callable[[], tuple[Picture, ...]],
+    tables: Iterable[Table],
+    paragraph: str = "",
+) -> Section:
+    """Return what was found in the set `of`.
+
+    Where there is a `reason` for it, nothing is drawn, and the reason stands in place of the
+    `paragraph`. Captions say which set it is, and names of tables end in `end`
+    (`analysis.report.wording.suffix`).
+    """
+    which = "" if of is None else f"Set {of}. "
+    said = reason or paragraph
+    return Section(
+        anchor=f"headline{end}",
+        heading=wording.in_set(of, heading),
+        paragraphs=(said,) if said else (),
+        pictures=()
+        if reason
+        else tuple(replace(one, caption=f"{which}{one.caption}") for one in pictures()),
+        tables=tuple(
+            replace(one, name=f"{one.name}{end}", caption=f"{which}{one.caption}") for one in tables
+        ),
     )

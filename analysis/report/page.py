@@ -1,35 +1,195 @@
-"""Turning results into a page, apart from how the page looks."""
+"""The report: its sections in order, and its files: results.json, the page, tables, figures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+import base64
+import hashlib
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from importlib.resources import files
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from analysis.report.content import Page, Picture, Section
-from analysis.report.headline.heterogeneity import heterogeneity_section
-from analysis.report.headline.preferences import mismatch_sections, pairwise_sections
-from analysis.report.headline.rankings import ranking_sections
-from analysis.report.headline.ratings import rating_sections
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from analysis.measurement.score_tables import score_table
+from analysis.report.content import Picture, Section, Table
 from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import answer
+from analysis.report.sections.checks import sensitivity_section, truth_section
 from analysis.report.sections.diagnostics import diagnostics_section
-from analysis.report.sections.flow import flow_line, flow_section
-from analysis.report.sections.limits import limits_section
-from analysis.report.sections.looks import looks_section
-from analysis.report.sections.methods import methods_section
+from analysis.report.sections.flow import flow_line, flow_section, looks_section
+from analysis.report.sections.heterogeneity import heterogeneity_section
+from analysis.report.sections.methods import ANCHOR, limits_section, methods_section
 from analysis.report.sections.metric import metric_section
-from analysis.report.sections.sensitivity import sensitivity_section
+from analysis.report.sections.metric_table import SCORES
+from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
+from analysis.report.sections.rankings import ranking_sections
+from analysis.report.sections.ratings import rating_sections
 from analysis.report.sections.strip import strip_section
-from analysis.report.sections.truth import truth_section
 from analysis.report.subject import Subject
-from analysis.results.mismatch import MismatchResults
-from analysis.results.pairwise import PairwiseResults
+from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
+from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
-from analysis.results.report import TableReport
+from analysis.results.report import TableReport, as_json
+from motion.files import replacing, write_text
+
+FOLDERS = ("tables", "figures")
+
+
+def write_report(
+    report: TableReport,
+    subject: Subject,
+    folder: Path,
+    *,
+    beside: Mapping[str, object] | None = None,
+    more: tuple[TableReport, ...] = (),
+) -> Path:
+    """Write a report's files and return the page.
+
+    Parameters
+    ----------
+    report : TableReport
+        The results.
+    subject : Subject
+        What they are about.
+    folder : Path
+        Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
+        LaTeX; ``figures`` with PDF; ``paper.txt`` with sentences for a paper. What an earlier
+        report left in the two folders is removed.
+    beside : mapping of str to object, optional
+        Further keys of ``results.json``.
+    more : tuple of TableReport
+        Results of further tasks of the same study, on the same page.
+    """
+    page = build_page(report, subject, more)
+    for name in FOLDERS:
+        shutil.rmtree(folder / name, ignore_errors=True)
+    for name, table in csv_tables(report).items():
+        write_frame(folder / "tables" / name, table)
+    for task in more:
+        for name, table in csv_tables(task).items():
+            write_frame(folder / "tables" / f"{TASKS[task.protocol]}_{name}", table)
+    if subject.metrics is not None:
+        # Those of single clips are many; 'motionjury metrics' writes them.
+        scores = score_table(replace(subject.metrics, clips=()))
+        write_frame(folder / "tables" / SCORES, scores)
+    write_page_files(page, folder)
+    keys = report.keys() | {TASKS[task.protocol]: task.keys() for task in more} | dict(beside or {})
+    write_text(folder / "results.json", as_json(keys))
+    write_text(folder / "paper.txt", paper_text(page))
+    path = folder / "report.html"
+    write_text(path, render_page(page))
+    return path
+
+
+def paper_text(page: Page) -> str:
+    """Return the answer, the participant flow and the methods, a paragraph each.
+
+    Whatever must be said on every page, such as that nobody but simulated raters answered, comes
+    first.
+    """
+    methods = [section for section in page.sections if section.anchor == ANCHOR]
+    paragraphs = [
+        *([page.mark] if page.mark else []),
+        " ".join(page.answer),
+        page.flow,
+        *(text for section in methods for text in (*section.paragraphs, *section.bullets)),
+    ]
+    return "\n\n".join(paragraph for paragraph in paragraphs if paragraph) + "\n"
+
+
+def render_page(page: Page) -> str:
+    """Return the page as one HTML document."""
+    environment = Environment(
+        loader=PackageLoader("analysis.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    script = (files("analysis.report") / "templates" / "sorting.js").read_text("utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return environment.get_template("report.html").render(
+        page=page,
+        script=Markup(script),  # noqa: S704 - our own file
+        script_hash=f"sha256-{digest}",
+    )
+
+
+def write_page_files(page: Page, folder: Path) -> None:
+    """Write the page's named tables as LaTeX and CSV, and its named figures as PDF.
+
+    Parameters
+    ----------
+    page : Page
+        Names of its tables, and of its figures, are all different.
+    folder : Path
+        Gets ``tables`` and ``figures``.
+    """
+    for table in page_tables(page):
+        if not table.name:
+            continue
+        remark = f"[{page.mark_short}]" if page.mark_short else ""
+        write_text(folder / "tables" / f"{table.name}.tex", booktabs(table, remark=remark))
+        if not table.data:
+            write_frame(folder / "tables" / f"{table.name}.csv", as_frame(table))
+    for picture in page_pictures(page):
+        if picture.name and picture.pdf:
+            with replacing(folder / "figures" / f"{picture.name}.pdf") as draft:
+                draft.write_bytes(picture.pdf)
+
+
+def page_tables(page: Page) -> Iterator[Table]:
+    """Give every table of the page, in order."""
+    for section in page.sections:
+        yield from section.tables
+
+
+def page_pictures(page: Page) -> Iterator[Picture]:
+    """Give every figure of the page, in order."""
+    if page.picture:
+        yield page.picture
+    for section in page.sections:
+        yield from section.pictures
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page:
+    """The whole report.
+
+    Attributes
+    ----------
+    title : str
+        The study's title.
+    mark : str
+        What must be said on every screen and every printed page; empty for real answers.
+    mark_short : str
+        The same in a word or two, for headings and captions.
+    answer : tuple of str
+        The sentences that answer the study's question.
+    picture : Picture or None
+        The first figure; None where nobody has answered.
+    flow : str
+        The participant flow in one line.
+    sections : tuple of Section
+        Everything after the first screen.
+    """
+
+    title: str
+    mark: str
+    mark_short: str
+    answer: tuple[str, ...]
+    picture: Picture | None
+    flow: str
+    sections: tuple[Section, ...]
+
 
 TASKS: Final = MappingProxyType({"pairwise": "realism"})
 """What the tasks are called that a study has beside the one it is named after."""
@@ -126,19 +286,19 @@ def _of_task(task: TableReport, section: Section) -> Section:
         anchor=f"{name}-{section.anchor}",
         heading=f"{name.capitalize()}: {section.heading}",
         pictures=tuple(
-            replace(picture, name=f"{name}-{picture.name}", data=_data(task, picture.data))
+            replace(picture, name=f"{name}-{picture.name}", data=_task_data(task, picture.data))
             for picture in section.pictures
         ),
         tables=tuple(
             replace(
                 table,
                 name=f"{name}-{table.name}" if table.name else "",
-                data=_data(task, table.data),
+                data=_task_data(task, table.data),
             )
             for table in section.tables
         ),
     )
 
 
-def _data(task: TableReport, name: str) -> str:
+def _task_data(task: TableReport, name: str) -> str:
     return f"{TASKS[task.protocol]}_{name}" if name else ""

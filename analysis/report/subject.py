@@ -120,6 +120,11 @@ class Subject:
         return "simulated raters" if self.origin == "rehearsal" else "participants"
 
     @property
+    def speakers(self) -> tuple[str, ...]:
+        """Who speaks, as far as that is known."""
+        return tuple(sorted({one.speaker for one in self.excerpts.values() if one.speaker}))
+
+    @property
     def mark(self) -> str:
         """What must be said on every screen, every printed page and every figure; or ''."""
         return _MARKS[self.origin][0]

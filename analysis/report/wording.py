@@ -1,10 +1,14 @@
-"""Numbers and names as a reader wants them: sensible digits, no leading zero, no underscore."""
+"""Numbers, estimates and names as a reader wants them: sensible digits, no underscore."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Final
+
+from analysis.results.grouping import Place
+from analysis.results.strengths import RankInterval
+from analysis.stats.clustered_mean import LEVEL, Estimate
 
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
@@ -84,3 +88,112 @@ def fixed(value: float, decimal_places: int) -> str:
 def count(number: int, noun: str, plural: str = "") -> str:
     """Return a number with its noun, '1 segment', '8 segments'."""
     return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
+CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
+"""How intervals of means are computed, for captions."""
+
+
+INTERVAL: Final = f"{LEVEL:.0%} interval"
+
+
+HOLM: Final = f"p{NO_BREAK}(Holm)"
+
+
+def place_of(one: Place) -> str:
+    """Return what a note calls a result: its question, and its condition or conditions."""
+    return f"{heading(one.question)}, {name(' against '.join(one.names))}"
+
+
+def interval(found: Estimate, written: Callable[[float], str] = share) -> str:
+    """Return an estimate's interval, '[.55, .71]'; '' where there is none."""
+    if found.reason or math.isnan(found.low):
+        return ""
+    return between(written(found.low), written(found.high))
+
+
+def between(low: str, high: str) -> str:
+    """Return an interval that no line breaks."""
+    return f"[{low},{NO_BREAK}{high}]"
+
+
+def share_words(found: Estimate, *, why: bool = True) -> str:
+    """Return a share with its interval, '.63 [.55, .71]', or with `why` there is none."""
+    if math.isnan(found.estimate):
+        return "– (no answers)" if why else "–"
+    inside = interval(found)
+    if inside:
+        return f"{share(found.estimate)}{NO_BREAK}{inside}"
+    reason = f" (no interval: {found.reason})" if why else ""
+    return f"{share(found.estimate)}{reason}"
+
+
+def number(value: float) -> str:
+    """Return a number with two decimals; a dash for NaN."""
+    return fixed(value, 2)
+
+
+def ranks(found: RankInterval | None) -> str:
+    """Return the ranks that a condition may have, '1–2'; a dash where they are not known."""
+    if found is None:
+        return "–"
+    return str(found.best) if found.best == found.worst else f"{found.best}–{found.worst}"
+
+
+def notes(reason: str, remark: str, about: str = "") -> tuple[str, ...]:
+    """Return why a number is missing and what limits it, as footnotes."""
+    subject = f"{about}: " if about else ""
+    return tuple(f"{subject}{text.rstrip('.')}." for text in (reason, remark) if text)
+
+
+def suffix(name: str | None, number: int) -> str:
+    """Return what the set of that name and number adds to the names of its files."""
+    return "" if name is None else f"-set-{number}"
+
+
+def in_set(name: str | None, heading: str) -> str:
+    """Return a heading that says of which set it is."""
+    return heading if name is None else f"Set {name}: {heading[:1].lower()}{heading[1:]}"
+
+
+def gathered(found: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return each note once, after all that it is about; `found` gives what about and the note."""
+    about: dict[str, list[str]] = {}
+    for subject, note in found:
+        if note:
+            about.setdefault(f"{note.rstrip('.')}.", []).append(subject)
+    return tuple(f"{'; '.join(subjects)}: {note}" for note, subjects in about.items())
+
+
+def plus_minus(estimate: float, error: float) -> str:
+    """Return an estimate with its error, '0.47 ± 0.03'; a dash for none."""
+    return "–" if math.isnan(estimate) else f"{number(estimate)} ± {number(error)}"
+
+
+NOTHING = "No answer is left to analyse, so no figure is drawn."
+
+
+ALONE = (
+    "The answers of one participant are analysed. Nothing tells how people differ, so there is "
+    "neither an interval nor a figure; the tables hold what was answered."
+)
+
+
+def why_no_figure(*, answers: int, participants: int, tied: str = "") -> str:
+    """Return why nothing is drawn; '' where there is something to see.
+
+    Parameters
+    ----------
+    answers, participants : int
+        How many are analysed.
+    tied : str, optional
+        What to say where all answers are alike; '' where they are not.
+    """
+    if not answers or not participants:
+        return NOTHING
+    return ALONE if participants == 1 else tied
+
+
+def question_name(of: str, question: str) -> str:
+    """Return what a row about a question is called."""
+    return name(question) if not of else f"{name(of)}: {name(question)}"

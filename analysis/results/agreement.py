@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes
+from analysis.answers.table import AnswerTable
+from analysis.results.grouping import codes, parts, set_name, shown
+from analysis.results.net_preference import sided
+from analysis.results.participants import LeftOut
+from analysis.results.ranking import concordance, placements_of
+from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
-from analysis.stats.krippendorff import Alpha, krippendorff_alpha
-from analysis.stats.retest import Retest, retest_agreement
 
 LEVEL: Final = "ordinal"
 
@@ -31,24 +34,58 @@ class Agreement(Alpha):
     icc: Intraclass
 
 
-def agreement_of(
-    values: NDArray[np.number], participants: NDArray[np.intp], items: NDArray[np.intp]
-) -> Agreement:
-    """Return ordinal alpha and the ICC; of several answers about an item, a participant's first."""
+@dataclass(frozen=True, kw_only=True)
+class AgreedSoFar:
+    """How far participants agree about one question, with one another and with themselves.
+
+    Attributes
+    ----------
+    set : str or None
+        None where the study has no sets.
+    question : str
+        Its name.
+    measure : {'alpha', 'w'}
+        Krippendorff's alpha for ordered answers; of rankings, Kendall's W.
+    estimate, low, high : float
+        With its 95 % interval; NaN where there is none.
+    n, participants : int
+        Answers (of rankings: orders) and participants that it rests on.
+    reason : str
+        Why a number is missing.
+    retest : Retest or None
+        Practice trials against their repeats; None of rankings, which repeat none.
+    """
+
+    set: str | None
+    question: str
+    measure: Literal["alpha", "w"]
+    estimate: float
+    low: float
+    high: float
+    n: int
+    participants: int
+    reason: str
+    retest: Retest | None = None
+
+
+def agreement_of(answers: pd.DataFrame) -> Agreement:
+    """Return how far participants agree about segments' conditions or comparisons.
+
+    Of several answers of a participant about an item, the first counts.
+    """
+    things = [*shown(answers).values(), codes(answers, "segment")]
+    items = np.unique(np.stack(things), axis=1, return_inverse=True)[1].ravel()
+    participants = codes(answers, "participant")
     # A key of both, so that one pass finds who answered twice.
     key = participants.astype(np.int64) * (int(items.max(initial=0)) + 1) + items
     first = np.sort(np.unique(key, return_index=True)[1])
-    own = values[first], participants[first], items[first]
+    own = _counted(answers)[first], participants[first], items[first]
     alpha = krippendorff_alpha(*own, level=LEVEL)
     return Agreement(**vars(alpha), icc=intraclass_correlation(*own))
 
 
-def retest_of(
-    answers: pd.DataFrame,
-    values: NDArray[np.integer],
-    shown: Mapping[str, NDArray[np.intp]],
-) -> Retest:
-    """Compare practice trials with their repeats.
+def retest_of(answers: pd.DataFrame) -> Retest:
+    """Compare practice trials with their repeats; sides may be swapped.
 
     Of several answers in practice the last counts, of repeats the first.
 
@@ -56,21 +93,18 @@ def retest_of(
     ----------
     answers : DataFrame
         Of one question, practice trials included, of those whom every rule kept.
-    values : ndarray of int, shape (N,)
-        The answers, counted towards a condition and not towards a side: sides may be swapped.
-    shown : mapping of name to ndarray of int, shape (N,)
-        What a trial and its repeat have in common besides the segment.
     """
+    about = shown(answers)
     rows = pd.DataFrame(
         {
             "participant": codes(answers, "participant"),
             "segment": codes(answers, "segment"),
             "kind": answers["kind"].to_numpy(object),
-            "value": values,
-            **shown,
+            "value": _counted(answers),
+            **about,
         }
     )
-    keys = ["participant", "segment", *shown]
+    keys = ["participant", "segment", *about]
     first = rows[rows["kind"] == "practice"].drop_duplicates(keys, keep="last")
     again = rows[rows["kind"] == "repeat"].drop_duplicates(keys, keep="first")
     pairs = first.merge(again, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
@@ -79,3 +113,48 @@ def retest_of(
         pairs["value_again"].to_numpy(np.int64),
         pairs["participant"].to_numpy(),
     )
+
+
+def _counted(answers: pd.DataFrame) -> NDArray[np.int64]:
+    """Return ratings, or preferences counted towards a condition and not towards a side."""
+    if {"left", "right_speech"} & set(answers):
+        return sided(answers).towards
+    return answers["value"].to_numpy().astype(np.int64)
+
+
+def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, ...]:
+    """Return how far the participants agree whom no rule leaves out, question by question.
+
+    It does not tell what they prefer: opposite answers of everybody give the same.
+    """
+    agreed = _agreed_rankings if table.protocol == "ranking" else _agreed_answers
+    kept = {(name, question): part for name, question, part in parts(table, left_out.kept)}
+    return tuple(
+        AgreedSoFar(
+            set=set_name(table, name), question=question, **agreed(answers, kept[name, question])
+        )
+        for name, question, answers in parts(table, left_out.analysed)
+    )
+
+
+def _agreed_answers(answers: pd.DataFrame, kept: pd.DataFrame) -> dict[str, Any]:
+    found = agreement_of(answers)
+    names = ("estimate", "low", "high", "n", "participants", "reason")
+    return {name: getattr(found, name) for name in names} | {
+        "measure": "alpha",
+        "retest": retest_of(kept),
+    }
+
+
+def _agreed_rankings(answers: pd.DataFrame, _kept: pd.DataFrame) -> dict[str, Any]:
+    given = placements_of(answers)
+    agreed = concordance(given)
+    return {
+        "measure": "w",
+        "estimate": agreed.estimate,
+        "low": agreed.low,
+        "high": agreed.high,
+        "n": len(given.ranks),
+        "participants": len(np.unique(given.participants)),
+        "reason": "" if math.isfinite(agreed.low) else agreed.reason,
+    }

@@ -6,25 +6,20 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import Agreement
-from analysis.results.grouping import codes, parts, set_name
-from analysis.results.mismatch import mismatch_agreement, mismatch_retest, own_on_right
+from analysis.results.grouping import codes, compared, parts, set_name
 from analysis.results.net_preference import sided
-from analysis.results.pairwise import pairwise_agreement, pairwise_retest
 from analysis.results.participants import LeftOut
 from analysis.results.preference import win_share
-from analysis.results.ranking import concordance, placements_of
-from analysis.results.rating import limits_of, rating_agreement, rating_retest
+from analysis.results.ranking import placements_of
+from analysis.results.rating import limits_of
 from analysis.stats.clustered_mean import Estimate, clustered_mean
-from analysis.stats.rankings.placements import rank_summaries
-from analysis.stats.retest import Retest
+from analysis.stats.placements import rank_summaries
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
@@ -83,40 +78,6 @@ class Sensitivity:
         """Whether the rules that were settled beforehand give the same as all rules."""
         # As text, in which a number that does not exist equals another one.
         return str(self.analysed) == str(self.as_planned)
-
-
-@dataclass(frozen=True, kw_only=True)
-class AgreedSoFar:
-    """How far participants agree about one question, with one another and with themselves.
-
-    Attributes
-    ----------
-    set : str or None
-        None where the study has no sets.
-    question : str
-        Its name.
-    measure : {'alpha', 'w'}
-        Krippendorff's alpha for ordered answers; of rankings, Kendall's W.
-    estimate, low, high : float
-        With its 95 % interval; NaN where there is none.
-    n, participants : int
-        Answers (of rankings: orders) and participants that it rests on.
-    reason : str
-        Why a number is missing.
-    retest : Retest or None
-        Practice trials against their repeats; None of rankings, which repeat none.
-    """
-
-    set: str | None
-    question: str
-    measure: Literal["alpha", "w"]
-    estimate: float
-    low: float
-    high: float
-    n: int
-    participants: int
-    reason: str
-    retest: Retest | None = None
 
 
 def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> tuple[HeadlineNumber, ...]:
@@ -194,29 +155,19 @@ def _numbers(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[Key, E
             yield (set_name(table, name), question, conditions), found
 
 
-def _pairs(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
-    """Give the win share of a for every two conditions that were shown side by side."""
-    left, right = codes(answers, "left"), codes(answers, "right")
-    count = len(table.conditions)
-    pairs = np.minimum(left, right) * count + np.maximum(left, right)
-    for pair in np.unique(pairs).tolist():
-        a, b = divmod(pair, count)
-        chosen = pairs == pair
-        share = win_share(sided(answers[chosen], right[chosen] == a))
-        yield (table.conditions[a], table.conditions[b]), share
-
-
-def _own_speech(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
-    for condition, own in _by_condition(table, answers):
-        yield (condition,), win_share(sided(own, own_on_right(own)))
+def _shares(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
+    """Give the win shares of a in every pair, or of each condition's own speech."""
+    for numbers, rows in compared(answers):
+        yield _names(table, numbers), win_share(sided(answers[rows]))
 
 
 def _ratings(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
     limits = limits_of(table, str(answers["question"].iloc[0]))
-    for condition, own in _by_condition(table, answers):
+    for numbers, rows in compared(answers):
+        own = answers[rows]
         values, who = own["value"].to_numpy(np.float64), codes(own, "participant")
         mean = clustered_mean(values, who, codes(own, "segment"), null=math.nan, limits=limits)
-        yield (condition,), mean
+        yield _names(table, numbers), mean
 
 
 def _ranks(_table: AnswerTable, answers: pd.DataFrame) -> Estimates:
@@ -224,68 +175,17 @@ def _ranks(_table: AnswerTable, answers: pd.DataFrame) -> Estimates:
         yield (one.condition,), one.mean_rank
 
 
-def _by_condition(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    shown: NDArray[np.intp] = codes(answers, "condition")
-    for place in np.unique(shown).tolist():
-        yield table.conditions[place], answers[shown == place]
+def _names(table: AnswerTable, numbers: tuple[int, ...]) -> tuple[str, ...]:
+    return tuple(table.conditions[number] for number in numbers)
 
 
 _HEADLINES: Final = MappingProxyType[
     str, tuple[Measure, Callable[[AnswerTable, pd.DataFrame], Estimates]]
 ](
     {
-        "pairwise": ("win_share", _pairs),
-        "mismatch": ("own_speech", _own_speech),
+        "pairwise": ("win_share", _shares),
+        "mismatch": ("own_speech", _shares),
         "rating": ("mean_rating", _ratings),
         "ranking": ("mean_rank", _ranks),
-    }
-)
-
-
-def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, ...]:
-    """Return how far the participants agree whom no rule leaves out, question by question.
-
-    It does not tell what they prefer: opposite answers of everybody give the same.
-    """
-    kept = {(name, question): part for name, question, part in parts(table, left_out.kept)}
-    return tuple(
-        AgreedSoFar(
-            set=set_name(table, name),
-            question=question,
-            **_agreed(table.protocol, answers, kept[name, question]),
-        )
-        for name, question, answers in parts(table, left_out.analysed)
-    )
-
-
-def _agreed(protocol: str, answers: pd.DataFrame, kept: pd.DataFrame) -> dict[str, Any]:
-    if protocol == "ranking":
-        given = placements_of(answers)
-        agreed = concordance(given)
-        return {
-            "measure": "w",
-            "estimate": agreed.estimate,
-            "low": agreed.low,
-            "high": agreed.high,
-            "n": len(given.ranks),
-            "participants": len(np.unique(given.participants)),
-            "reason": "" if math.isfinite(agreed.low) else agreed.reason,
-        }
-    agreement, retest = _AGREED[protocol]
-    found = agreement(answers)
-    names = ("estimate", "low", "high", "n", "participants", "reason")
-    return {name: getattr(found, name) for name in names} | {
-        "measure": "alpha",
-        "retest": retest(kept),
-    }
-
-
-_AGREED: Final = MappingProxyType[
-    str, tuple[Callable[[pd.DataFrame], Agreement], Callable[[pd.DataFrame], Retest]]
-](
-    {
-        "pairwise": (pairwise_agreement, pairwise_retest),
-        "rating": (rating_agreement, rating_retest),
-        "mismatch": (mismatch_agreement, mismatch_retest),
     }
 )

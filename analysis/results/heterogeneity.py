@@ -11,15 +11,107 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import ConditionPlace, PairPlace, Place, codes
-from analysis.stats.heterogeneity import Cell, between_groups, between_segments, cells
-from analysis.stats.holm import holm
-from analysis.stats.min_f import FTest
+from analysis.answers.table import AnswerTable
+from analysis.results.grouping import (
+    ConditionPlace,
+    PairPlace,
+    Place,
+    codes,
+    compared,
+    parts,
+    place_of,
+)
+from analysis.results.net_preference import sided
+from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
+from analysis.stats.f_tests import FTest, between_groups, between_segments
+from analysis.stats.multiple_testing import holm
 
 Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
 By = Literal["emotion", "speaker", "segment"]
 
 KINDS: Final[tuple[By, ...]] = ("emotion", "speaker", "segment")
+
+
+FEW: Final = 3
+"""Segments up to which a cell is described and not tested."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell(Estimate):
+    """The effect within one emotion, segment or speaker.
+
+    Attributes
+    ----------
+    level : str
+        Which one.
+    descriptive : bool
+        Whether it rests on so few segments that it is described and not tested: it says nothing
+        about others of its kind, and `p_value` is NaN.
+    p_holm : float
+        `p_value`, corrected over all such tests of a report.
+    """
+
+    level: str
+    descriptive: bool
+    p_holm: float = math.nan
+
+
+def cells(
+    values: Floats,
+    levels: Codes,
+    names: Sequence[str],
+    participants: Codes,
+    segments: Codes,
+    *,
+    null: float,
+    limits: tuple[float, float] = (-math.inf, math.inf),
+) -> tuple[Cell, ...]:
+    """Estimate an effect within each level that has answers.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        One per answer; their mean is the effect.
+    levels : ndarray of int, shape (N,)
+        Which emotion, segment or speaker each is about, a place in `names`.
+    names : sequence of str
+        Of the levels.
+    participants, segments : ndarray of int, shape (N,)
+        Who answered about which segment.
+    null : float
+        The effect of none.
+    limits : (float, float)
+        Where values can lie.
+
+    Returns
+    -------
+    tuple of Cell
+        In the order of `names`.
+    """
+    order = np.argsort(levels, kind="stable")
+    found, starts = np.unique(levels[order], return_index=True)
+    return tuple(
+        _cell(names[level], values[own], participants[own], segments[own], null, limits)
+        for level, own in zip(found, np.split(order, starts[1:]), strict=True)
+    )
+
+
+def _cell(
+    name: str,
+    values: Floats,
+    participants: Codes,
+    segments: Codes,
+    null: float,
+    limits: tuple[float, float],
+) -> Cell:
+    mean = clustered_mean(values, participants, segments, null=null, limits=limits)
+    count = mean.segments
+    if descriptive := count <= FEW:
+        untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
+        remark = "; ".join(filter(None, (untested, mean.remark)))
+        mean = replace(mean, p_value=math.nan, remark=remark)
+    return Cell(**vars(mean), level=name, descriptive=descriptive)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,6 +211,23 @@ def heterogeneity(
             levels=tuple(sorted(found, key=lambda cell: cell.level)),
             test=DifferenceTest(**vars(test)),
         )
+
+
+def preference_heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Any]:
+    """Take every win share apart: of a pair's a, or of a condition's own speech."""
+    return [
+        one
+        for of, question, answers in parts(table, analysed)
+        for numbers, rows in compared(answers)
+        for one in heterogeneity(
+            place_of(table, of, question, numbers),
+            answers[rows],
+            sided(answers[rows]).wins,
+            measure="win_share",
+            null=0.5,
+            limits=(0.0, 1.0),
+        )
+    ]
 
 
 def corrected_tests(found: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity, ...]:

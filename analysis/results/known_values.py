@@ -1,4 +1,4 @@
-"""Estimates beside values that are known: what an analysis finds of what was put in."""
+"""Estimates beside values that are known: what an analysis finds of true values."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from typing import Final, Literal
 
 from analysis.results.grouping import PairPlace, Place
 from analysis.results.headline import Measure
-from analysis.results.mismatch import MismatchResults
-from analysis.results.pairwise import PairwiseResults
+from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
@@ -26,7 +25,7 @@ NO_RANK_INTERVAL: Final = "differences of mean ranks are tested, without an inte
 
 @dataclass(frozen=True, kw_only=True)
 class KnownValue:
-    """What simulated raters were given to prefer.
+    """A true value: what simulated raters prefer.
 
     Attributes
     ----------
@@ -56,7 +55,7 @@ class KnownValue:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownDifference:
-    """Which of two is the better one, as it was put in and as the analysis says.
+    """Which of two is the better one, by the true values and as the analysis says.
 
     Attributes
     ----------

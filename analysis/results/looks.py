@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from analysis.stats.peeking import LEVEL, false_positive_rate
+from analysis.stats.multiple_testing import LEVEL, false_positive_rate
 
 
 @dataclass(frozen=True, kw_only=True)

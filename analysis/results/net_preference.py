@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes
+from analysis.results.grouping import codes, on_right
 from analysis.stats.ordinal.maximum import Beginning
 from analysis.stats.ordinal.mixed_model import (
     OrdinalFit,
@@ -64,11 +64,11 @@ class SidedAnswers:
         return np.asarray((np.sign(self.towards) + 1) / 2, np.float64)
 
 
-def sided(answers: pd.DataFrame, on_right: NDArray[np.bool_]) -> SidedAnswers:
-    """Return answers as arrays."""
+def sided(answers: pd.DataFrame) -> SidedAnswers:
+    """Return answers about one comparison as arrays; see `on_right` for what they are for."""
     return SidedAnswers(
         responses=answers["value"].to_numpy().astype(np.int64),
-        on_right=on_right,
+        on_right=on_right(answers),
         participants=codes(answers, "participant"),
         segments=codes(answers, "segment"),
     )

@@ -1,4 +1,4 @@
-"""Results of pairwise comparisons."""
+"""Results of pairs of videos: of two conditions, or of one motion with two speeches."""
 
 from __future__ import annotations
 
@@ -6,36 +6,46 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from analysis.answers.columns import ANALYSED_KINDS
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
-from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
+    EVERYTHING,
     ByQuestion,
+    Family,
     PairPlace,
     by_question,
-    codes,
-    nested,
+    compared,
+    of_parts,
+    on_right,
     parts,
+    place_of,
     set_name,
 )
-from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.net_preference import sided
+from analysis.results.heterogeneity import (
+    ConditionHeterogeneity,
+    PairHeterogeneity,
+    corrected_tests,
+    preference_heterogeneity,
+)
 from analysis.results.participants import LeftOut
-from analysis.results.preference import Comparison, left_share, preference, with_holm
+from analysis.results.preference import (
+    Comparison,
+    MatchedCondition,
+    left_share,
+    preference,
+    with_holm,
+)
 from analysis.results.strengths import (
     StrengthContrast,
     Strengths,
     corrected_contrasts,
     strengths_of,
 )
+from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.equivalence import Equivalence, equivalence_of
-from analysis.stats.retest import Retest
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""
@@ -114,15 +124,17 @@ def pairwise_results(
     return PairwiseResults(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),
-        agreement=by_question(table, analysed, pairwise_agreement),
-        test_retest=by_question(table, left_out.kept, pairwise_retest),
-        bradley_terry=nested(table, {place: one for place, (one, _) in fitted.items()}),
+        agreement=by_question(table, analysed, agreement_of),
+        test_retest=by_question(table, left_out.kept, retest_of),
+        bradley_terry=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
         contrasts=corrected_contrasts(
             [one for _, contrasts in fitted.values() for one in contrasts], family
         ),
         decided_by=_decided_by(comparisons),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
-        heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
+        heterogeneity=corrected_tests(
+            sorted(preference_heterogeneity(table, analysed), key=lambda one: _order(table, one))
+        ),
     )
 
 
@@ -136,45 +148,14 @@ def _decided_by(comparisons: Sequence[Comparison]) -> Literal["comparisons", "st
 
 def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Comparison]:
     """Return every pair that was shown in a main or repeated trial, with every question."""
-    count = len(table.conditions)
     found = []
-    for name, question, part in parts(table, table.shown):
-        first, second = codes(part, "left"), codes(part, "right")
-        pairs = np.minimum(first, second) * count + np.maximum(first, second)
+    for of, question, part in parts(table, table.shown):
         analysed = part["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
-        for pair in np.unique(pairs[analysed]).tolist():
-            a, b = divmod(pair, count)
-            chosen = pairs == pair
-            found.append(
-                Comparison(
-                    set=set_name(table, name),
-                    a=table.conditions[a],
-                    b=table.conditions[b],
-                    question=question,
-                    **vars(preference(part[chosen], (second == a)[chosen], excluded, ("a", "b"))),
-                )
-            )
-    return sorted(found, key=lambda one: _order(table, one))
-
-
-def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[PairHeterogeneity]:
-    found: list[PairHeterogeneity] = []
-    for name, question, answers in parts(table, analysed):
-        pairs = _pair(answers)
-        number = pairs["a"] * len(table.conditions) + pairs["b"]
-        for pair in np.unique(number).tolist():
-            a, b = divmod(pair, len(table.conditions))
-            place = PairPlace(
-                set=set_name(table, name),
-                a=table.conditions[a],
-                b=table.conditions[b],
-                question=question,
-            )
-            own = answers[number == pair]
-            wins = sided(own, codes(own, "right") == a).wins
-            found += heterogeneity(
-                place, own, wins, measure="win_share", null=0.5, limits=(0.0, 1.0)
-            )
+        for numbers, rows in compared(part):
+            if analysed[rows].any():
+                place = place_of(table, of, question, numbers)
+                answers = preference(part[rows], excluded, ("a", "b"))
+                found.append(Comparison(**vars(place), **vars(answers)))
     return sorted(found, key=lambda one: _order(table, one))
 
 
@@ -195,28 +176,71 @@ def _equivalent(one: Comparison, margin: float) -> Equivalent:
 def _side_bias(answers: pd.DataFrame) -> SideBias:
     return SideBias(
         left_share=left_share(answers),
-        a_on_left=float((codes(answers, "left") < codes(answers, "right")).mean()),
+        a_on_left=float((~on_right(answers)).mean()),
     )
 
 
-def pairwise_agreement(answers: pd.DataFrame) -> Agreement:
-    """Agree about a segment's comparison: how far a is preferred to b in it."""
-    shown = [*_pair(answers).values(), codes(answers, "segment")]
-    items = np.unique(np.stack(shown), axis=1, return_inverse=True)[1].ravel()
-    return agreement_of(
-        _towards(answers), codes(answers, "participant"), np.asarray(items, np.intp)
+@dataclass(frozen=True, kw_only=True)
+class OwnSideBias:
+    """How often the left side is preferred, ties counting one half; how often own was there."""
+
+    left_share: Estimate
+    own_on_left: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MismatchResults:
+    """All of them.
+
+    Attributes
+    ----------
+    conditions : tuple of MatchedCondition
+        In the order of sets, conditions and questions.
+    side_bias, agreement, test_retest : mapping of question to result
+        See `ByQuestion`.
+    heterogeneity : tuple of ConditionHeterogeneity
+        Win shares of the own speech by emotion, speaker and segment.
+    """
+
+    conditions: tuple[MatchedCondition, ...]
+    side_bias: ByQuestion[OwnSideBias]
+    agreement: ByQuestion[Agreement]
+    test_retest: ByQuestion[Retest]
+    heterogeneity: tuple[ConditionHeterogeneity, ...]
+
+
+def mismatch_results(
+    table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
+) -> MismatchResults:
+    """Analyse mismatch trials.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Of the mismatch layout.
+    left_out : LeftOut
+        Who is left out.
+    family : Family
+        Which tests decide.
+    """
+    found = [
+        MatchedCondition(
+            **vars(place_of(table, of, question, numbers)),
+            **vars(preference(part[rows], left_out.exclusions, ("own", "other"))),
+        )
+        for of, question, part in parts(table, table.shown)
+        for numbers, rows in compared(part)
+    ]
+    return MismatchResults(
+        conditions=with_holm(found, family),
+        side_bias=by_question(table, left_out.analysed, _own_side_bias),
+        agreement=by_question(table, left_out.analysed, agreement_of),
+        test_retest=by_question(table, left_out.kept, retest_of),
+        heterogeneity=corrected_tests(preference_heterogeneity(table, left_out.analysed)),
     )
 
 
-def pairwise_retest(answers: pd.DataFrame) -> Retest:
-    """Compare practice trials with their repeats."""
-    return retest_of(answers, _towards(answers), _pair(answers))
-
-
-def _pair(answers: pd.DataFrame) -> dict[str, NDArray[np.intp]]:
-    left, right = codes(answers, "left"), codes(answers, "right")
-    return {"a": np.minimum(left, right), "b": np.maximum(left, right)}
-
-
-def _towards(answers: pd.DataFrame) -> NDArray[np.int64]:
-    return sided(answers, codes(answers, "right") < codes(answers, "left")).towards
+def _own_side_bias(answers: pd.DataFrame) -> OwnSideBias:
+    return OwnSideBias(
+        left_share=left_share(answers), own_on_left=float((~on_right(answers)).mean())
+    )

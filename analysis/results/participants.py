@@ -9,7 +9,6 @@ from typing import Final
 
 import pandas as pd
 
-from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
     RuleOutcome,
@@ -17,9 +16,9 @@ from analysis.answers.exclusion_rules import (
     failed_catch_trials,
     marked,
 )
-from analysis.answers.facts_of_participants import NOTHING_KNOWN, facts_of
 from analysis.answers.participant_facts import KnownFacts
-from analysis.answers.table import AnswerTable
+from analysis.answers.quality import NOTHING_KNOWN, facts_of
+from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 
 MAX_CATCH_FAILURES: Final = 1
 """Failed catch trials that a participant may have, unless told otherwise."""

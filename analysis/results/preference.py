@@ -9,18 +9,15 @@ from typing import Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.answers.columns import ANALYSED_KINDS
-from analysis.results.family import Family
-from analysis.results.grouping import ConditionPlace, PairPlace, codes, people
+from analysis.answers.table import ANALYSED_KINDS
+from analysis.results.grouping import ConditionPlace, Family, PairPlace, codes, people
 from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, clustered_mean
-from analysis.stats.min_f import min_f
-from analysis.stats.sign_test import sign_test
-from analysis.stats.values import group_means
-from analysis.stats.wilcoxon import Pooled, pooled_tests, signed_rank
+from analysis.stats.f_tests import min_f
+from analysis.stats.samples import group_means
+from analysis.stats.signed_rank import Pooled, pooled_tests, sign_test, signed_rank
 
 Z_95: Final = float(stats.norm.ppf(0.975))
 
@@ -190,10 +187,7 @@ def with_holm(found: Sequence[PlacedPreference], family: Family) -> tuple[Placed
 
 
 def preference(
-    answers: pd.DataFrame,
-    on_right: NDArray[np.bool_],
-    excluded: Collection[str],
-    names: tuple[str, str],
+    answers: pd.DataFrame, excluded: Collection[str], names: tuple[str, str]
 ) -> Preference:
     """Analyse answers to one question about one thing against another.
 
@@ -201,8 +195,6 @@ def preference(
     ----------
     answers : DataFrame
         Of practice, main and repeated trials, excluded participants included.
-    on_right : ndarray of bool, shape (N,)
-        Whether the one was shown on the right.
     excluded : collection of str
         Who is left out.
     names : (str, str)
@@ -210,8 +202,7 @@ def preference(
     """
     analysed = answers["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
     kept = ~answers["participant"].isin(list(excluded)).to_numpy(bool)
-    of_all = sided(answers[analysed], on_right[analysed])
-    of_kept = sided(answers[analysed & kept], on_right[analysed & kept])
+    of_all, of_kept = sided(answers[analysed]), sided(answers[analysed & kept])
     net, share = net_preference(of_kept), win_share(of_kept)
     return Preference(
         n=len(of_kept.responses),

@@ -8,14 +8,16 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.table import AnswerTable
-from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
+    EVERYTHING,
     ByQuestion,
     ConditionPlace,
+    Family,
     PairPlace,
-    codes,
-    nested,
+    compared,
+    of_parts,
     parts,
+    place_of,
     set_name,
     shown_conditions,
 )
@@ -28,15 +30,21 @@ from analysis.results.strengths import (
     corrected_contrasts,
     worths_of,
 )
-from analysis.stats.rankings.friedman import (
+from analysis.stats.friedman import (
+    Concordance,
     Friedman,
     PairwiseRanks,
-    blocks_of_rankings,
     compare_pairs,
     friedman,
+    kendall_w,
 )
-from analysis.stats.rankings.kendall_w import Concordance, kendall_w
-from analysis.stats.rankings.placements import Placements, RankSummary, placements, rank_summaries
+from analysis.stats.placements import (
+    Placements,
+    RankSummary,
+    blocks_of_rankings,
+    placements,
+    rank_summaries,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,12 +116,12 @@ def ranking_results(
             for (name, question), given in placed.items()
             for one in rank_summaries(given)
         ),
-        plackett_luce=nested(table, {place: one for place, (one, _) in fitted.items()}),
+        plackett_luce=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
         contrasts=corrected_contrasts(
             [one for _, contrasts in fitted.values() for one in contrasts], family
         ),
-        kendall_w=nested(table, {place: concordance(given) for place, given in placed.items()}),
-        friedman=nested(
+        kendall_w=of_parts(table, {place: concordance(given) for place, given in placed.items()}),
+        friedman=of_parts(
             table, {place: friedman(blocks_of_rankings(given)) for place, given in placed.items()}
         ),
         posthoc=tuple(
@@ -127,20 +135,17 @@ def ranking_results(
 
 def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
     found: list[ConditionHeterogeneity] = []
-    for name, question, answers in parts(table, analysed):
-        shown = np.unique(codes(answers, "condition")).tolist()
+    for of, question, answers in parts(table, analysed):
+        count = len(shown_conditions(answers))
         ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
-        for place in shown:
-            own = codes(answers, "condition") == place
+        for numbers, rows in compared(answers):
             found += heterogeneity(
-                ConditionPlace(
-                    set=set_name(table, name), condition=table.conditions[place], question=question
-                ),
-                answers[own],
-                ranks[own].to_numpy(np.float64),
+                place_of(table, of, question, numbers),
+                answers[rows],
+                ranks[rows].to_numpy(np.float64),
                 measure="mean_rank",
-                null=(len(shown) + 1) / 2,
-                limits=(1.0, len(shown)),
+                null=(count + 1) / 2,
+                limits=(1.0, count),
             )
     return found
 

@@ -12,14 +12,14 @@ import pandas as pd
 
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
-from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
+    EVERYTHING,
     ByQuestion,
     ConditionPlace,
+    Family,
     PairPlace,
     by_question,
-    codes,
-    nested,
+    of_parts,
     parts,
     set_name,
     shown_conditions,
@@ -27,15 +27,17 @@ from analysis.results.grouping import (
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.participants import LeftOut
 from analysis.results.rating_contrasts import (
+    MOST_SCORES,
     RatingContrast,
+    RatingModel,
     rated_cells_of,
     rating_contrasts,
+    rating_model,
     with_holm,
 )
-from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
+from analysis.stats.agreement import Retest
 from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
 from analysis.stats.ratings import RatingSummary, rating_table
-from analysis.stats.retest import Retest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,10 +126,10 @@ def rating_results(
             equivalents += _equivalents(answers, own, margin)
     return RatingResults(
         conditions=tuple(conditions),
-        clmm=nested(table, models),
+        clmm=of_parts(table, models),
         contrasts=with_holm(differences, family),
-        agreement=by_question(table, analysed, rating_agreement),
-        test_retest=by_question(table, left_out.kept, rating_retest),
+        agreement=by_question(table, analysed, agreement_of),
+        test_retest=by_question(table, left_out.kept, retest_of),
         equivalence=tuple(equivalents),
         heterogeneity=corrected_tests(apart),
     )
@@ -185,16 +187,3 @@ def _heterogeneity(
         place = PairPlace(set=of, a=shown[a], b=shown[b], question=question)
         found += heterogeneity(place, rows[both], differences[both], measure="difference", null=0.0)
     return found
-
-
-def rating_agreement(answers: pd.DataFrame) -> Agreement:
-    """Agree about a segment's condition."""
-    count = len(answers["condition"].cat.categories)
-    items = codes(answers, "segment") * count + codes(answers, "condition")
-    return agreement_of(answers["value"].to_numpy(), codes(answers, "participant"), items)
-
-
-def rating_retest(answers: pd.DataFrame) -> Retest:
-    """Compare practice trials with their repeats."""
-    values = answers["value"].to_numpy().astype(np.int64)
-    return retest_of(answers, values, {"condition": codes(answers, "condition")})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -14,20 +13,21 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.exclusion_rules import ExclusionRule, RuleOutcome
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.measurement.scores import StudyMetrics
-from analysis.results.against_people.against_people import metrics_against_people
-from analysis.results.against_people.result import AgainstPeople
-from analysis.results.family import EVERYTHING, Family, read_family
-from analysis.results.grouping import ByQuestion
+from analysis.results.against_people import AgainstPeople, metrics_against_people
+from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family
 from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.looks import NOT_LOGGED, LooksBefore
-from analysis.results.mismatch import MismatchResults, mismatch_results
-from analysis.results.pairwise import PairwiseResults, pairwise_results
+from analysis.results.pairwise import (
+    MismatchResults,
+    PairwiseResults,
+    mismatch_results,
+    pairwise_results,
+)
 from analysis.results.participants import (
     MAX_CATCH_FAILURES,
     ArmState,
@@ -39,7 +39,9 @@ from analysis.results.participants import (
 )
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
+from analysis.stats.equivalence import require_margin
 from motion.errors import InputError
+from motion.files import sha256_of
 
 PROTOCOLS: Final = tuple(LAYOUTS)
 """Names of the protocols that a table can be of."""
@@ -131,7 +133,7 @@ class TableReport:
     quality: Quality
     sensitivity: tuple[Sensitivity, ...]
     looks: LooksBefore = NOT_LOGGED
-    metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=dict)
+    metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=ByQuestion)
     results: Results
 
     def keys(self) -> dict[str, object]:
@@ -189,7 +191,7 @@ def analyse_table(
         ),
         source=Source(
             file=path.name,
-            sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+            sha256=sha256_of(path),
             motionjury=metadata.version("motionjury"),
         ),
         settings=Settings(max_catch_failures=max_catch_failures, margin=margin, family=family),
@@ -278,11 +280,8 @@ def check_margin(protocol: str, margin: float | None) -> None:
         raise InputError(
             f"a {protocol} study has no test of equivalence", remedy="Leave the margin out"
         )
-    if margin is not None and not 0 < margin < float("inf"):
-        raise InputError(
-            f"the margin of equivalence is {margin:g}",
-            remedy="State the largest difference that does not matter, above zero",
-        )
+    if margin is not None:
+        require_margin(margin)
 
 
 def _results(
@@ -323,6 +322,8 @@ def plain(value: object) -> Plain:
         return rounded(float(value))
     if isinstance(value, str):
         return value
+    if isinstance(value, ByQuestion):
+        return plain(value.nested())
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):

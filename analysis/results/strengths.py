@@ -13,17 +13,15 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.results.family import Family
-from analysis.results.grouping import PairPlace, codes, shown_conditions
+from analysis.results.grouping import Family, PairPlace, codes, shown_conditions
+from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import LEVEL, Estimate
-from analysis.stats.min_f import FTest
-from analysis.stats.sign_test import sign_test
-from analysis.stats.strengths.bradley_terry import bradley_terry
-from analysis.stats.strengths.contrasts import difference_tests, omnibus, rank_intervals
-from analysis.stats.strengths.fitted import Strengths as Fitted
-from analysis.stats.strengths.plackett_luce import plackett_luce
-from analysis.stats.strengths.votes import Votes
-from analysis.stats.values import group_means
+from analysis.stats.f_tests import FTest
+from analysis.stats.plackett_luce import plackett_luce
+from analysis.stats.samples import group_means
+from analysis.stats.signed_rank import sign_test
+from analysis.stats.strength_differences import difference_tests, omnibus, rank_intervals
+from analysis.stats.strengths import Strengths as Fitted
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -269,7 +267,7 @@ def _standings(found: Fitted, p_values: Floats, segments: int, *remarks: str) ->
     if errors is not None and not found.reason:
         reach = stats.t(errors.freedoms).ppf((1 + LEVEL) / 2) * errors.errors
         low, high = strengths - reach, strengths + reach
-        ranks = rank_intervals(strengths, p_values, level=LEVEL)
+        ranks = rank_intervals(strengths, p_values)
         method = f"{errors.method}; t with at least {errors.freedom:.3g} degrees of freedom"
     bounded = not found.reason and not found.swept
     swept = found.swept and f"{found.swept}; {PENALISED}"

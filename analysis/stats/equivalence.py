@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.values import ROUNDING, finite
+from analysis.stats.samples import ROUNDING, finite
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.values import finite
+from analysis.stats.samples import finite
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import LEVEL, Clusters, Estimate, clustered_mean, with_interval
-from analysis.stats.values import finite
+from analysis.stats.samples import finite
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

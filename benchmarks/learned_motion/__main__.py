@@ -42,14 +42,14 @@ from benchmarks.learned_motion.page import Findings, page
 from benchmarks.learned_motion.recordings import FRAME_RATE, write_recordings
 from benchmarks.learned_motion.truth import speeches, spoken
 from motion.files import write_text
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 from studyapp.results.metrics import measure_study
 from studyapp.stimuli.generation import generate
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.corpus.making import make_corpus
 from training.corpus.process import VERSION
 from training.corpus.request import CorpusRequest
-from training.data.any_folder import read_takes
+from training.data.folders import read_takes
 from training.data.take import Take
 from training.weights_file import read_weights
 

@@ -12,8 +12,7 @@ import tomlkit
 from benchmarks.learned_motion.recordings import FRAME_RATE, write_recordings
 from motion.audio import Audio, read_audio
 from motion.files import write_text
-from motion.segment import Segment
-from motion.segments_table import write_segments
+from motion.segment import Segment, write_segments
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import Take

@@ -17,7 +17,7 @@ from benchmarks.learned_motion.following import (
     follow,
     mean_followed,
 )
-from generators.mismatched import partners
+from generators.controls import partners
 from motion.formats import read_clip
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import GROUND_TRUTH

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
-from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.emotion_accuracy import EmotionConfusion, emotion_confusion
-from analysis.metrics.joint_positions import WRISTS, select
+from analysis.metrics.joint_motion import WRISTS, joint_motion, select
 from benchmarks.learned_motion.compared_study import segment_of
 from benchmarks.learned_motion.following import (
     Followed,

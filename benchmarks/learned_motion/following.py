@@ -12,13 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
-from analysis.metrics.joint_positions import WRISTS, select
-from analysis.stats.two_way_bootstrap import bootstrap_means, cells_of, percentile_interval
-from motion.clip import MotionClip
-from motion.face import ARKIT_NAMES
-from motion.speech.onsets import DETECTOR
+from analysis.metrics.joint_motion import WRISTS, joint_motion, select
+from analysis.stats.samples import bootstrap_means, cells_of, percentile_interval
+from motion.audio_analysis import DETECTOR
+from motion.clip import ARKIT_NAMES, MotionClip
 from training.corpus.motion_curves import follow as follow_curve
 from training.corpus.motion_curves import mean_speed
 

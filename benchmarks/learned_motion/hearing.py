@@ -9,10 +9,11 @@ import numpy as np
 import torch
 
 from generators.amuse.config import LABELS, SPEECH_PRESETS
-from generators.amuse.losses import SpeechLosses
-from generators.amuse.network_file import load_speech_network
+from generators.amuse.losses import SPEECH_LOSSES
+from generators.amuse.network_file import load_speech
 from generators.amuse.train_speech import SpeechTask
 from training.data.feature_cache import prepare
+from training.data.labelled_windows import Classes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.features import speech_filterbank
@@ -22,7 +23,7 @@ from training.hearing.spectra import ROWS_PER_SECOND
 @torch.inference_mode()
 def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, float]:
     """Return `SpeechTask.validation` of a speech model, of the takes for testing."""
-    speech = load_speech_network(network)
+    speech = load_speech(network)
     feature = speech_filterbank(speech.model.config.bands)
     prepared = prepare(takes, (feature,), cache, frame_rate=ROWS_PER_SECOND)
     frames = SPEECH_PRESETS["tiny"].seconds * ROWS_PER_SECOND
@@ -31,10 +32,10 @@ def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, f
     )
     task = SpeechTask(
         config=speech.model.config,
-        weights=SpeechLosses(),
+        weights=SPEECH_LOSSES,
         training=training,
         held_out=test,
         fours=np.empty((0, 4), dtype=np.int64),
-        labels={part: tuple(speech.latents[part]) for part in LABELS},
+        classes=Classes({of: tuple(speech.latents[part]) for part, of in LABELS.items()}),
     )
     return task.validation(speech.model)

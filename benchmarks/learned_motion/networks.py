@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,12 +17,12 @@ from analysis.evaluators.training import train_evaluator
 from analysis.evaluators.training_clips import ClipSource
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import load_network, write_network
-from generators.registry import trainable_of
-from generators.trainable import TrainingRequest
+from generators.registry import TrainingRequest, trainable_of
+from motion.files import sha256_of
 from motion.formats import read_clip
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 from training.data.take import Take, TakeFolder
-from training.run.folder import RunFolder
+from training.run.records import RunFolder
 
 SYSTEMS: Final = ("diffsheg", "amuse")
 
@@ -158,7 +157,7 @@ def train_evaluators(
                 name=take.name,
                 recording=take.name,
                 emotion=take.speaker if name == "speaker" else take.emotion,
-                sha256=hashlib.sha256(clips[take.name].read_bytes()).hexdigest(),
+                sha256=sha256_of(clips[take.name]),
                 read=partial(read_clip, clips[take.name]),
             )
             for take in takes

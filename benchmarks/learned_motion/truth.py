@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.learned_motion.following import Speech
 from benchmarks.learned_motion.recordings import FRAME_RATE
 from motion.audio import read_audio
-from motion.speech.onsets import speech_onsets
+from motion.audio_analysis import speech_onsets
 from training.corpus.truth import Truth, read_truth
 from training.data.take import Take
 

@@ -28,8 +28,7 @@ from generators.interface import SpeechSegment
 from generators.registry import load_generator
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
-from motion.segment import EMOTIONS, Segment
-from motion.segments_table import write_segments
+from motion.segment import EMOTIONS, Segment, write_segments
 from studyapp.results.metrics import measure_folders
 
 CONDITIONS: Final = ("ours", "theirs", "older", "static-like")

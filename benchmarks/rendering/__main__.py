@@ -30,14 +30,13 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio, write_wav
 from motion.body.model import read_body
 from motion.formats import write_clip
-from renderer.avatars import default_body
 from renderer.clip_video import Stage, write_clip_video
+from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import Camera, frame_clips
 from renderer.jobs.job import ClipJob, Job, PairJob
 from renderer.jobs.making import run_jobs
-from renderer.look import Look
+from renderer.look import Look, default_body
 from renderer.pair import composed_frames, write_pair
-from renderer.video.encoder import SOUND_RATE, VideoWriter
 
 SECONDS: Final = 4.0
 ROUNDS: Final = 3

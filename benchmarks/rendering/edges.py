@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip_video import Stage, VertexNormals, surface_colours
-from renderer.frames import SUPERSAMPLING, FrameRenderer
+from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
 from renderer.offscreen import PLANES
-from renderer.pixel_box import PixelBox
-from renderer.video.channels import RGB
+from renderer.picture import RGB, SUPERSAMPLING, PixelBox
 
 Pictures = NDArray[np.float64]
 

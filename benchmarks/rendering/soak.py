@@ -23,11 +23,10 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio
 from motion.body.model import read_body
 from motion.clip import MotionClip
-from renderer.avatars import default_body
 from renderer.clip_video import Stage
+from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import frame_clips
-from renderer.look import Look
-from renderer.video.encoder import SOUND_RATE, VideoWriter
+from renderer.look import Look, default_body
 
 FRAMES: Final = 10_000
 

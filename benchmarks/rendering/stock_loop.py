@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio
+from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.opengl import PLATFORM, pyrender
-from renderer.video.encoder import SOUND_RATE, VideoWriter
 
 
 def main() -> None:

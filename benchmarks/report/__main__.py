@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.answers.columns import LAYOUTS
+from analysis.answers.table import LAYOUTS
 from benchmarks.report.filled_study import fill_study
 from benchmarks.report.made_answers import made_table
 

@@ -17,15 +17,14 @@ from pathlib import Path
 from typing import Final
 
 from benchmarks.s2ue.draws import drawn_together
-from benchmarks.s2ue.seams import seams
-from benchmarks.s2ue.speed import speed
+from benchmarks.s2ue.measures import seams, speed
 from benchmarks.s2ue.table import table, windows_of
 from generators.s2ue.config import ABLATIONS
 from generators.s2ue.network_file import load_network
 from motion.body.face_landmarks import FaceLandmarks
 from motion.files import write_text
-from training.data.any_folder import read_takes
-from training.threads import torch_threads
+from training.data.folders import read_takes
+from training.device import torch_threads
 
 BEGIN: Final = "<!-- ablations: begin -->"
 END: Final = "<!-- ablations: end -->"

@@ -1,9 +1,12 @@
-"""The columns of the table: what motion of windows is worth beside what was recorded."""
+"""The columns of the table, how much motion jerks between windows, and frames a second."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from statistics import mean
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from statistics import mean, median
+from tempfile import TemporaryDirectory
 from typing import Final
 
 import numpy as np
@@ -20,10 +23,25 @@ from analysis.metrics.point_errors import (
     box_scale,
     point_error,
 )
+from analysis.metrics.result import MetricResult
 from benchmarks.s2ue.synchrony import FaceBodySynchrony
+from benchmarks.seams import seams_of_clip
+from generators.interface import SpeechSegment
+from generators.s2ue.config import PRESETS, NetworkConfig
+from generators.s2ue.generate import S2ue
+from generators.s2ue.model import Network
+from generators.s2ue.network_file import S2ueNetwork, write_network
+from generators.s2ue.settings import S2ueSettings
+from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.body.face_landmarks import FaceLandmarks
+from motion.formats.ted_npz import JOINT_NAMES
+from motion.segment import Segment
+from motion.skeleton import REST_JOINTS, joint_index
 from training.data.windows import Windows
-from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, joints_of
+from training.device import torch_threads
+from training.hearing.word_vectors import StandIn
+from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, directions_of, joints_of
+from training.speakers import Speakers
 
 FloatArray = NDArray[np.float64]
 
@@ -32,6 +50,8 @@ SEEDS: Final = 4
 FEATURES: Final = 32
 """Of the autoencoders behind FGD and FLD."""
 COLUMNS: Final = ("MALE", "MAJE", "MAcE-LM", "MAcE-P", "FLD", "FGD", "synchrony")
+
+_RATE: Final = 15.0
 
 
 class Measure:
@@ -130,3 +150,48 @@ class _Normal(nn.Module):
         """Return (windows, frames · values)."""
         normal: torch.Tensor = ((values - self._mean) / self._spread).flatten(1)
         return normal
+
+
+def seams(checkpoint: Path, speech: Sequence[Path]) -> Iterator[MetricResult]:
+    """Yield `seams_of_clip` of the motion to files that are spoken one after the other."""
+    audio = Audio(np.concatenate([read_audio(path).samples for path in speech]), SPEECH_RATE)
+    segment = Segment(
+        name="all", wav="all.wav", start=0, end=audio.duration, speaker="all", emotion="neutral"
+    )
+    made = S2ue(S2ueSettings(checkpoint=checkpoint))
+    spoken = SpeechSegment(segment=segment, audio=audio)
+    yield from seams_of_clip(made.generate(spoken, seed=1, frame_rate=_RATE))
+
+
+def speed(rounds: int) -> None:
+    """Print how many frames a second the tiny network makes on one thread."""
+    face = FaceLandmarks.of_default_body()
+    torch.manual_seed(1)
+    network = Network(NetworkConfig(speakers=4, **PRESETS["tiny"].sizes), face)
+    standing = np.zeros(BONE_VALUES + 3 * face.count, np.float32)
+    rest = REST_JOINTS[[joint_index(name) for name in JOINT_NAMES]][None]
+    standing[:BONE_VALUES] = directions_of(rest).ravel()
+    network.mean.copy_(torch.from_numpy(standing))
+    network.rest.copy_(network.mean)
+    network.deviation.fill_(1e-3)
+    sound = np.random.default_rng(1).normal(0, 0.1, 60 * 16_000).astype(np.float32)
+    with TemporaryDirectory() as folder, torch_threads(1):
+        path = Path(folder) / "random.safetensors"
+        speakers = Speakers(tuple("abcd"), 4)
+        write_network(
+            path, S2ueNetwork(network=network, speakers=speakers, vectors=StandIn().description)
+        )
+        made = S2ue(S2ueSettings(checkpoint=path))
+        turns = []
+        for _ in range(rounds + 1):
+            wall, processors = time.perf_counter(), time.process_time()
+            values = np.concatenate(list(made.stream([sound], seed=1)))
+            told = time.perf_counter() - wall
+            made.clip_of(values)
+            turns.append((told, time.perf_counter() - wall, time.process_time() - processors))
+    for name, seconds in zip(
+        ("motion, by the clock", "clip, by the clock", "clip, of processors"),
+        zip(*turns[1:], strict=True),
+        strict=True,
+    ):
+        print(f"{name}: {len(values) / median(seconds):.0f} frames/s")

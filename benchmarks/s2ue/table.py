@@ -11,16 +11,16 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.s2ue.measures import COLUMNS, RATE, SEEDS, Measure
+from generators.registry import TrainingRequest
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.train import train_s2ue
-from generators.trainable import TrainingRequest
 from motion.body.face_landmarks import FaceLandmarks
-from training.data.any_folder import read_takes
 from training.data.feature_cache import prepare
+from training.data.folders import read_takes
 from training.data.take import Split, TakeFolder
 from training.data.windows import Windows
+from training.features import features_of
 from training.hearing.word_vectors import StandIn
-from training.point_features import features_of
 
 FloatArray = NDArray[np.float64]
 Found = Mapping[str, float]

@@ -21,7 +21,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
-from studyapp.rehearsal.recovery.bookkeeping import answer_checks
+from studyapp.rehearsal.bookkeeping import answer_checks
 from tests.support.databases import Backend, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.said import secrets_in

@@ -1,17 +1,31 @@
-"""Many simulated participants at once: as fast as they can, or in the time that people take."""
+"""Many simulated participants at once, in no time or in people's, and what others do meanwhile."""
 
 from __future__ import annotations
 
 import asyncio
 import random
 import time
-from contextlib import suppress
+from collections.abc import AsyncIterator, Coroutine, Iterable
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, replace
 
-from benchmarks.server.beside import beside
 from tests.support.study_server import HOST
 from tests.support.visitor import Ledger, StrandedError, Visitor
 from tests.support.wire import Wire
+
+
+@asynccontextmanager
+async def beside(others: Iterable[Coroutine[None, None, None]]) -> AsyncIterator[None]:
+    """Let others run during the block, and stop them at its end."""
+    tasks = [asyncio.create_task(other) for other in others]
+    try:
+        yield
+    finally:
+        for task in tasks:
+            task.cancel()
+        for task in tasks:
+            with suppress(asyncio.CancelledError):
+                await task
 
 
 @dataclass(frozen=True, kw_only=True)

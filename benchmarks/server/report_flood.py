@@ -23,9 +23,8 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.server.beside import beside
-from benchmarks.server.load import Arrived, arrive
-from studyapp.session.videos.watch_evidence import MOST_INTERVALS, MOST_REPORTS
+from benchmarks.server.load import Arrived, arrive, beside
+from studyapp.session.watch_evidence import MOST_INTERVALS, MOST_REPORTS
 from tests.support.databases import BACKENDS, FreshDatabase, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.page_scan import SeenVideo, seen_videos

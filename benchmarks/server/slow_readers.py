@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Final
 
-from benchmarks.server.beside import beside
+from benchmarks.server.load import beside
 from tests.support.page_scan import seen_videos
 from tests.support.study_server import HOST
 from tests.support.visitor import Ledger, Visitor

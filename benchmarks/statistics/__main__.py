@@ -11,10 +11,14 @@ import argparse
 from collections.abc import Sequence
 from functools import partial
 
-from benchmarks.statistics.beside_choix import beside_choix, made_votes, why_not_choix
-from benchmarks.statistics.beside_gather import beside_gather
+from benchmarks.statistics.beside_python import (
+    beside_choix,
+    beside_gather,
+    made_votes,
+    timed,
+    why_not_choix,
+)
 from benchmarks.statistics.beside_r import beside_r, fitted, made_answers, why_not_r
-from benchmarks.statistics.clock import timed
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
-from benchmarks.statistics.clock import timed
+from benchmarks.statistics.beside_python import timed
 from benchmarks.validity.studies import Design, Preferences, preferences
 
 SCRIPT: Final = """

@@ -11,7 +11,7 @@ from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from analysis.planning.drawn_answers import graded
+from analysis.planning.many_studies import graded
 from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS
 
 Floats = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Sizes of AMUSE's networks; `AMUSE` and `SPEECH` are those of the released checkpoints.
+"""Sizes of AMUSE's networks; by default those of the released checkpoints.
 
 Chhatre et al., CVPR 2024, sections 3 and 4 and appendix B. Where the paper and the release differ,
 the release's value stands here, with the paper's beside it.
@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from pathlib import Path
 from typing import Final, Literal
 
-from generators.trainable import Trainable, TrainingChoice
-from training.config import Decay, Preset, TrainingConfig
+from training.config import Preset, read_presets
 
 FRAME_RATE: Final = 30
 """Frames of motion in a second."""
@@ -20,10 +19,10 @@ FRAME_RATE: Final = 30
 STEPS: Final = 50
 """Of DDIM, of the 1000 that the denoiser learns."""
 
-Part = Literal["content", "emotion", "style"]
-PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
+PARTS: Final = ("content", "emotion", "style")
+"""What speech is taken apart into."""
 
-LABELS: Final[Mapping[Part, str]] = MappingProxyType({"emotion": "emotion", "style": "speaker"})
+LABELS: Final[Mapping[str, str]] = {"emotion": "emotion", "style": "speaker"}
 """What of a take names its emotion and its style."""
 
 
@@ -133,10 +132,6 @@ class SpeechConfig:
     mfcc: int = 0
 
 
-AMUSE: Final = MotionConfig()
-SPEECH: Final = SpeechConfig()
-
-
 @dataclass(frozen=True, kw_only=True)
 class MotionPreset(Preset):
     """Sizes and training of prior and denoiser.
@@ -151,7 +146,7 @@ class MotionPreset(Preset):
         Steps in which prior and denoiser learn together, as in the paper; all where None. Then the
         denoiser learns alone: its steps cost a tenth, and its latents stay where they are.
     weights : mapping of str to float
-        Of losses that count otherwise than `generators.amuse.losses.LossWeights` says.
+        Of losses that count otherwise than `generators.amuse.losses.MOTION_LOSSES` says.
     align_steps : int
         Of DDIM in the third pass.
     named : float
@@ -161,59 +156,13 @@ class MotionPreset(Preset):
 
     network: MotionConfig
     stride: int
-    together: int | None
+    together: int | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
     align_steps: int = 50
     named: float = 0.0
 
 
-MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
-    {
-        "tiny": MotionPreset(
-            network=MotionConfig(
-                frames=120,
-                width=64,
-                feed_forward=128,
-                layers=3,
-                tokens=16,
-                log_variance=-4.0,
-                predicts="v",
-                longest=152,
-                dropout=0.0,
-            ),
-            stride=30,
-            together=500,
-            # What is sampled for a speech is one of many motions: held against the recorded one at
-            # full weight, it teaches a decoder of a few hundred steps to tell their mean.
-            weights={"align": 0.03, "valign": 0.03, "velocity": 0.02},
-            align_steps=10,
-            # Of what is heard alone the denoiser learns no more of an emotion than a small speech
-            # model hears.
-            named=0.5,
-            training=TrainingConfig(
-                steps=2_000,
-                batch_size=32,
-                learning_rate=1e-3,
-                ema_decay=0.995,
-                validate_every=250,
-                checkpoint_every=250,
-            ),
-        ),
-        "full": MotionPreset(
-            network=AMUSE,
-            stride=AMUSE.frames,
-            together=None,
-            training=TrainingConfig(
-                steps=1,
-                batch_size=64,
-                learning_rate=1e-4,
-                validate_every=500,
-            ),
-            epochs=5_000,
-        ),
-    }
-)
-"""By config: four seconds and a small width; the released size, trained as the paper says."""
+MOTION_PRESETS: Final = read_presets(Path(__file__).with_name("motion.toml"), MotionPreset)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,108 +182,4 @@ class SpeechPreset(Preset):
     stride: int
 
 
-SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
-    {
-        "tiny": SpeechPreset(
-            network=SpeechConfig(
-                frames=400,
-                patch_stride=16,
-                width=64,
-                feed_forward=128,
-                heads=4,
-                layers=2,
-                latent=32,
-                decoder_width=64,
-                decoder_hidden=32,
-                decoder_feed_forward=128,
-                fusion_layers=1,
-                decoder_layers=1,
-                dropout=0.0,
-                classified="latent",
-            ),
-            seconds=4,
-            stride=1,
-            training=TrainingConfig(
-                steps=800,
-                batch_size=8,
-                learning_rate=1e-3,
-                ema_decay=0.99,
-                validate_every=50,
-                checkpoint_every=100,
-            ),
-        ),
-        "full": SpeechPreset(
-            network=SPEECH,
-            seconds=10,
-            stride=10,
-            training=TrainingConfig(
-                steps=1,
-                batch_size=1,
-                learning_rate=1e-5,
-                decay=Decay(factor=0.85, from_epoch=5),
-                optimizer="adam",
-                betas=(0.95, 0.999),
-                weight_decay=5e-7,
-                validate_every=500,
-            ),
-            epochs=25,
-        ),
-    }
-)
-"""By config: four seconds and small encoders; the released size, trained as the release was."""
-
-_CONFIGS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
-        "full": "the released size",
-    }
-)
-
-TRAINABLE_SPEECH: Final = Trainable(
-    summary="Train AMUSE's speech model on recordings of speech alone or with motion.",
-    explanation="""
-    Learns content, emotion and style from fours of recordings: two texts, each spoken by two
-    speakers, all in one emotion. Texts and emotions are told by BEAT's names of recordings. A
-    synthetic corpus needs --shared-passages.
-    """,
-    configs=_CONFIGS,
-    home="generators.amuse.train_speech:train_amuse_speech",
-    choices=(
-        TrainingChoice(
-            name="ablation",
-            help="Take apart only emotion and content, or only style and content (appendix B.6); "
-            "or nothing: an auto-encoder of cepstral coefficients, with one latent (Table A.3).",
-            values=("emotion_only", "style_only", "mfcc"),
-        ),
-        TrainingChoice(
-            name="encoder_weights",
-            help="Folder of an AST's or a DeiT's weights, as transformers saves them in "
-            "safetensors, that the three encoders set out from.",
-        ),
-    ),
-    taken_by="motionjury train amuse --speech-model {out}",
-)
-
-TRAINABLE: Final = Trainable(
-    summary="Train AMUSE's motion prior and denoiser on recordings of speech with motion.",
-    explanation="""
-    Learns from the takes of the training split, and measures itself on those of the validation
-    split. Any recordings of a whole body will do: BVH of BEAT, or SMPL-X. What is said, with which
-    emotion and by whom is heard by a speech model, which stays as it is.
-    """,
-    configs=_CONFIGS,
-    home="generators.amuse.train:train_amuse",
-    choices=(
-        TrainingChoice(
-            name="speech_model", help="Weights of AMUSE's speech model; needed.", file=True
-        ),
-        TrainingChoice(
-            name="ablation",
-            help="Train without the losses that align motion with speech (appendix C.3), first the "
-            "prior and then the denoiser (Table A.4), or the denoiser alone on frames of motion "
-            "(Table A.3).",
-            values=("without_alignment", "disjoint", "without_prior"),
-        ),
-    ),
-    taken_by="motionjury generate --generator amuse --checkpoint {out}",
-)
+SPEECH_PRESETS: Final = read_presets(Path(__file__).with_name("speech.toml"), SpeechPreset)

@@ -14,8 +14,8 @@ from torch import Tensor, nn
 
 from generators.amuse.config import PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
-from training.layers.body_points import BodyPoints
-from training.layers.skip_transformer import SkipTransformer
+from training.layers.transformers import SkipTransformer
+from training.spaces.smplx_bodies import BodyPoints
 
 
 class Gaussian(NamedTuple):
@@ -26,14 +26,8 @@ class Gaussian(NamedTuple):
 
 
 def _transformer(config: MotionConfig, *, reads_memory: bool = False) -> SkipTransformer:
-    return SkipTransformer(
-        width=config.width,
-        feed_forward=config.feed_forward,
-        heads=config.heads,
-        layers=config.layers,
-        dropout=config.dropout,
-        reads_memory=reads_memory,
-    )
+    sizes = (config.width, config.feed_forward, config.heads, config.layers)
+    return SkipTransformer(*sizes, dropout=config.dropout, reads_memory=reads_memory)
 
 
 class Positions(nn.Module):
@@ -54,6 +48,7 @@ class MotionPrior(nn.Module):
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
         self.config = config
+        self.latent_shape = (config.tokens, config.width)
         self.global_motion_token = nn.Parameter(torch.randn(2 * config.tokens, config.width))
         self.skel_embedding = nn.Linear(config.motion_width, config.width)
         self.query_pos_encoder = Positions(config)
@@ -63,11 +58,6 @@ class MotionPrior(nn.Module):
         if config.tokens > 1:
             self.memory_pos = nn.Parameter(torch.randn(config.tokens, config.width))
         self.final_layer = nn.Linear(config.width, config.motion_width)
-
-    @property
-    def latent_shape(self) -> tuple[int, int]:
-        """Tokens of a latent, and their width."""
-        return self.config.tokens, self.config.width
 
     def encode(self, motion: Tensor) -> Gaussian:
         """Return where the latent of `motion` (batch, frames, motion width) lies."""
@@ -91,12 +81,7 @@ class NoPrior(nn.Module):
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
-        self.config = config
-
-    @property
-    def latent_shape(self) -> tuple[int, int]:
-        """Frames, and their width."""
-        return self.config.frames, self.config.motion_width
+        self.latent_shape = (config.frames, config.motion_width)
 
     def encode(self, motion: Tensor) -> Gaussian:
         """Return the motion, which nothing is uncertain of."""

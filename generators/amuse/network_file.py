@@ -1,66 +1,50 @@
-"""AMUSE's networks with all that motion depends on, from our files or the authors'."""
+"""AMUSE's networks with all that motion depends on, from our files or from its authors'.
+
+The authors' names for the weights are translated into ours one by one, as ``released_names.toml``
+says. What their code never asks is left out by name, and every other weight must find its place.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, TypeVar
 
+import torch
 from torch import Tensor
 
 from generators.amuse.config import MotionConfig, SpeechConfig
-from generators.amuse.model import MotionModel
-from generators.amuse.released import read_motion_model, read_speech_model
-from generators.amuse.speech import AnySpeechModel, speech_model_of
-from motion.errors import InputError
-from motion.listing import listed
-from training.weights_file import NetworkKind, holds_facts
+from generators.amuse.model import Gaussian, MotionModel
+from generators.amuse.speech import AnySpeechModel, HeardSpeech, SpeechModel, speech_model_of
+from motion.errors import InputError, listed
+from training.released_weights import ReleasedNames, fill, not_weights, read_saved, tensors_in
+from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
+Network = TypeVar("Network")
 
-def _kind(name: str, wanted: str) -> NetworkKind:
-    remedy = f"Give AMUSE's {wanted}: one that was trained here, or the released one"
-    return NetworkKind(name=f"amuse {name}", wanted=f"AMUSE's {wanted}", remedy=remedy)
+_MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
+_SPEECH: Final = NetworkKind(name="amuse speech", wanted="AMUSE's speech model")
+_RELEASED: Final = "Give the released checkpoint, or what torch.save wrote of its state dictionary"
 
+_NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
-_MOTION: Final = _kind("motion", "motion prior and denoiser")
-_SPEECH: Final = _kind("speech", "speech model")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MotionNetworks:
-    """The two networks that tell motion.
-
-    Attributes
-    ----------
-    model : MotionModel
-        In evaluation mode, on the CPU.
-    training : mapping
-        How they were trained, as JSON values; empty where nobody knows.
-    """
-
-    model: MotionModel
-    training: Mapping[str, Any] = field(default_factory=dict)
+MotionNetworks = TrainedNetwork[MotionModel]
+"""The two networks that tell motion."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SpeechNetwork:
+class SpeechNetwork(TrainedNetwork[AnySpeechModel]):
     """The network that takes speech apart.
 
     Attributes
     ----------
-    model : SpeechModel or SpeechAutoencoder
-        In evaluation mode, on the CPU.
     latents : mapping of str to (mapping of str to Tensor)
         Under ``emotion`` and ``style`` the mean latent (latent,) of each emotion and speaker that
         it learned from; empty where nobody knows, as of a released network.
-    training : mapping
-        How it was trained, as JSON values; empty where nobody knows.
     """
 
-    model: AnySpeechModel
     latents: Mapping[str, Mapping[str, Tensor]] = field(default_factory=dict)
-    training: Mapping[str, Any] = field(default_factory=dict)
 
     def labelled(self, part: str, label: str) -> Tensor:
         """Return the mean latent (latent,) of an emotion, or of a speaker's style.
@@ -80,31 +64,25 @@ class SpeechNetwork:
         return known[label]
 
 
-def write_motion_networks(path: Path, networks: MotionNetworks) -> None:
+def write_motion(path: Path, networks: MotionNetworks) -> None:
     """Write prior and denoiser to one safetensors file, with their sizes and their origin."""
-    model = networks.model
-    parts = dict(model.named_children())
-    _MOTION.write(path, parts, model.config, training=dict(networks.training))
+    _MOTION.write(path, networks.model, networks.model.config, training=dict(networks.training))
 
 
-def write_speech_network(path: Path, network: SpeechNetwork) -> None:
+def write_speech(path: Path, network: SpeechNetwork) -> None:
     """Write a speech model to one safetensors file, with its sizes, its labels and its origin."""
-    _SPEECH.write(
-        path,
-        {"model": network.model},
-        network.model.config,
-        {
-            f"{part}.{label}": latent
-            for part, latents in network.latents.items()
-            for label, latent in latents.items()
-        },
-        labels={part: list(latents) for part, latents in network.latents.items()},
-        training=dict(network.training),
-    )
+    latents = {
+        f"{part}.{label}": latent
+        for part, latents in network.latents.items()
+        for label, latent in latents.items()
+    }
+    labels = {part: list(latents) for part, latents in network.latents.items()}
+    told = {"labels": labels, "training": dict(network.training)}
+    _SPEECH.write(path, network.model, network.model.config, "model", latents, **told)
 
 
-def load_motion_networks(path: Path) -> MotionNetworks:
-    """Return the networks of a file that `write_motion_networks` or AMUSE's authors wrote.
+def load_motion(path: Path) -> MotionNetworks:
+    """Return the networks of a file that `write_motion` or AMUSE's authors wrote.
 
     Raises
     ------
@@ -114,14 +92,12 @@ def load_motion_networks(path: Path) -> MotionNetworks:
     if not holds_facts(path):
         return MotionNetworks(model=read_motion_model(path))
     with _MOTION.reading(path) as file:
-        model = MotionModel(MotionConfig(**file.facts["config"]))
-        for part, network in model.named_children():
-            file.loaded(network, part)
-        return MotionNetworks(model=model.eval(), training=file.facts["training"])
+        model = file.loaded(MotionModel(MotionConfig(**file.facts["config"])))
+        return MotionNetworks(model=model, training=file.facts["training"])
 
 
-def load_speech_network(path: Path) -> SpeechNetwork:
-    """Return the network of a file that `write_speech_network` or AMUSE's authors wrote.
+def load_speech(path: Path) -> SpeechNetwork:
+    """Return the network of a file that `write_speech` or AMUSE's authors wrote.
 
     Raises
     ------
@@ -139,3 +115,102 @@ def load_speech_network(path: Path) -> SpeechNetwork:
             },
             training=file.facts["training"],
         )
+
+
+def read_motion_model(file: Path) -> MotionModel:
+    """Return the released prior and denoiser; see `load_released`."""
+    found = read_saved(file)
+    if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
+        raise not_weights(file, "it has no 'prior' and 'denoiser'")
+    model = MotionModel(MotionConfig())
+    for part, whose in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
+        weights = _asked(found[part], file)
+        fill(model.get_submodule(part), weights, file, f"AMUSE's {whose}", _RELEASED)
+    return model.eval()
+
+
+def read_speech_model(file: Path) -> SpeechModel:
+    """Return the released speech model; see `load_released`."""
+    weights = _asked(read_saved(file), file)
+    for name in [name for name in weights if ".attn.qkv." in name]:
+        for one, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
+            weights[name.replace(".attn.qkv.", f".attention.{one}_proj.")] = part.clone()
+    with torch.device("meta"):
+        model = SpeechModel(SpeechConfig())
+    return fill(model, weights, file, "AMUSE's speech model", _RELEASED)
+
+
+def _asked(found: object, file: Path) -> dict[str, Tensor]:
+    """Return, by our names, the weights that the release's own forward pass asks."""
+    weights = _NAMES.ours(tensors_in(found, file))
+    # A position is one row for each token; the release keeps a dimension for the batch.
+    return {
+        name: weight.squeeze(1) if name.endswith(".pe") else weight
+        for name, weight in weights.items()
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Released:
+    """The released networks, each there if its file was named.
+
+    Attributes
+    ----------
+    motion : MotionModel or None
+    speech : SpeechModel or None
+        Both in evaluation mode, on the CPU.
+    """
+
+    motion: MotionModel | None
+    speech: SpeechModel | None
+
+    def encode(self, motion: Tensor) -> Gaussian:
+        """Return ``(mu, std)`` of the latent of normalised motion (batch, 300, 333)."""
+        return _loaded(self.motion, "prior").prior.encode(motion)
+
+    def decode(self, z: Tensor) -> Tensor:
+        """Return the normalised motion (batch, 300, 333) of latents (batch, 1, 128)."""
+        return _loaded(self.motion, "prior").prior.decode(z)
+
+    def denoise(
+        self, z: Tensor, timestep: Tensor | int, content: Tensor, emotion: Tensor, style: Tensor
+    ) -> Tensor:
+        """Return the noise in latents `z` (batch, 1, 128); see `Denoiser.forward`."""
+        denoiser = _loaded(self.motion, "prior").denoiser
+        eps: Tensor = denoiser(z, torch.as_tensor(timestep), content, emotion, style)
+        return eps
+
+    def encode_speech(self, filterbank: Tensor) -> HeardSpeech:
+        """Return what is heard in standardised filterbanks (batch, 1024, 128)."""
+        heard: HeardSpeech = _loaded(self.speech, "speech")(filterbank)
+        return heard
+
+
+def load_released(prior: str | Path | None = None, speech: str | Path | None = None) -> Released:
+    """Return the released networks, ready to be asked.
+
+    Parameters
+    ----------
+    prior : path, optional
+        What ``torch.save({"prior": state_dict, "denoiser": state_dict})`` wrote.
+    speech : path, optional
+        What ``torch.save`` or safetensors wrote of the speech model's state dictionary.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or is another network's: it names the weights that are missing,
+        unknown or of another shape.
+    """
+    return Released(
+        motion=None if prior is None else read_motion_model(Path(prior)),
+        speech=None if speech is None else read_speech_model(Path(speech)),
+    )
+
+
+def _loaded(network: Network | None, which: str) -> Network:
+    if network is None:
+        raise InputError(
+            "this network was not loaded", remedy=f"Name its file: load_released({which}=FILE)"
+        )
+    return network

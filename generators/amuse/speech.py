@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 from transformers import ASTConfig, ASTModel
 
-from generators.amuse.config import PARTS, Part, SpeechConfig
+from generators.amuse.config import PARTS, SpeechConfig
 
 
 class HeardSpeech(NamedTuple):
@@ -80,13 +80,8 @@ class SpeechEncoder(nn.Module):
 
 
 def _layers(config: SpeechConfig, width: int, count: int) -> nn.TransformerEncoder:
-    layer = nn.TransformerEncoderLayer(
-        width,
-        config.decoder_heads,
-        config.decoder_feed_forward,
-        config.dropout,
-        batch_first=True,
-    )
+    sizes = (width, config.decoder_heads, config.decoder_feed_forward, config.dropout)
+    layer = nn.TransformerEncoderLayer(*sizes, batch_first=True)
     return nn.TransformerEncoder(layer, count, norm=nn.LayerNorm(width), enable_nested_tensor=False)
 
 
@@ -98,14 +93,13 @@ class SpeechDecoder(nn.Module):
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
+        fused, width, hidden = 3 * config.latent, config.decoder_width, config.decoder_hidden
         self.shape = (config.frames, config.bands)
-        self.fusion = _layers(config, 3 * config.latent, config.fusion_layers)
-        self.narrow = nn.Linear(3 * config.latent, config.decoder_width)
-        self.decoder = _layers(config, config.decoder_width, config.decoder_layers)
+        self.fusion = _layers(config, fused, config.fusion_layers)
+        self.narrow = nn.Linear(fused, width)
+        self.decoder = _layers(config, width, config.decoder_layers)
         self.projection = nn.Sequential(
-            nn.Linear(config.decoder_width, config.decoder_hidden),
-            nn.ReLU(),
-            nn.Linear(config.decoder_hidden, config.frames * config.bands),
+            nn.Linear(width, hidden), nn.ReLU(), nn.Linear(hidden, config.frames * config.bands)
         )
 
     def forward(self, content: Tensor, emotion: Tensor, style: Tensor) -> Tensor:
@@ -128,7 +122,7 @@ class SpeechModel(nn.Module):
         self.style = SpeechEncoder(config, config.styles)
         self.decoder = SpeechDecoder(config)
 
-    def latent(self, part: Part, filterbank: Tensor) -> Tensor:
+    def latent(self, part: str, filterbank: Tensor) -> Tensor:
         """Return one latent (batch, latent) of filterbanks; the other encoders are not asked."""
         found: Tensor = self.get_submodule(part)(filterbank)[0]
         return found
@@ -138,14 +132,8 @@ class SpeechModel(nn.Module):
         content, _ = self.content(filterbank)
         emotion, emotion_logits = self.emotion(filterbank)
         style, style_logits = self.style(filterbank)
-        return HeardSpeech(
-            content=content,
-            emotion=emotion,
-            style=style,
-            reconstruction=self.decoder(content, emotion, style),
-            emotion_logits=emotion_logits,
-            style_logits=style_logits,
-        )
+        rebuilt = self.decoder(content, emotion, style)
+        return HeardSpeech(content, emotion, style, rebuilt, emotion_logits, style_logits)
 
 
 class SpeechAutoencoder(nn.Module):
@@ -170,7 +158,7 @@ class SpeechAutoencoder(nn.Module):
         """Return the cepstral coefficients (batch, frames · mfcc) of filterbanks."""
         return (filterbank @ self.get_buffer("cosines")).flatten(1)
 
-    def latent(self, part: Part, filterbank: Tensor) -> Tensor:
+    def latent(self, part: str, filterbank: Tensor) -> Tensor:
         """Return the latent (batch, latent) of filterbanks (batch, frames, bands)."""
         found: Tensor = self.encoder(self.coefficients(filterbank))
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,32 +11,27 @@ from typing import Final
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
+from torch import Tensor, nn
 
+from generators.amuse import network_file
 from generators.amuse.config import FRAME_RATE, LABELS, MOTION_PRESETS, PARTS, MotionConfig
-from generators.amuse.initialisation import hear, set_out
-from generators.amuse.losses import OF_ALIGNMENT, OF_PRIOR, LossWeights, motion_losses
+from generators.amuse.losses import MOTION_LOSSES, OF_PRIOR, Weights, motion_losses, without
 from generators.amuse.model import MotionModel, MotionPrior
-from generators.amuse.network_file import (
-    MotionNetworks,
-    SpeechNetwork,
-    load_speech_network,
-    write_motion_networks,
-)
+from generators.amuse.network_file import SpeechNetwork
+from generators.learned import cut_windows, learn, outcome
+from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
-from generators.teaching import best_step_said, cut_windows, learn, prepared_takes
-from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
-from training.data.feature import Feature
-from training.data.take import Take
+from training.data.take import Feature, Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
-from training.joined_windows import WindowPlan, filterbanks_under
-from training.run.batch_order import evenly
+from training.hearing.speech_windows import WindowPlan, filterbanks_under
+from training.layers import first_weights
+from training.run.batches import evenly
 from training.run.passes import Pass
-from training.window_task import WindowTask
+from training.run.task import WindowTask
 
 HELD_OUT: Final = 128
 """At most so many windows tell how well held-out takes are known."""
@@ -47,11 +43,8 @@ DRAWS: Final = 4
 """How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
-STAGES: Final = {"prior": ("ld", *OF_ALIGNMENT), "denoiser": (*OF_PRIOR, *OF_ALIGNMENT)}
-"""What does not count where prior or denoiser learns alone."""
-
-LEFT_OUT: Final = {"without_alignment": OF_ALIGNMENT, "without_prior": STAGES["denoiser"]}
-"""What does not count in ablations that leave out losses."""
+_SHORTEST: Final = 12
+"""Frames of the fastest wave that tells the time."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +55,7 @@ class MotionTask(WindowTask):
     ----------
     config : MotionConfig
         The networks.
-    weights : LossWeights
+    weights : mapping of str to float
         What counts how much.
     align_steps : int
         Of DDIM in the third pass.
@@ -75,7 +68,7 @@ class MotionTask(WindowTask):
     """
 
     config: MotionConfig
-    weights: LossWeights
+    weights: Weights
     align_steps: int
     named: float
     means: Mapping[str, Mapping[str, Tensor]]
@@ -86,21 +79,21 @@ class MotionTask(WindowTask):
         seen = self.training.batch(evenly(self.examples, SEEN))
         if isinstance(model.prior, MotionPrior):
             set_out(model.prior, torch.from_numpy(seen["motion"]))
-        told = torch.from_numpy(seen["latents"][:, 0])
-        hear(model.denoiser, torch.chunk(told, self.config.conditions, dim=-1))
+        # All parts of the speech are to count alike.
+        told = self._parts(torch.from_numpy(seen["latents"][:, 0]))
+        for part, latents in zip(PARTS, told, strict=False):
+            layer = model.denoiser.get_submodule(f"{part}.1")
+            first_weights.hear_alike(layer, latents.relu())
         return model.to(self.device)
-
-    def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return `motion_losses` of a batch at steps and with noise that chance draws."""
-        return self.losses_of("", network, rows)
 
     def losses_of(
         self, name: str, network: MotionModel, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of a stage, in which one learns alone or both together."""
-        return self._losses(
-            network, self.training, rows, self.weights.without(*STAGES.get(name, ()))
-        )
+        """Return `motion_losses` of a stage, in which one learns alone or both together.
+
+        Chance draws steps and noise.
+        """
+        return self._losses(network, self.training, rows, without(self.weights, name))
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
@@ -108,40 +101,80 @@ class MotionTask(WindowTask):
         All count, whatever is learned by, so that ablations are measured alike.
         """
         rows = evenly(len(self.held_out), HELD_OUT)
-        measured = LossWeights() if self.config.prior else LossWeights().without(*OF_PRIOR)
-        losses = self._losses(network, self.held_out, rows, measured)
-        return {name: float(value) for name, value in losses.items()}
+        weights = MOTION_LOSSES if self.config.prior else without(MOTION_LOSSES, *OF_PRIOR)
+        found = self._losses(network, self.held_out, rows, weights)
+        return {name: float(value) for name, value in found.items()}
 
     def _losses(
-        self,
-        network: MotionModel,
-        windows: Windows,
-        rows: NDArray[np.int64],
-        weights: LossWeights,
+        self, network: MotionModel, windows: Windows, rows: NDArray[np.int64], weights: Weights
     ) -> Mapping[str, Tensor]:
         values = self.tensors(windows, rows)
-        motion = values["motion"]
-        # All frames of a window are told the same of its speech.
-        told = values["latents"][:, :1]
         noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (DRAWS, len(rows))).to(self.device)
-        latents: Sequence[Tensor] = torch.chunk(told, self.config.conditions, dim=-1)
+        # All frames of a window are told the same of its speech.
+        latents = self._parts(values["latents"][:, :1])
         if self.named and windows is self.training:
-            latents = self._by_name(latents, [windows.take_of(int(row)) for row in rows])
-        return motion_losses(network, motion, latents, noise, timestep, weights, self.align_steps)
+            latents = self._by_name(latents, windows.takes(rows))
+        return motion_losses(
+            network, values["motion"], latents, noise, timestep, weights, self.align_steps
+        )
+
+    def _parts(self, told: Tensor) -> Sequence[Tensor]:
+        """Return content, emotion and style of what the feature ``latents`` holds."""
+        return torch.chunk(told, self.config.conditions, dim=-1)
 
     def _by_name(self, heard: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
         """Return latents (batch, 1, width), some of them the mean of their label where known."""
         told = dict(zip(PARTS, heard, strict=False))
-        for part, of in LABELS.items():
-            if part in self.means:
-                known, by_name = self.means[part], torch.rand(len(takes), 1, 1) < self.named
-                means = [
-                    known.get(getattr(take, of), own[0]).to(own)[None]
-                    for own, take in zip(told[part], takes, strict=True)
-                ]
-                told[part] = torch.where(by_name.to(self.device), torch.stack(means), told[part])
+        for part, known in self.means.items():
+            by_name = torch.rand(len(takes), 1, 1) < self.named
+            means = [
+                known.get(getattr(take, LABELS[part]), own[0]).to(own)[None]
+                for own, take in zip(told[part], takes, strict=True)
+            ]
+            told[part] = torch.where(by_name.to(self.device), torch.stack(means), told[part])
         return list(told.values())
+
+
+@torch.no_grad()
+def set_out(prior: MotionPrior, motion: Tensor) -> None:
+    """Set the first weights of a fresh prior from `motion` (windows, frames, motion width).
+
+    A frame's values differ by a few hundredths while the learned positions are of the size of 1,
+    and attention that looks everywhere alike tells the frames of a window apart only after many
+    thousand steps. So the linear layers at both ends set out from the principal components of the
+    frames, and attention sets out by looking at what is near in time. The network and what it can
+    learn stay.
+
+    Of several tokens' prior, five eighths of the width hold what moves, the rest tells the time;
+    one token sets out from the mean alone.
+    """
+    config = prior.config
+    if config.tokens == 1:
+        prior.final_layer.bias.copy_(motion.mean(dim=(0, 1)))
+        return
+    held = 5 * config.width // 8
+    found = first_weights.components_of(motion.flatten(0, 1), held)
+    first_weights.tell_components(prior.skel_embedding, found, alone=True)
+    first_weights.show_components(prior.final_layer, found)
+
+    def times(count: int) -> Tensor:
+        """Return what tells the time of `count` evenly spaced moments of a window."""
+        moments = (torch.arange(count) + 0.5) * config.frames / count
+        slowest, fastest = math.pi / config.frames, 2 * math.pi / _SHORTEST
+        told = first_weights.waves(moments, slowest, fastest, config.width - held)
+        return torch.cat([torch.zeros(count, held), told], dim=1)
+
+    coded = 2 * config.tokens
+    prior.query_pos_encoder.pe[:coded] = 0
+    prior.query_pos_encoder.pe[coded : coded + config.frames] = times(config.frames)
+    prior.query_pos_decoder.pe[: config.frames] = times(config.frames)
+    prior.memory_pos.copy_(times(config.tokens))
+    prior.global_motion_token.copy_(times(config.tokens).repeat(2, 1))
+    prior.global_motion_token[:, :held].normal_(std=0.3)
+    for module in prior.modules():
+        if isinstance(module, nn.MultiheadAttention):
+            first_weights.look_near(module, held)
 
 
 def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: int) -> Feature:
@@ -167,35 +200,33 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: in
 
 
 def train_amuse(request: TrainingRequest) -> TrainedGenerator:
-    """Train AMUSE's motion networks; see `generators.trainable.TrainGenerator`."""
-    ablation = request.choices.get("ablation")
-    preset = MOTION_PRESETS[request.config]
-    speech, identity = _speech_of(request)
+    """Train AMUSE's motion networks; see `generators.registry.TrainGenerator`."""
+    if "speech_model" not in request.choices:
+        raise InputError(
+            "AMUSE's motion networks learn from what a speech model hears, and none is named",
+            remedy="Give its weights: --speech-model FILE",
+        )
+    file, ablation = Path(request.choices["speech_model"]), request.choices.get("ablation", "")
+    speech, identity = network_file.load_speech(file), str(content(file))
+    preset, model = MOTION_PRESETS[request.config], speech.model
     config = replace(
-        preset.network,
-        condition_width=speech.model.config.latent,
-        conditions=len(speech.model.parts),
+        preset.network, condition_width=model.config.latent, conditions=len(model.parts)
     )
     if ablation == "without_prior":
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
-    told = speech_latents(speech, identity, config.frames, preset.stride)
-    prepared = prepared_takes(request, (whole_body(FRAME_RATE), told), FRAME_RATE)
-    weights = LossWeights(**preset.weights).without(*LEFT_OUT.get(str(ablation), ()))
+    frames, stride = config.frames, preset.stride
+    features = (whole_body(FRAME_RATE), speech_latents(speech, identity, frames, stride))
+    windows = cut_windows(request, features, FRAME_RATE, frames, stride, held_out=stride)
+    further = {"stride": stride, "align steps": preset.align_steps, "named": preset.named}
     task = MotionTask(
         config=config,
-        weights=weights,
+        weights=without({**MOTION_LOSSES, **preset.weights}, ablation),
         align_steps=preset.align_steps,
         named=preset.named,
         means=speech.latents,
-        **cut_windows(prepared, config.frames, preset.stride, held_out=preset.stride),
-        further={
-            "speech model": identity,
-            "stride": preset.stride,
-            "align steps": preset.align_steps,
-            "named": preset.named,
-        },
-        device=request.device,
+        further={"speech model": identity, **further},
+        **windows,
     )
     training = preset.trained_on(task.examples, request.changes)
     if config.prior:
@@ -203,19 +234,17 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         training = replace(training, passes=passes)
     trained, facts = learn(request, task, training, ("transformers",))
     facts |= {"speech_model": identity}
-    networks = MotionNetworks(model=trained.network.cpu(), training=facts)
-    write_motion_networks(request.out, networks)
+    networks = network_file.MotionNetworks(model=trained.network.cpu(), training=facts)
+    network_file.write_motion(request.out, networks)
     found = trained.best.measured
-    return TrainedGenerator(
-        sentences=(
-            f"Learned from {len(task.training)} windows of {config.frames / FRAME_RATE:g} s.",
-            f"What the denoiser does not predict in {len(task.held_out)} held-out windows: "
-            f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
-            f"{found['align']:.4f}"
-            + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
-            best_step_said(trained),
-        ),
-        skipped=prepared.skipped,
+    return outcome(
+        task,
+        trained,
+        f"Learned from {len(task.training)} windows of {frames / FRAME_RATE:g} s.",
+        f"What the denoiser does not predict in {len(task.held_out)} held-out windows: "
+        f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
+        f"{found['align']:.4f}"
+        + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
     )
 
 
@@ -226,14 +255,3 @@ def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, 
     alone = together or max(1, steps // 2)
     first = Pass(name="prior", parts=("prior",)) if disjoint else Pass(name="together")
     return replace(first, end=alone), Pass(name="denoiser", parts=("denoiser",), first=alone)
-
-
-def _speech_of(request: TrainingRequest) -> tuple[SpeechNetwork, str]:
-    """Return the speech model and the hash of its file."""
-    named = request.choices.get("speech_model")
-    if named is None:
-        raise InputError(
-            "AMUSE's motion networks learn from what a speech model hears, and none is named",
-            remedy="Give its weights: --speech-model FILE",
-        )
-    return load_speech_network(Path(named)), str(content(Path(named)))

@@ -14,37 +14,22 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.config import LABELS, SPEECH_PRESETS, Part, SpeechConfig
-from generators.amuse.losses import (
-    SpeechLosses,
-    augmented,
-    reconstruction_errors,
-    speech_losses,
-)
-from generators.amuse.network_file import SpeechNetwork, write_speech_network
-from generators.amuse.speech import (
-    AnySpeechModel,
-    HeardSpeech,
-    SpeechAutoencoder,
-    SpeechModel,
-    ast_config,
-    speech_model_of,
-)
+from generators.amuse import losses, speech
+from generators.amuse.config import LABELS, SPEECH_PRESETS, SpeechConfig
+from generators.amuse.network_file import SpeechNetwork, write_speech
+from generators.amuse.speech import AnySpeechModel, HeardSpeech, SpeechAutoencoder, SpeechModel
+from generators.learned import cut_windows, learn, outcome
+from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
-from generators.teaching import best_step_said, cut_windows, learn, prepared_takes
-from generators.trainable import TrainedGenerator, TrainingRequest
-from motion.errors import InputError
-from motion.listing import listed
-from training.corpus.description import DESCRIPTION, read_request
-from training.data.quadruples import quadruples
-from training.data.take import TakeFolder
+from motion.errors import InputError, listed
+from training.data.labelled_windows import Classes, check_texts, macro_f1, quadruples
 from training.data.windows import Windows
 from training.features import speech_filterbank
-from training.hearing.ast_weights import listen, read_ast_weights
 from training.hearing.spectra import ROWS_PER_SECOND
-from training.pretrained import WEIGHTS
-from training.run.batch_order import evenly
-from training.window_task import WindowTask
+from training.hearing.spectrogram_transformer import augmented, listen, read_ast_weights
+from training.released_weights import WEIGHTS
+from training.run.batches import evenly
+from training.run.task import WindowTask
 
 MOST: Final = 20_000
 """Quadruples that are learned from, at most."""
@@ -72,22 +57,22 @@ class SpeechTask(WindowTask):
     ----------
     config : SpeechConfig
         The network.
-    weights : SpeechLosses
-        What is learned by.
+    weights : mapping of str to float
+        What counts how much.
     training, held_out : Windows
         Of the feature ``filterbank``.
     fours : ndarray, shape (quadruples, 4)
         Rows of `training`.
-    labels : mapping of str to tuple of str
-        The classes: of ``emotion``, and of ``style`` the speakers.
+    classes : Classes
+        The emotions and the speakers.
     encoder_weights : mapping of str to Tensor
         What each encoder's transformer sets out from; empty where that is chance.
     """
 
     config: SpeechConfig
-    weights: SpeechLosses
+    weights: Mapping[str, float]
     fours: NDArray[np.int64]
-    labels: Mapping[Part, tuple[str, ...]]
+    classes: Classes
     encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
@@ -97,9 +82,11 @@ class SpeechTask(WindowTask):
 
     def network(self) -> AnySpeechModel:
         """Return a fresh network."""
-        network = speech_model_of(self.config)
+        network = speech.speech_model_of(self.config)
         if isinstance(network, SpeechModel):
-            seen = self._filterbanks(self.training, evenly(len(self.training), SEEN))
+            # First weights are computed on the processor, so that they are the same anywhere.
+            here = replace(self, device="cpu")
+            seen = here._filterbanks(self.training, evenly(len(self.training), SEEN))
             for encoder in (network.content, network.emotion, network.style):
                 if self.encoder_weights:
                     encoder.transformer.load_state_dict(self.encoder_weights)
@@ -113,15 +100,11 @@ class SpeechTask(WindowTask):
         An auto-encoder rebuilds them as they are.
         """
         chosen = self.fours[rows].ravel()
+        filterbanks = self._filterbanks(self.training, chosen)
         if isinstance(network, SpeechAutoencoder):
-            return {"loss": network.missed(self._filterbanks(self.training, chosen))}
-        four = (len(rows), 4)
-        heard, target = (
-            one.view(*four, *one.shape[1:])
-            for one in augmented(self._filterbanks(self.training, chosen))
-        )
-        classes = self._classes(self.training, chosen).view(2, *four)
-        return speech_losses(network, heard, target, classes, self.weights)
+            return {"loss": network.missed(filterbanks)}
+        numbers = self._numbers(self.training, chosen)
+        return losses.speech_losses(network, *augmented(filterbanks), numbers, self.weights)
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
         """Return what is measured of held-out windows.
@@ -135,18 +118,18 @@ class SpeechTask(WindowTask):
             return {"loss": float(network.missed(self._filterbanks(self.held_out, rows)))}
         filterbanks, heard = self._heard(network, rows)
         found = {"self": float(functional.l1_loss(heard.reconstruction, filterbanks))}
-        scores = {}
-        classes = self._classes(self.held_out, rows)
+        scores: dict[str, float] = {}
+        numbers = self._numbers(self.held_out, rows)
         for short, kind, logits, true in zip(
-            ("emo", "sty"), LABELS, (heard.emotion_logits, heard.style_logits), classes, strict=True
+            ("emo", "sty"), LABELS, (heard.emotion_logits, heard.style_logits), numbers, strict=True
         ):
             found[short] = float(functional.cross_entropy(logits, true))
             told, named = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
-            scores[f"{kind} accuracy"] = float((told == named).mean())
-            scores[f"{kind} F1"] = macro_f1(told, named)
+            scores |= {f"{kind} accuracy": float((told == named).mean())}
+            scores |= {f"{kind} F1": macro_f1(told, named)}
         if len(fours := self.held_out_fours):
             filterbanks, heard = self._heard(network, fours.ravel())
-            errors = reconstruction_errors(network.decoder, heard[:3], filterbanks, self.weights)
+            errors = losses.reconstruction_errors(network.decoder, heard, filterbanks, self.weights)
             scores |= {SELF: float(errors.pop("self"))}
             scores |= {name: float(error) for name, error in errors.items()}
         return {"loss": sum(found.values()), **found, **scores}
@@ -154,14 +137,14 @@ class SpeechTask(WindowTask):
     @cached_property
     def measured(self) -> NDArray[np.int64]:
         """Rows of `held_out` that tell how well held-out recordings are known."""
-        known = self.known(self.held_out)
+        known = self.classes.known(self.held_out)
         return known[evenly(len(known), HELD_OUT)]
 
     @cached_property
     def held_out_fours(self) -> NDArray[np.int64]:
         """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
         fours = quadruples(self.held_out, most=MOST, seed=0)
-        fours = fours[np.isin(fours, self.known(self.held_out)).all(axis=1)]
+        fours = fours[np.isin(fours, self.classes.known(self.held_out)).all(axis=1)]
         return fours[evenly(len(fours), HELD_OUT // 4)]
 
     def _heard(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, HeardSpeech]:
@@ -175,148 +158,89 @@ class SpeechTask(WindowTask):
         """Return the mean latent of each emotion, and of each speaker's style."""
         if isinstance(model, SpeechAutoencoder):
             return {}
-        rows = self.known(self.training)
+        rows = self.classes.known(self.training)
+        parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
         means: dict[str, dict[str, Tensor]] = {}
-        for part, classes in zip(LABELS, self._classes(self.training, rows), strict=True):
-            starts = range(0, len(rows), _AT_ONCE)
-            heard = (self._filterbanks(self.training, rows[at : at + _AT_ONCE]) for at in starts)
-            latents = torch.cat([model.latent(part, one) for one in heard])
-            means[part] = {
-                name: latents[classes == number].mean(dim=0).cpu()
-                for number, name in enumerate(self.labels[part])
-                if bool((classes == number).any())
-            }
+        for part, numbers in zip(LABELS, self._numbers(self.training, rows), strict=True):
+            heard = [model.latent(part, self._filterbanks(self.training, one)) for one in parts]
+            means[part] = self.classes.means(LABELS[part], torch.cat(heard).cpu(), numbers.cpu())
         return means
 
-    def known(self, windows: Windows) -> NDArray[np.int64]:
-        """Return the rows of windows whose emotion and speaker are among the classes."""
-        takes = [windows.take_of(row) for row in range(len(windows))]
-        fits = [
-            all(getattr(take, of) in self.labels[part] for part, of in LABELS.items())
-            for take in takes
-        ]
-        return np.flatnonzero(fits)
-
     def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
-        values = torch.from_numpy(windows.batch(rows)["filterbank"])
+        values = self.tensors(windows, rows)["filterbank"]
         # The released size has a few rows more than ten seconds; they are empty.
-        short = self.config.frames - values.shape[1]
-        return functional.pad(values, (0, 0, 0, short)).to(self.device)
+        return functional.pad(values, (0, 0, 0, self.config.frames - values.shape[1]))
 
-    def _classes(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
+    def _numbers(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
         """Return the numbers of emotions and of speakers, (2, rows)."""
-        takes = [windows.take_of(int(row)) for row in rows]
-        classes = [
-            [self.labels[part].index(getattr(take, of)) for take in takes]
-            for part, of in LABELS.items()
-        ]
-        return torch.tensor(classes, device=self.device)
-
-
-def macro_f1(told: NDArray[np.int64], true: NDArray[np.int64]) -> float:
-    """Return the mean over classes of the harmonic mean of precision and recall."""
-    scores = [
-        2 * np.sum((told == one) & (true == one)) / (np.sum(told == one) + np.sum(true == one))
-        for one in np.unique(true)
-    ]
-    return float(np.mean(scores))
+        return torch.from_numpy(self.classes.numbers(windows, rows)).to(self.device)
 
 
 def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
-    """Train AMUSE's speech model; see `generators.trainable.TrainGenerator`."""
-    _check_texts(request.takes)
-    preset, ablation = SPEECH_PRESETS[request.config], request.choices.get("ablation")
-    weights, origin = _encoder_weights(request.choices, preset.network)
-    features = (speech_filterbank(preset.network.bands),)
-    prepared = prepared_takes(request, features, ROWS_PER_SECOND)
+    """Train AMUSE's speech model; see `generators.registry.TrainGenerator`."""
+    check_texts(request.takes)
+    preset, ablation = SPEECH_PRESETS[request.config], request.choices.get("ablation", "")
+    mfcc = MFCC if ablation == "mfcc" else 0
+    config = replace(preset.network, mfcc=mfcc)
+    weights, origin = _encoder_weights(request.choices.get("encoder_weights"), config)
     frames, stride = (ROWS_PER_SECOND * seconds for seconds in (preset.seconds, preset.stride))
-    cut = cut_windows(prepared, frames, stride)
-    training = cut["training"]
-    fours = quadruples(training, most=MOST, seed=preset.training.seed)
-    if not len(fours):
-        raise InputError(
-            "no two speakers speak the same two texts in one emotion",
-            remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
-        )
-    learned = [training.take_of(row) for row in range(len(training))]
-    labels = {
-        part: tuple(sorted({getattr(take, of) for take in learned} - {""}))
-        for part, of in LABELS.items()
-    }
-    emotions, speakers = labels["emotion"], labels["style"]
+    features = (speech_filterbank(config.bands),)
+    windows = cut_windows(request, features, ROWS_PER_SECOND, frames, stride)
+    training = windows["training"]
+    fours = quadruples(training, most=MOST, seed=preset.training.seed, needed=True)
+    classes = Classes.of(training, LABELS.values())
+    emotions, speakers = classes.names.values()
     task = SpeechTask(
-        config=replace(
-            preset.network,
-            emotions=len(emotions),
-            styles=len(speakers),
-            mfcc=MFCC if ablation == "mfcc" else 0,
-        ),
-        weights=SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only"),
-        **cut,
+        config=replace(config, emotions=len(emotions), styles=len(speakers)),
+        weights=losses.without(losses.SPEECH_LOSSES, ablation),
         fours=fours,
-        labels=labels,
+        classes=classes,
         further={"emotions": list(emotions), "speakers": list(speakers), **origin},
-        device=request.device,
         encoder_weights=weights,
+        **windows,
     )
     if not len(task.measured):
         raise InputError(
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
-    config = preset.trained_on(task.examples, request.changes)
-    trained, facts = learn(request, task, config, ("transformers",))
-    network = SpeechNetwork(
-        model=trained.network,
-        latents=task.mean_latents(trained.network),
-        training={**facts, **origin},
+    schedule = preset.trained_on(task.examples, request.changes)
+    trained, facts = learn(request, task, schedule, ("transformers",))
+    network, latents = trained.network, task.mean_latents(trained.network)
+    write_speech(
+        request.out, SpeechNetwork(model=network, latents=latents, training={**facts, **origin})
     )
-    write_speech_network(request.out, network)
-    return TrainedGenerator(
-        sentences=(
-            f"Learned from {len(fours)} fours of {len(training)} windows, by {len(speakers)} "
-            f"speakers in {len(emotions)} emotions.",
-            _measured_said(task, trained.best.measured),
-            best_step_said(trained),
-        ),
-        skipped=prepared.skipped,
+    return outcome(
+        task,
+        trained,
+        f"Learned from {len(fours)} fours of {len(training)} windows, by {len(speakers)} "
+        f"speakers in {len(emotions)} emotions.",
+        _measured_said(task, trained.best.measured),
     )
 
 
 def _encoder_weights(
-    choices: Mapping[str, str], config: SpeechConfig
+    named: str | None, config: SpeechConfig
 ) -> tuple[Mapping[str, Tensor], Mapping[str, str]]:
     """Return what encoders set out from, and where it is from."""
-    if "encoder_weights" not in choices:
+    if named is None:
         return {}, {}
-    folder = Path(choices["encoder_weights"])
-    if choices.get("ablation") == "mfcc":
+    folder = Path(named)
+    if config.mfcc:
         raise InputError(
             "an auto-encoder of cepstral coefficients has no encoders that could take weights",
             where=folder,
             remedy="Leave out --encoder-weights, or --ablation mfcc",
         )
-    weights = read_ast_weights(folder, ast_config(config))
+    weights = read_ast_weights(folder, speech.ast_config(config))
     return weights, {"encoder_weights": f"{folder.name} (sha256 {content(folder / WEIGHTS)})"}
-
-
-def _check_texts(takes: TakeFolder) -> None:
-    """Raise where names of recordings tell no texts: in a corpus whose speakers have their own."""
-    for folder in takes.takes[0].speech.resolve().parents:
-        if (folder / DESCRIPTION).exists() and not read_request(folder).shared_passages:
-            raise InputError(
-                "each speaker of this corpus speaks texts of their own, and a speech model learns "
-                "from texts that several speak",
-                where=folder,
-                remedy="Make a corpus with 'motionjury corpus --shared-passages'",
-            )
 
 
 def _measured_said(task: SpeechTask, found: Mapping[str, float]) -> str:
     heard = f"{len(task.measured)} held-out windows"
     if task.config.mfcc:
         return f"It misses the coefficients of {heard} by {found['loss']:.3f}."
-    emotions, speakers = (f"(chance {1 / len(names):.0%})" for names in task.labels.values())
+    emotions, speakers = (f"(chance {1 / len(names):.0%})" for names in task.classes.names.values())
     said = (
         f"Of {heard} it tells the emotion of {found['emotion accuracy']:.0%} {emotions} and the "
         f"speaker of {found['style accuracy']:.0%} {speakers}; its filterbanks miss theirs by "
@@ -327,8 +251,8 @@ def _measured_said(task: SpeechTask, found: Mapping[str, float]) -> str:
             f"{said} Errors of cross-reconstruction are left out: no two speakers speak two "
             "held-out texts in one emotion. A split list (--split) can hold out such texts."
         )
-    names = {"xcon": "content", "xemo": "emotion", "xsty": "style"}
-    crossed = [f"{found[one]:.3f} with another's {of}" for one, of in names.items() if one in found]
+    swapped = {name: part for name, (part, _) in losses.CROSSED.items() if name in found}
+    crossed = [f"{found[name]:.3f} with another's {part}" for name, part in swapped.items()]
     return (
         f"{said} Those of {len(task.held_out_fours)} held-out fours miss theirs by "
         f"{found[SELF]:.3f}, and rebuilt from two recordings by {listed(crossed)}."

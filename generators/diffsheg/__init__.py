@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from generators.diffsheg.model import Denoiser as Denoiser
-    from generators.diffsheg.released import load_released as load_released
+    from generators.diffsheg.network_file import load_released as load_released
 
 __all__ = ["Denoiser", "load_released"]
 
@@ -18,7 +18,7 @@ def __getattr__(name: str) -> object:
 
         return Denoiser
     if name == "load_released":
-        from generators.diffsheg.released import load_released
+        from generators.diffsheg.network_file import load_released
 
         return load_released
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

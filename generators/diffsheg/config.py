@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
-from generators.trainable import Trainable, TrainingChoice
-from motion.errors import InputError
-from motion.listing import listed
-from training.config import Preset, TrainingConfig
+from motion.errors import InputError, listed
+from training.config import Preset, read_presets
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """What is told to what: see `DenoiserConfig.flow`."""
@@ -133,46 +132,6 @@ def _check(fits: bool, what: str, remedy: str) -> None:
         raise InputError(f"this is not a DiffSHEG network: {what}", remedy=remedy)
 
 
-BEAT: Final = DenoiserConfig(
-    gesture_width=141, expression_width=51, speakers=30, frames=34, frame_rate=15.0
-)
-"""47 joints as axis-angle and 51 ARKit weights, normalised."""
-
-SHOW: Final = DenoiserConfig(
-    gesture_width=129,
-    expression_width=103,
-    speakers=4,
-    frames=88,
-    frame_rate=30.0,
-    guidance=1.15,
-)
-"""43 joints as axis-angle; jaw and 100 SMPL-X expression coefficients, normalised."""
-
-TINY: Final = DenoiserConfig(
-    gesture_width=141,
-    expression_width=51,
-    speakers=30,
-    frames=34,
-    frame_rate=15.0,
-    width=64,
-    feed_forward=128,
-    heads=4,
-    layers=2,
-    speech_width=64,
-    dropout=0.0,
-    guidance=2.0,
-    loudness="logarithm",
-    skip=True,
-)
-"""BEAT's motion in a network that a CPU trains in minutes. It is narrower than the motion and
-learns from little speech, so it has a skip, hears logarithms and is driven by twice what the speech
-changes."""
-
-CONFIGS: Final[Mapping[str, DenoiserConfig]] = MappingProxyType(
-    {"beat": BEAT, "show": SHOW, "tiny": TINY}
-)
-
-
 STRIDE: Final = 10
 """Frames from one window to the next, as for BEAT in the release; of SHOW nothing is told."""
 
@@ -193,54 +152,11 @@ class TrainingPreset(Preset):
     losses: str
 
 
-_TINY_TRAINING: Final = TrainingConfig(
-    steps=3_500,
-    batch_size=32,
-    learning_rate=2e-3,
-    optimizer="adam",
-    gradient_clip=0.5,
-    ema_decay=0.995,
-    validate_every=100,
-    checkpoint_every=250,
-)
+PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), dict[str, TrainingPreset])
+"""By config, and by whose motion it tells."""
 
-
-def _full(batch_size: int) -> TrainingConfig:
-    return TrainingConfig(
-        steps=1,
-        batch_size=batch_size,
-        learning_rate=2e-4,
-        optimizer="adam",
-        gradient_clip=0.5,
-        validate_every=500,
-    )
-
-
-PRESETS: Final[Mapping[tuple[str, str], TrainingPreset]] = MappingProxyType(
-    {
-        ("beat", "beat"): TrainingPreset(
-            network=BEAT, losses="paper", training=_full(2_500), epochs=1_000
-        ),
-        ("show", "show"): TrainingPreset(
-            network=SHOW, losses="paper", training=_full(950), epochs=1_600
-        ),
-        ("tiny", "beat"): TrainingPreset(network=TINY, losses="steps", training=_TINY_TRAINING),
-        ("tiny", "show"): TrainingPreset(
-            network=replace(
-                TINY,
-                gesture_width=SHOW.gesture_width,
-                expression_width=SHOW.expression_width,
-                speakers=SHOW.speakers,
-                frames=SHOW.frames,
-                frame_rate=SHOW.frame_rate,
-            ),
-            losses="steps",
-            training=_TINY_TRAINING,
-        ),
-    }
-)
-"""By config and by whose motion it tells. Those of the released sizes are trained as the paper says
-(section 4.2): Adam with rate 2e-4, gradients clipped at .5, and its epochs and batches."""
+BEAT: Final = PRESETS["beat"]["beat"].network
+SHOW: Final = PRESETS["show"]["show"].network
 
 ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
@@ -261,46 +177,12 @@ def preset_of(config: str, dataset: str) -> TrainingPreset:
     InputError
         If the config is of the other data set.
     """
-    found = PRESETS.get((config, dataset))
+    found = PRESETS[config].get(dataset)
     if found is None:
-        fitting = [name for name, of in PRESETS if of == dataset]
+        fitting = [name for name, of in PRESETS.items() if dataset in of]
         raise InputError(
             f"the config {config} does not tell the motion of these recordings, which is told "
             f"as {dataset.upper()}'s",
             remedy=f"Use --config {' or '.join(fitting)}",
         )
     return found
-
-
-TRAINABLE: Final = Trainable(
-    summary="Train DiffSHEG on recordings of speech with face and body.",
-    explanation="""
-    Learns from the takes of the training split, and measures itself on those of the validation
-    split. BEAT's recordings are told as rotations of 47 joints with 51 facial weights; SMPL-X
-    recordings (BEAT2, SHOW) as rotations of 43 joints with jaw and 100 expressions.
-    """,
-    configs={
-        "tiny": "a small network, which a processor trains in minutes",
-        "beat": "the released size for BEAT",
-        "show": "the released size for SHOW",
-    },
-    home="generators.diffsheg.train:train_diffsheg",
-    choices=(
-        TrainingChoice(
-            name="preset",
-            help="How losses are weighed: as the paper says, as the released training did, or all "
-            "alike; by default even for tiny, and paper for the released sizes.",
-            values=("paper", "release", "steps"),
-        ),
-        TrainingChoice(
-            name="ablation",
-            help="Train a variant of the paper's Table 1 in place of DiffSHEG itself.",
-            values=tuple(ABLATIONS),
-        ),
-        TrainingChoice(
-            name="hubert",
-            help="HuBERT's weights; without, a stand-in hears, which tells sounds but no words.",
-        ),
-    ),
-    taken_by="motionjury generate --generator diffsheg --checkpoint {out}",
-)

@@ -15,8 +15,8 @@ from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
 from generators.diffsheg.settings import DiffShegSettings, Sampling
 from generators.interface import OnPart, SpeechSegment, seeded_stream
-from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
-from motion.body.forearm_twist import ForearmTwists
+from generators.learned import NetworkGenerator, check_finite, joined, network_facts
+from motion.body.skinning import ForearmTwists
 from motion.clip import MotionClip
 from motion.errors import InputError
 from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
@@ -28,7 +28,7 @@ from training.hearing.speech_frames import (
     hearing_of,
 )
 from training.spaces.beat import beat_clip, beat_piece
-from training.spaces.show import show_clip
+from training.spaces.smplx_bodies import show_clip
 
 RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
 """Frames that the windows of the released networks share."""

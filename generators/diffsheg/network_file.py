@@ -1,4 +1,8 @@
-"""A DiffSHEG network with all that its motion depends on, from our files or the authors'."""
+"""A DiffSHEG network with all that its motion depends on, from our files or the authors'.
+
+Their names for the weights are translated into ours one by one, as ``released_names.toml`` says,
+and every weight of the file must find its place.
+"""
 
 from __future__ import annotations
 
@@ -9,20 +13,134 @@ from typing import Any, Final
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
+from torch import Tensor
 
-from generators.diffsheg.config import DenoiserConfig
+from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
-from generators.diffsheg.released import DATASETS, load_released, read_normalisation
-from motion.errors import InputError
+from motion.errors import InputError, listed
+from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 from training.weights_file import NetworkKind, holds_facts
 
-_NETWORK: Final = NetworkKind(
-    name="diffsheg",
-    wanted="a DiffSHEG network",
-    remedy="Give a DiffSHEG checkpoint: one that was trained here, or the released one",
+DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
+
+_NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
+
+_STATISTICS: Final = (
+    "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
+    "json_std.npy, as released beside the checkpoint"
 )
+
+
+def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
+    """Return the released network, ready to be asked.
+
+    Parameters
+    ----------
+    path : path
+        What ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under the key
+        ``encoder``. Nothing but tensors is ever unpickled.
+    dataset : {'beat', 'show'}
+        What it was trained on.
+
+    Returns
+    -------
+    Denoiser
+        In evaluation mode, on the CPU.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a network: it names the weights that are
+        missing, unknown or of another shape.
+    """
+    if dataset not in DATASETS:
+        raise InputError(
+            f"DiffSHEG was not released for {dataset!r}", remedy=f"Use {listed(list(DATASETS))}"
+        )
+    file = Path(path)
+    weights = _NAMES.ours(read_weights(file))
+    with torch.device("meta"):
+        denoiser = Denoiser(DATASETS[dataset])
+    return fill(
+        denoiser,
+        weights,
+        file,
+        f"DiffSHEG's network for {dataset}",
+        "Name the dataset it was trained on, or give the released checkpoint",
+    )
+
+
+def read_weights(file: Path) -> dict[str, Tensor]:
+    """Return the tensors of a file by name, those under ``encoder`` where there is that key.
+
+    Raises
+    ------
+    InputError
+        If the file is not there, or holds anything but tensors.
+    """
+    found = read_saved(file)
+    if isinstance(found, Mapping) and isinstance(found.get("encoder"), Mapping):
+        found = found["encoder"]
+    if isinstance(found, Mapping) and all(str(name).startswith("encoder.") for name in found):
+        found = {name.removeprefix("encoder."): weight for name, weight in found.items()}
+    return tensors_in(found, file)
+
+
+def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
+    """Read mean and standard deviation as DiffSHEG's release holds them.
+
+    Parameters
+    ----------
+    folder : Path
+        ``axis_angle_mean.npy`` and ``axis_angle_std.npy`` of the body, ``json_mean.npy`` and
+        ``json_std.npy`` of the face, beside them or in ``facial52/``.
+    config : DenoiserConfig
+        How many values each has.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, cannot be read, or is of another size.
+    """
+    parts = (("axis_angle", config.gesture_width), ("json", config.expression_width))
+    mean, std = (
+        np.concatenate(
+            [_read_statistic(folder, f"{part}_{kind}.npy", width) for part, width in parts]
+        )
+        for kind in ("mean", "std")
+    )
+    if (std < 0).any():
+        raise InputError("a standard deviation is negative", where=folder, remedy=_STATISTICS)
+    return Normalisation(mean, std)
+
+
+def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
+    path = next(
+        (path for path in (folder / name, folder / "facial52" / name) if path.is_file()),
+        folder / name,
+    )
+    try:
+        values = np.load(path, allow_pickle=False)
+    except FileNotFoundError as error:
+        raise InputError("there is no such file", where=path, remedy=_STATISTICS) from error
+    except (OSError, EOFError, ValueError) as error:
+        raise InputError(
+            "the file cannot be read as a plain array", where=path, remedy=_STATISTICS
+        ) from error
+    if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
+        raise InputError(
+            f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "
+            "numbers are needed",
+            where=path,
+            remedy=_STATISTICS,
+        )
+    return np.asarray(values, dtype=np.float64)
+
+
+_NETWORK: Final = NetworkKind(name="diffsheg", wanted="a DiffSHEG network")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,8 +176,9 @@ def write_network(path: Path, network: MotionNetwork) -> None:
     normalisation = network.normalisation
     _NETWORK.write(
         path,
-        {"denoiser": network.denoiser},
+        network.denoiser,
         network.denoiser.config,
+        "denoiser",
         {
             "normalisation.mean": torch.from_numpy(normalisation.mean),
             "normalisation.std": torch.from_numpy(normalisation.std),
@@ -82,7 +201,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         What a released checkpoint was trained on.
     stats : Path or None
         Folder of its means and standard deviations; see
-        `generators.diffsheg.released.read_normalisation`.
+        `generators.diffsheg.network_file.read_normalisation`.
 
     Raises
     ------

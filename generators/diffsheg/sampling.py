@@ -23,9 +23,9 @@ from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.settings import CLEAN, Sampling
 from generators.interface import seeded_stream
 from motion.errors import InputError
+from training.device import side_by_side
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
-from training.threads import side_by_side
 
 Estimate = Callable[[Tensor, int], Tensor]
 """Says which noise is in a noisy window, (1, frames, width), at a place of the walk."""

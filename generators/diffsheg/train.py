@@ -18,12 +18,11 @@ from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, Traini
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.teaching import cut_windows, learn, learned_from, prepared_takes
-from generators.trainable import TrainedGenerator, TrainingRequest
+from generators.learned import Cut, cut_windows, learn, learned_from
+from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
-from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes
-from training.data.take import TakeFolder
+from training.data.take import Feature, TakeFolder
 from training.data.windows import Windows
 from training.diffusion import LINEAR
 from training.features import (
@@ -36,11 +35,11 @@ from training.features import (
     show_gesture,
 )
 from training.hearing.hubert import Hubert, load_hubert, stand_in
-from training.run.batch_order import evenly
+from training.run.batches import evenly
 from training.run.loop import Trained
+from training.run.task import WindowTask
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
-from training.window_task import WindowTask
 
 HELD_OUT: Final = 1024
 """So many windows tell how well held-out takes are known, each several times where there are
@@ -199,14 +198,16 @@ def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Featur
 
 
 def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
-    """Train DiffSHEG; see `generators.trainable.TrainGenerator`."""
+    """Train DiffSHEG; see `generators.registry.TrainGenerator`."""
     dataset = _dataset_of(request.takes)
     preset = _preset_of(request, dataset)
     folder = request.choices.get("hubert")
     hubert = stand_in() if folder is None else load_hubert(Path(folder))
     frame_rate = preset.network.frame_rate
-    prepared = prepared_takes(request, features_of(dataset, hubert, frame_rate), frame_rate)
-    task = _task(request, preset, prepared, hubert)
+    features = features_of(dataset, hubert, frame_rate)
+    windows = cut_windows(request, features, frame_rate, preset.network.frames, STRIDE)
+    prepared = windows["training"].prepared
+    task = _task(request, preset, windows, hubert)
     config = preset.trained_on(task.examples, request.changes)
     trained, facts = learn(request, task, config, ("transformers",))
     untrained = _untrained(task, config.seed)
@@ -230,7 +231,7 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
         training=facts,
     )
     write_network(request.out, network)
-    return _said(task, prepared, trained, untrained, hubert)
+    return _said(task, trained, untrained, hubert)
 
 
 def _dataset_of(takes: TakeFolder) -> str:
@@ -256,15 +257,15 @@ def _preset_of(request: TrainingRequest, dataset: str) -> TrainingPreset:
 
 
 def _task(
-    request: TrainingRequest, preset: TrainingPreset, prepared: PreparedTakes, hubert: Hubert
+    request: TrainingRequest, preset: TrainingPreset, windows: Cut, hubert: Hubert
 ) -> DiffShegTask:
+    prepared = windows["training"].prepared
     names = prepared.taught(request.takes.speakers)
     network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
     weights = LOSSES[preset.losses]
     return DiffShegTask(
         config=network,
         weights=weights,
-        **cut_windows(prepared, preset.network.frames, STRIDE),
         normalisation=normalisation_of(prepared),
         speakers=Speakers(names, network.speakers),
         further={
@@ -272,7 +273,7 @@ def _task(
             "speakers": list(names),
             "weights chosen by": f"{CHOSEN_BY} of {HELD_OUT} windows",
         },
-        device=request.device,
+        **windows,
     )
 
 
@@ -300,7 +301,6 @@ def _untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
 
 def _said(
     task: DiffShegTask,
-    prepared: PreparedTakes,
     trained: Trained[Any],
     untrained: Mapping[str, float],
     hubert: Hubert,
@@ -327,5 +327,5 @@ def _said(
             "speaks, and how, but no words."
         )
     return TrainedGenerator(
-        sentences=tuple(sentences), warnings=tuple(warnings), skipped=prepared.skipped
+        sentences=tuple(sentences), warnings=tuple(warnings), skipped=task.training.prepared.skipped
     )

@@ -24,8 +24,7 @@ from generators.rule_based.hand_pose import (
     PRONATION,
     finger_rotations,
 )
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 
 FloatArray = NDArray[np.float64]
 

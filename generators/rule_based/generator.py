@@ -6,17 +6,23 @@ from typing import Final
 
 import numpy as np
 
-from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.interface import (
+    OnPart,
+    SpeechSegment,
+    StudyClips,
+    provenance_of,
+    seeded_stream,
+    unheard,
+)
 from generators.rule_based.body_pose import pose_body
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.face_motion import move_face
 from generators.rule_based.gesture_plan import HANDS, plan_gestures
 from generators.rule_based.hand_tracks import hand_track
-from generators.rule_based.idling import idle
 from generators.rule_based.posture import on_accents, stand
-from generators.rule_based.resting import plan_rests
+from generators.rule_based.resting import idle, plan_rests
 from motion.clip import MotionClip
-from motion.speech.prosody import prosody
+from motion.prosody import prosody
 
 
 class RuleBased:
@@ -59,9 +65,7 @@ class RuleBased:
             frame_rate=frame_rate,
             arkit=arkit.astype(np.float32),
             provenance={
-                "generator": self.name,
-                "seed": str(seed),
-                "segment": speech.segment.name,
+                **provenance_of(self.name, seed, speech),
                 "emotion": speech.segment.emotion,
             },
         )

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from generators.rule_based.emotion_style import GestureManner
 from generators.rule_based.gesture_forms import FORMS, GestureForm
-from motion.speech.prosody import Prosody
+from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 

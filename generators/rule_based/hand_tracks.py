@@ -21,9 +21,8 @@ from generators.rule_based.hand_pose import (
     SPREAD,
     within_joint_range,
 )
-from generators.rule_based.idling import Idling
-from generators.rule_based.minimum_jerk import Movement, follow
-from generators.rule_based.resting import SETTLING, Rest
+from generators.rule_based.resting import SETTLING, Idling, Rest
+from generators.rule_based.time_courses import Movement, follow
 
 FloatArray = NDArray[np.float64]
 

@@ -12,9 +12,8 @@ from scipy.ndimage import gaussian_filter1d
 from generators.rule_based.body_pose import Trunk
 from generators.rule_based.emotion_style import EmotionStyle
 from generators.rule_based.hand_pose import PLACE
-from generators.rule_based.minimum_jerk import pulse
-from generators.rule_based.smooth_noise import smooth_noise
-from motion.speech.prosody import Prosody
+from generators.rule_based.time_courses import pulse, smooth_noise
+from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 

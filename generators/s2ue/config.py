@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
-from training.config import Decay, Preset, TrainingConfig
-from training.run.passes import Pass
+from training.config import Preset, read_presets
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,71 +164,5 @@ class S2uePreset(Preset):
     sizes: Mapping[str, Any]
 
 
-def _training(
-    *, generator: float, discriminator: float, phonemes: float, **others: Any
-) -> TrainingConfig:
-    """Return a training in three passes at these rates, with the decays of section 5.3."""
-    return TrainingConfig(
-        learning_rate=generator,
-        optimizer="adam",
-        betas=(0.5, 0.999),
-        passes=(
-            Pass(name="generator", parts=("generator",)),
-            Pass(name="discriminator", parts=("discriminator",), learning_rate=discriminator),
-            Pass(name="phonemes", parts=("phonemes",), learning_rate=phonemes),
-        ),
-        **others,
-    )
-
-
-PRESETS: Final[Mapping[str, S2uePreset]] = MappingProxyType(
-    {
-        "tiny": S2uePreset(
-            sizes={"node_width": 8, "reach": 5},
-            training=_training(
-                generator=1e-3, discriminator=2e-4, phonemes=1e-3, steps=600, batch_size=32
-            ),
-        ),
-        "full": S2uePreset(
-            sizes={"hidden": 256, "face_width": 32, "pose_width": 32},
-            training=_training(
-                generator=1e-4,
-                discriminator=5e-5,
-                phonemes=1e-3,
-                steps=1,
-                batch_size=256,
-                decay=Decay(factor=0.999),
-                validate_every=500,
-            ),
-            epochs=1_000,
-        ),
-    }
-)
-"""By config: small and fast; as section 5.3 trains, but that the phoneme predictor has the batches
-and the epochs of the others in place of 1024 and 500."""
-
-TRAINABLE: Final = Trainable(
-    summary="Train Speech2UnifiedExpressions on recordings of speech with face and upper body.",
-    explanation="""
-    Learns landmarks of the face and directions of the upper body's bones from any recordings with
-    a face in ARKit's terms: BEAT, or 'motionjury corpus'. Recordings of the body alone need
-    --ablation without_face. A transcript beside a recording, of its name and ending in .TextGrid,
-    .csv or .lab, tells what is said.
-    """,
-    configs={
-        "tiny": "a small network, which a processor trains in minutes",
-        "full": "trained as the paper says, for a graphics processor",
-    },
-    home="generators.s2ue.train:train_s2ue",
-    choices=(
-        TrainingChoice(
-            name="vectors",
-            help="FastText's vectors of words, .vec or .bin; without, a stand-in knows no meaning.",
-            file=True,
-        ),
-        TrainingChoice(
-            name="ablation", help="Train a variant of Table 1.", values=tuple(ABLATIONS)
-        ),
-    ),
-    taken_by="motionjury generate --generator s2ue --checkpoint {out}",
-)
+PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), S2uePreset)
+"""By config."""

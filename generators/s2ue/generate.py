@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.interface import OnPart, SpeechSegment, seeded_stream
-from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
+from generators.learned import NetworkGenerator, check_finite, joined, network_facts
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.settings import ANYBODY, S2ueSettings
@@ -23,8 +23,7 @@ from motion.formats.transcript import Word, find_transcript
 from training.hearing.speech_frames import at_speech_rate
 from training.hearing.speech_windows import HeardWindow, hear_windows
 from training.hearing.word_vectors import StandIn, WordVectors, same_vectors, word_rows, words_in
-from training.spaces.bone_tensors import with_units
-from training.spaces.bones_and_landmarks import values_clip
+from training.spaces.bones_and_landmarks import values_clip, with_units
 
 FADES: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""

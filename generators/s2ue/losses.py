@@ -8,7 +8,7 @@ from torch.nn import functional
 
 from generators.s2ue.config import LossWeights
 from generators.s2ue.model import Network
-from training.spaces.bone_tensors import joints_of, split_motion
+from training.spaces.bones_and_landmarks import joint_tensors_of, split_motion
 
 
 def phoneme_loss(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
@@ -30,7 +30,9 @@ def reconstruction_losses(
     for name in (told for together in network.config.modalities for told in together):
         motion = _distance(one[name], two[name], spread[name])
         steps = _distance(_steps(one[name]), _steps(two[name]), spread[name])
-        joints = (joints_of(one[name]), joints_of(two[name])) if name == "pose" else None
+        joints = (
+            (joint_tensors_of(one[name]), joint_tensors_of(two[name])) if name == "pose" else None
+        )
         parts["place"] = parts["place"] + (
             _distance(*joints, spread["joints"]) if joints else motion
         )
@@ -63,3 +65,13 @@ def _distance(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
 def _steps(values: Tensor) -> Tensor:
     """Return the differences of adjacent frames."""
     return values[:, 1:] - values[:, :-1]
+
+
+def generator_loss(synthesised: Tensor) -> Tensor:
+    """Return -log c of the logits of synthesised motion."""
+    return functional.softplus(-synthesised).mean()
+
+
+def discriminator_loss(recorded: Tensor, synthesised: Tensor) -> Tensor:
+    """Return, of logits, -log c of recorded, -log(1 - c) of synthesised motion."""
+    return functional.softplus(-recorded).mean() + functional.softplus(synthesised).mean()

@@ -9,20 +9,20 @@ from torch import Tensor, nn
 
 from generators.s2ue.config import NetworkConfig
 from motion.body.face_landmarks import FaceLandmarks
-from training.layers.graph_convolution import ComponentEncoder
-from training.layers.speaker_latent import SpeakerEncoder
-from training.layers.temporal_layers import Decoder, over_time
-from training.spaces.anatomy import (
+from training.layers.convolutions import (
     BODY_EDGES,
     BODY_PARTS,
+    ComponentEncoder,
+    Decoder,
     bone_graph,
     component_graph,
     components_of,
     face_graph,
     lips_of,
+    over_time,
 )
-from training.spaces.bone_tensors import points_of, split_motion
-from training.spaces.bones_and_landmarks import BONE_VALUES
+from training.spaces.bones_and_landmarks import BONE_VALUES, points_of, split_motion
+from training.speakers import SpeakerEncoder
 
 Motion = Mapping[str, Tensor]
 """``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), those that there are."""

@@ -48,8 +48,9 @@ def write_network(path: Path, network: S2ueNetwork) -> None:
     """Write a network to one safetensors file."""
     _NETWORK.write(
         path,
-        {"network": network.network},
+        network.network,
         network.network.config,
+        "network",
         speakers=list(network.speakers.names),
         vectors=network.vectors,
         training=dict(network.training),

@@ -12,25 +12,33 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from generators.learned import (
+    cut_windows,
+    learn,
+    learned_from,
+    outcome,
+)
+from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfig
-from generators.s2ue.losses import diversity_loss, phoneme_loss, reconstruction_losses
+from generators.s2ue.losses import (
+    discriminator_loss,
+    diversity_loss,
+    generator_loss,
+    phoneme_loss,
+    reconstruction_losses,
+)
 from generators.s2ue.model import Latents, Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
-from generators.teaching import best_step_said, cut_windows, learn, learned_from, prepared_takes
-from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
+from training.features import features_of
 from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
-from training.layers.adversarial import discriminator_loss, generator_loss
-from training.layers.speaker_latent import latent_loss
-from training.point_features import features_of
-from training.run.batch_order import evenly
+from training.run.batches import evenly
 from training.run.loop import Trained
-from training.spaces.bone_tensors import split_motion
-from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+from training.run.task import WindowTask
+from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of, split_motion
 from training.spaces.normalisation import mean_and_deviation, spread
-from training.speakers import Speakers
-from training.window_task import WindowTask
+from training.speakers import Speakers, latent_loss
 
 STRIDE: Final = 10
 """Frames from one window of a take to the next, as the TED Gesture data is cut."""
@@ -76,14 +84,10 @@ class S2ueTask(WindowTask):
             network.get_buffer(name).copy_(torch.from_numpy(values.astype(np.float32)))
         return network.to(self.device)
 
-    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return the generator's losses."""
-        return self.losses_of("generator", network, rows)
-
     def losses_of(
         self, name: str, network: Network, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of generator, discriminator or phoneme predictor."""
+        """Return the losses of discriminator, phoneme predictor or, by default, generator."""
         batch, counted = self._batch(self.training, rows), self.weights
         if name == "phonemes":
             return {"loss": self._phonemes(network, batch)}
@@ -164,7 +168,7 @@ class S2ueTask(WindowTask):
 
 
 def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
-    """Train Speech2UnifiedExpressions; see `generators.trainable.TrainGenerator`."""
+    """Train Speech2UnifiedExpressions; see `generators.registry.TrainGenerator`."""
     preset, kind = PRESETS[request.config], request.takes.kind
     changes = ABLATIONS.get(str(request.choices.get("ablation")), {})
     vectors = vectors_of(request.choices.get("vectors"))
@@ -172,16 +176,15 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     sizes = NetworkConfig(speakers=1, words=vectors.width, **preset.sizes)
     config, weights = _changed(sizes, changes), _changed(LossWeights(), changes)
     features = features_of(kind, face, vectors, config.frame_rate, faces=config.faces)
-    prepared = prepared_takes(request, features, config.frame_rate)
-    names = prepared.taught(request.takes.speakers)
+    windows = cut_windows(request, features, config.frame_rate, config.frames, STRIDE)
+    names = windows["training"].prepared.taught(request.takes.speakers)
     task = S2ueTask(
         config=replace(config, speakers=len(names)),
         weights=weights,
         face=face,
-        **cut_windows(prepared, config.frames, STRIDE),
         speakers=Speakers(names, len(names)),
         further={"speakers": list(names), "vectors": vectors.description},
-        device=request.device,
+        **windows,
     )
     training = preset.trained_on(task.examples, request.changes)
     used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
@@ -212,11 +215,10 @@ def _said(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -> Tr
         f"Of its takes {told} have a transcript.",
         f"In {len(task.held_out)} held-out windows its motion is off by "
         f"{trained.best.measured['reconstruction']:.3f} of how far motion spreads (equation 17).",
-        best_step_said(trained),
     )
     warnings = []
     if isinstance(vectors, StandIn):
         warnings.append(f"Words had a {vectors.description}; name FastText's with --vectors.")
     if not told:
         warnings.append("It learned from sound alone: no recording has a transcript beside it.")
-    return TrainedGenerator(sentences=sentences, warnings=tuple(warnings), skipped=prepared.skipped)
+    return outcome(task, trained, *sentences, warnings=warnings)

@@ -1,18 +1,31 @@
-"""What of a motion clip a body cannot show, said in sentences: nothing is dropped silently."""
+"""What of a clip's face and shape a body shows; what it does not show is said in sentences.
+
+SMPL-X's expression coefficients and ARKit's facial actions are different spaces. How one tells the
+other depends on whose faces were measured, so no matrix between them comes with the program;
+researchers bring theirs.
+"""
 
 from __future__ import annotations
 
+import zipfile
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from motion.clip import MotionClip
+from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, LARGEST_VALUE, MotionClip
+from motion.errors import InputError
 from motion.skeleton import FACE_JOINTS, joint_index
+
+FloatArray = NDArray[np.float32]
 
 _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
+
+_SHAPE: Final = (EXPRESSION_COUNT, ARKIT_COUNT)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,3 +91,98 @@ def _of_shape(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
         "the clip gives a body shape (betas), which this body does not take on (name a licensed "
         "SMPL-X model as video.body to show it)",
     )
+
+
+def read_expression_matrix(path: Path) -> FloatArray:
+    """Read the matrix from ``.npz`` (one array), ``.npy`` or ``.csv``.
+
+    Parameters
+    ----------
+    path : Path
+        The file; nothing in it is unpickled.
+
+    Returns
+    -------
+    ndarray, shape (100, 52), float32
+        One row for each expression coefficient, one column for each action in the order of
+        `motion.clip.ARKIT_NAMES`. A file may have rows and columns the other way round.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cannot be read, or is no such matrix of finite numbers.
+    """
+    if not path.is_file():
+        raise InputError(
+            "there is no such expression matrix", where=path, remedy="Check video.expression_matrix"
+        )
+    given = _numbers(path)
+    if given.dtype.kind not in "fiu" or given.shape not in (_SHAPE, _SHAPE[::-1]):
+        raise InputError(
+            f"the expression matrix has shape {given.shape} and type {given.dtype}",
+            where=path,
+            remedy="Give numbers for 100 SMPL-X coefficients by 52 ARKit actions",
+        )
+    if not (np.abs(given) <= LARGEST_VALUE).all():
+        raise InputError(
+            "the expression matrix holds a value that is not a usable number",
+            where=path,
+            remedy="Replace NaN, infinite and huge values",
+        )
+    matrix = given if given.shape == _SHAPE else given.T
+    return np.ascontiguousarray(matrix, np.float32)
+
+
+def arkit_of(expressions: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Return ARKit weights in [0, 1], shape (T, 52), for SMPL-X coefficients (T, 100)."""
+    return np.asarray(np.clip(expressions @ matrix, 0, 1), np.float32)
+
+
+def expressions_of(arkit: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Return SMPL-X coefficients, shape (T, 100), for ARKit weights (T, 52)."""
+    return np.asarray(arkit @ matrix.T, np.float32)
+
+
+def face_for(
+    clip: MotionClip, *, has_arkit_slots: bool, matrix: FloatArray | None
+) -> FloatArray | None:
+    """Return the clip's face in the terms of a body, or None where it tells nothing in them.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        What it holds in the body's own terms comes first.
+    has_arkit_slots : bool
+        Whether the body shows ARKit's actions, rather than SMPL-X's expressions.
+    matrix : ndarray, shape (100, 52), or None
+        Turns what the clip has into what the body shows.
+    """
+    own, other = (clip.arkit, clip.expressions)[:: 1 if has_arkit_slots else -1]
+    if own is not None or other is None or matrix is None:
+        return own
+    return arkit_of(other, matrix) if has_arkit_slots else expressions_of(other, matrix)
+
+
+def _numbers(path: Path) -> NDArray[np.generic]:
+    """Return the one array in the file."""
+    try:
+        if path.suffix.lower() == ".csv":
+            lines = path.read_text(encoding="utf-8-sig").splitlines()
+            return np.loadtxt(lines, delimiter=",", ndmin=2) if any(lines) else np.zeros((0, 0))
+        with path.open("rb") as file:
+            content = np.load(file, allow_pickle=False)
+            if isinstance(content, np.ndarray):
+                return content
+            if len(content.files) != 1:
+                raise InputError(
+                    f"the file holds {len(content.files)} arrays, not one",
+                    where=path,
+                    remedy="Save the expression matrix alone",
+                )
+            return np.asarray(content[content.files[0]])
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(
+            "the file cannot be read as an expression matrix",
+            where=path,
+            remedy="Save it with numpy.save or numpy.savez, or as a .csv of plain numbers",
+        ) from error

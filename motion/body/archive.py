@@ -1,4 +1,4 @@
-"""Opening the ``.npz`` file of a body: nothing in it is run, and damage is told as such."""
+"""The ``.npz`` file of a body, in which nothing is run, and the mean hands that it may hold."""
 
 from __future__ import annotations
 
@@ -6,12 +6,21 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.lib.npyio import NpzFile
+from numpy.typing import NDArray
 
+from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.skeleton import FINGERS, RELAXED_HANDS
+
+FloatArray = NDArray[np.float32]
+
+_MEAN_HANDS: Final = ("hands_meanl", "hands_meanr")
 
 
 @contextmanager
@@ -41,3 +50,36 @@ def body_archive(path: Path) -> Iterator[NpzFile]:
             where=path,
             remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
         ) from error
+
+
+def read_mean_hands(body: Path) -> FloatArray | None:
+    """Return the mean hands of an SMPL-X model file, shape (30, 3); None where it has none.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or cannot be read.
+    """
+    with body_archive(body) as archive:
+        if any(name not in archive for name in _MEAN_HANDS):
+            return None
+        both = np.concatenate([archive[name].reshape(-1) for name in _MEAN_HANDS])
+    if both.size != len(RELAXED_HANDS) * 3 or not both.any():
+        return None
+    return both.reshape(len(RELAXED_HANDS), 3).astype(np.float32)
+
+
+def added_to_mean_hands(clip: MotionClip, mean_hands: FloatArray) -> MotionClip:
+    """Return `clip`, whose fingers are told relative to mean hands, with absolute fingers.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        Its finger rotations are zero where the hands are the mean ones, as in a model that was
+        created with ``flat_hand_mean=False``.
+    mean_hands : ndarray, shape (30, 3)
+        Axis-angle in radians; added to the clip's as SMPL-X adds them.
+    """
+    poses = clip.poses.copy()
+    poses[:, FINGERS] += mean_hands
+    return replace(clip, poses=poses)

@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from motion.body.model import BodyModel
-from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, MotionClip
+from motion.clip import ARKIT_COUNT, ARKIT_NAMES, EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
-from motion.face import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
 
 FloatArray = NDArray[np.float32]
@@ -78,7 +77,7 @@ class FaceLandmarks:
     def of_default_body(cls) -> FaceLandmarks:
         """Return the landmarks of the default body.
 
-        Frozen from the body that `renderer.avatars` freezes (a test holds the two together), so
+        Frozen from the body that `renderer.look` freezes (a test holds the two together), so
         that networks need no mesh.
         """
         with np.load(Path(__file__).with_name("default_face.npz")) as file:

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from motion.body.abilities import BodyAbilities
+from motion.body.abilities import BodyAbilities, face_for, read_expression_matrix
 from motion.body.archive import body_archive
-from motion.body.expression_matrix import face_for, read_expression_matrix
 from motion.body.skinning import TwistJoints, skinning_matrices
-from motion.clip import EXPRESSION_COUNT, MotionClip
+from motion.clip import EXPRESSION_COUNT, MotionClip, arkit_index
 from motion.errors import InputError
-from motion.face import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
 
 FloatArray = NDArray[np.float32]
@@ -71,7 +69,7 @@ class BodyModel:
         Extra joints that keep the skin from being wrung; a licensed body has none.
     has_arkit_slots : bool
         Whether the expression directions are ARKit's facial actions, in the order of
-        `motion.face.ARKIT_NAMES`, rather than SMPL-X's expression components.
+        `motion.clip.ARKIT_NAMES`, rather than SMPL-X's expression components.
     expression_matrix : ndarray, shape (100, 52), or None
         Turns a clip's face into this body's terms where the clip has it only in the other ones:
         SMPL-X's expression coefficients (rows) into ARKit weights (columns), or these into those.
@@ -230,7 +228,7 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     path : Path
         The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
     expression_matrix : Path or None
-        A file that `motion.body.expression_matrix` reads.
+        A file that `motion.body.abilities` reads.
 
     Raises
     ------

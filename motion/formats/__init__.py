@@ -1,6 +1,161 @@
-"""Motion files: the study's own, and those that researchers bring."""
+"""Motion files: the study's own, and whatever a researcher brings."""
 
-from motion.formats.any_motion import read_motion
-from motion.formats.clip_npz import read_clip, write_clip
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.body.archive import added_to_mean_hands
+from motion.clearance import clear_of_body
+from motion.clip import MotionClip
+from motion.errors import InputError, found_at
+from motion.formats.bvh import read_bvh
+from motion.formats.bvh_motion import settle_first_frame
+from motion.formats.clip_npz import (
+    has_provenance,
+    read_clip,
+    tells_fingers_from_mean_hands,
+    write_clip,
+)
+from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
+from motion.formats.joint_positions import holds_joints, read_joints
+from motion.formats.retarget import retarget
+from motion.formats.smplx_rows import read_rows
+from motion.placement import place
+from motion.skeleton import FINGERS, RELAXED_HANDS
 
 __all__ = ["read_clip", "read_motion", "write_clip"]
+
+_UNMOVED: Final = 1e-6
+"""Radians that fingers turn at most where a file does not tell them."""
+
+
+def read_motion(
+    path: Path,
+    *,
+    frame_rate: float | None = None,
+    joint_map: JointMap | None = None,
+    mean_hands: NDArray[np.float32] | None = None,
+    as_recorded: bool = False,
+) -> MotionClip:
+    """Read a motion of any known format, by content, into the study's world.
+
+    Parameters
+    ----------
+    path : Path
+        BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL, SMPL+H, own), ``.npy`` of
+        TalkSHOW or Motion-X; joint positions as `motion.formats.joint_positions` reads them.
+    frame_rate : float, optional
+        Frames per second; overrides the file's own.
+    joint_map : mapping of str to str, optional
+        For a BVH or joint positions of an unknown skeleton: SMPL-X joint names to the file's.
+    mean_hands : ndarray, shape (30, 3), optional
+        SMPL-X's own mean hands, as `motion.body.archive.read_mean_hands` gives them, for BEAT2,
+        TalkSHOW and Motion-X, which tell fingers relative to them. Without, relaxed hands take
+        their place.
+    as_recorded : bool
+        Whether hands of a BVH or of joint positions stay where they come to lie inside the body,
+        rather than being moved out by `motion.clearance`.
+
+    Returns
+    -------
+    MotionClip
+        Standing on the floor at the origin, y up, facing +z; own files come as they are. Its
+        provenance holds ``source`` (the file's name), ``format``, and ``notes`` where there is
+        something a person should know.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, of no known format or not usable; the message names it.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            start = file.read(512)
+    except OSError as error:
+        raise InputError(
+            "the motion file cannot be read", where=path, remedy="Check the path"
+        ) from error
+    if holds_joints(path, start):
+        clip = read_joints(path, frame_rate=frame_rate, joint_map=joint_map)
+        clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
+        told = "rotations were found from joint positions; bones have our body's lengths"
+        return _placed(clip, path, "joint positions", (told, *moved))
+    if start.startswith(b"PK"):
+        clip = read_clip(path, frame_rate=frame_rate)
+        if has_provenance(path):
+            return clip
+        if not tells_fingers_from_mean_hands(path):
+            return _placed(clip, path, "npz")
+        clip, note = _with_absolute_fingers(clip, mean_hands)
+        return _placed(clip, path, "npz (BEAT2)", (note,))
+    if start.startswith(b"\x93NUMPY"):
+        clip = read_rows(path, frame_rate=frame_rate)
+        clip, note = _with_absolute_fingers(clip, mean_hands)
+        return _placed(clip, path, clip.provenance["format"], (note,))
+    if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
+        return _read_bvh_clip(path, frame_rate, joint_map, as_recorded)
+    raise InputError(
+        "the file is no motion of a known format",
+        where=path,
+        remedy="Give a .bvh, an SMPL-X .npz, a .npy file of TalkSHOW or Motion-X, or joint "
+        "positions with their names",
+    )
+
+
+def _read_bvh_clip(
+    path: Path, frame_rate: float | None, joint_map: JointMap | None, as_recorded: bool
+) -> MotionClip:
+    motion = settle_first_frame(read_bvh(path, frame_rate=frame_rate))
+    with found_at(path):
+        if joint_map is None:
+            skeleton, fitting = choose_joint_map(motion.joint_names)
+        else:
+            skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
+        clip = retarget(motion, fitting)
+    clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
+    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
+
+
+def _with_absolute_fingers(
+    clip: MotionClip, mean_hands: NDArray[np.float32] | None
+) -> tuple[MotionClip, str]:
+    """Return a clip whose fingers no longer depend on the mean hands, and a note about them."""
+    if mean_hands is not None:
+        note = "fingers were relative to SMPL-X's mean hands, which the licensed model gave"
+        return added_to_mean_hands(clip, mean_hands), note
+    note = (
+        "fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed "
+        "hands took their place (name the model as video.body and import again)"
+    )
+    return added_to_mean_hands(clip, RELAXED_HANDS), note
+
+
+def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
+    """Return a clip whose untold fingers are relaxed, not straight and spread, and a note."""
+    turned = np.abs(clip.poses[:, FINGERS]).max(axis=(0, 2)).reshape(-1, 3).max(axis=1)
+    untold = turned < _UNMOVED
+    if not untold.any():
+        return clip, ()
+    poses = clip.poses.copy()
+    joints = np.flatnonzero(np.repeat(untold, 3))
+    poses[:, FINGERS.start + joints] = RELAXED_HANDS[joints]
+    what = "no finger is" if untold.all() else f"{untold.sum()} of 10 fingers are not"
+    return replace(clip, poses=poses), (f"{what} told by the file; relaxed ones are shown",)
+
+
+def _placed(
+    clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
+) -> MotionClip:
+    """Return the clip in the study's world, with what happened on the way in its provenance."""
+    clip, fingers = _with_relaxed_fingers(clip)
+    notes = (*notes, *fingers)
+    clip, turns = place(clip)
+    clip = clip.with_provenance(source=path.name, format=format_name)
+    said = "; ".join((*notes, *turns))
+    return clip.with_provenance(notes=said) if said else clip

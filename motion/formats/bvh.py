@@ -1,21 +1,27 @@
-"""BVH motion capture files of any skeleton: parsing, and where it puts each joint."""
+"""Reading BVH motion capture files of any skeleton."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
-from motion.formats.bvh_hierarchy import BvhJoint, parse_hierarchy
+from motion.formats.bvh_motion import BvhJoint, BvhMotion
 
 FloatArray = NDArray[np.float64]
+
+_CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
+_END_SITE: Final = -1
+
+MOST_JOINTS: Final = 2000
+"""More than any body has with fingers, face and clothes; each costs time at every frame."""
 
 _ROUNDING: Final = 0.015
 """Share by which the rounding of a frame time may change the frame rate."""
@@ -46,94 +52,6 @@ class BvhFrameCountError(InputError):
         super().__init__(what, where=where, remedy="Give the true frames per second with --fps")
         self.rows = rows
         self.frame_rates = frame_rates
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BvhMotion:
-    """A parsed BVH file.
-
-    Attributes
-    ----------
-    joints : tuple of BvhJoint
-        Parents before children.
-    values : ndarray, shape (T, C)
-        One column a channel, in joint order: degrees and length units.
-    frame_rate : float
-        Frames per second.
-    calibration : ndarray, shape (C,), or None
-        Values of a T-pose that the file held as its first row and that is no part of the motion.
-    notes : tuple of str
-        What was unusual about the file.
-    """
-
-    joints: tuple[BvhJoint, ...]
-    values: FloatArray
-    frame_rate: float
-    calibration: FloatArray | None = None
-    notes: tuple[str, ...] = field(default=())
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """Names of the joints, parents before children."""
-        return tuple(joint.name for joint in self.joints)
-
-    @property
-    def rest_positions(self) -> FloatArray:
-        """Joint positions (J, 3) when nothing is turned, in the file's length unit."""
-        positions = np.zeros((len(self.joints), 3))
-        for index, joint in enumerate(self.joints):
-            if joint.parent >= 0:
-                positions[index] = positions[joint.parent] + joint.offset
-        return positions
-
-    def columns(self, index: int) -> slice:
-        """Return which columns of `values` belong to joint `index`."""
-        first = sum(len(joint.channels) for joint in self.joints[:index])
-        return slice(first, first + len(self.joints[index].channels))
-
-    def forward_kinematics(self) -> tuple[FloatArray, FloatArray]:
-        """Return where each joint is and how it is turned in the world.
-
-        Returns
-        -------
-        positions : ndarray, shape (T, J, 3)
-            In the file's length unit. Position channels take the place of the offset.
-        rotations : ndarray, shape (T, J, 3, 3)
-            World rotation matrices.
-        """
-        frames, count = len(self.values), len(self.joints)
-        positions = np.empty((frames, count, 3))
-        rotations = np.empty((frames, count, 3, 3))
-        for index, joint in enumerate(self.joints):
-            local, turn = self._local(index)
-            if joint.parent < 0:
-                positions[:, index], rotations[:, index] = local, turn
-                continue
-            above = rotations[:, joint.parent]
-            positions[:, index] = positions[:, joint.parent] + np.einsum("tij,tj->ti", above, local)
-            rotations[:, index] = above @ turn
-        return positions, rotations
-
-    def local_rotations(self) -> FloatArray:
-        """Return how each joint is turned relative to its parent, shape (T, J, 3, 3)."""
-        return np.stack([self._local(index)[1] for index in range(len(self.joints))], axis=1)
-
-    def _local(self, index: int) -> tuple[FloatArray, FloatArray]:
-        """Return the position (T, 3) and rotation (T, 3, 3) of a joint in its parent's frame."""
-        joint = self.joints[index]
-        values = self.values[:, self.columns(index)]
-        position = np.tile(np.array(joint.offset), (len(values), 1))
-        axes, angles = "", []
-        for column, channel in enumerate(joint.channels):
-            if channel.endswith("position"):
-                position[:, "XYZ".index(channel[0])] = values[:, column]
-            else:
-                axes += channel[0]
-                angles.append(values[:, column])
-        if not axes:
-            return position, np.tile(np.eye(3), (len(values), 1, 1))
-        turns = Rotation.from_euler(axes, np.stack(angles, axis=1), degrees=True)
-        return position, turns.as_matrix()
 
 
 def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
@@ -274,3 +192,109 @@ def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArr
                 remedy="Repair or remove the row",
             )
     return values
+
+
+def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint, ...]:
+    """Return the joints that the lines between HIERARCHY and MOTION describe.
+
+    Parameters
+    ----------
+    lines : list of (int, str)
+        Line numbers and their text, without blank lines.
+    path : Path
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        At the first line that does not fit, or where the skeleton ends early.
+    """
+    drafts: list[BvhJoint] = []
+    # Blocks that are open, and the one that the next brace opens: a joint's index, or _END_SITE.
+    blocks: list[int] = []
+    announced: int | None = None
+    for number, line in _statements(lines):
+        where = f"{path}, line {number}"
+        words = line.split()
+        keyword = words[0].upper()
+        inside = blocks[-1] if blocks else None
+        in_joint = inside is not None and inside != _END_SITE
+        fits = announced is None
+        if keyword == "{":
+            fits = announced is not None
+            if announced is not None:
+                blocks.append(announced)
+            announced = None
+        elif keyword in ("ROOT", "JOINT"):
+            fits &= len(words) > 1 and (in_joint if keyword == "JOINT" else not drafts)
+            if len(drafts) == MOST_JOINTS:
+                raise InputError(
+                    f"the skeleton has more than {MOST_JOINTS} joints",
+                    where=where,
+                    remedy="Export the joints of the body alone",
+                )
+            announced = len(drafts)
+            parent = -1 if inside is None else inside
+            drafts.append(
+                BvhJoint(name=" ".join(words[1:]), parent=parent, offset=(0, 0, 0), channels=())
+            )
+        elif keyword == "END":
+            fits &= in_joint
+            announced = _END_SITE
+        elif keyword == "}":
+            fits &= bool(blocks)
+            blocks = blocks[:-1]
+        elif keyword == "OFFSET" and inside is not None:
+            offset = _offset(words, where)
+            if in_joint:
+                drafts[inside] = replace(drafts[inside], offset=offset)
+        elif keyword == "CHANNELS" and inside is not None and in_joint:
+            drafts[inside] = replace(drafts[inside], channels=_channels(words, where))
+        else:
+            fits = False
+        if not fits:
+            raise InputError(
+                f"{line!r} does not fit here",
+                where=where,
+                remedy="Repair the line or export again",
+            )
+    names = [joint.name for joint in drafts]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if blocks or announced is not None or not drafts or twice:
+        what = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
+        raise InputError(what, where=path, remedy="Export the file again")
+    return tuple(drafts)
+
+
+def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    """Yield statements with their line numbers, braces on their own."""
+    for number, line in lines:
+        for part in re.split(r"([{}])", line):
+            if part.strip():
+                yield number, part.strip()
+
+
+def _offset(words: list[str], where: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(word) for word in words[1:])
+    except ValueError as error:
+        raise InputError(
+            f"{' '.join(words)!r} is not an offset of three numbers",
+            where=where,
+            remedy="Repair it",
+        ) from error
+    if not np.isfinite([x, y, z]).all():
+        raise InputError("the offset is not finite", where=where, remedy="Repair it")
+    return x, y, z
+
+
+def _channels(words: list[str], where: str) -> tuple[str, ...]:
+    names = tuple(word[:1].upper() + word[1:].lower() for word in words[2:])
+    unknown = [name for name in names if name not in _CHANNELS]
+    if words[1:2] != [str(len(names))] or unknown or len(set(names)) != len(names):
+        raise InputError(
+            f"{' '.join(words)!r} is not a list of channels",
+            where=where,
+            remedy="Give their number, then names such as Xposition or Zrotation",
+        )
+    return names

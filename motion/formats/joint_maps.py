@@ -16,13 +16,12 @@ from typing import Final
 from pydantic import TypeAdapter, ValidationError
 
 from motion.errors import InputError
-from motion.skeleton import JOINT_NAMES
+from motion.skeleton import FINGER_NAMES, JOINT_NAMES
 
 JointMap = Mapping[str, str]
 _OWN_MAP: Final = TypeAdapter(dict[str, str])
 
 _SIDES: Final = (("left", "Left", "l"), ("right", "Right", "r"))
-_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
 
 REQUIRED_JOINTS: Final = (
     "pelvis",
@@ -60,7 +59,7 @@ def _motion_builder(spine: Mapping[str, str]) -> JointMap:
     }
     fingers = {
         f"{finger}{number}": f"Hand{finger.title()}{number}"
-        for finger in _FINGERS
+        for finger in FINGER_NAMES
         for number in (1, 2, 3)
     }
     return MappingProxyType(
@@ -83,7 +82,7 @@ def _genea() -> JointMap:
         "hip": "upleg",
         "knee": "leg",
         "ankle": "foot",
-        **{f"{finger}{n}": f"{finger}{n}" for finger in _FINGERS for n in (1, 2, 3)},
+        **{f"{finger}{n}": f"{finger}{n}" for finger in FINGER_NAMES for n in (1, 2, 3)},
     }
     spine = {"spine1": "b_spine0", "spine2": "b_spine2", "spine3": "b_spine3"}
     ends = {"pelvis": "b_root", "neck": "b_neck0", "head": "b_head"}

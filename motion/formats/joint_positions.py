@@ -20,8 +20,13 @@ from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
 from motion.points.joint_rotations import rotations_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import BODY_JOINTS, JOINT_NAMES, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from motion.skeleton import (
+    BODY_JOINTS,
+    JOINT_NAMES,
+    LEFT_HAND_JOINTS,
+    REST_JOINTS,
+    RIGHT_HAND_JOINTS,
+)
 
 FloatArray = NDArray[np.float64]
 

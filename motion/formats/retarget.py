@@ -17,21 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion.body.forearm_twist import NO_TWISTS, ForearmTwists, share_forearm_twist
-from motion.body.skinning import twist_angles
+from motion.body.skinning import NO_TWISTS, ForearmTwists, share_forearm_twist, twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import BvhMotion
+from motion.formats.bvh_motion import BvhMotion
 from motion.formats.joint_maps import JointMap
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
+from motion.skeleton import FINGER_NAMES, JOINT_NAMES, PARENTS, REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
 Places = Mapping[str, FloatArray]
 
 _SIDES: Final = ("left", "right")
 _LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
-_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
 _TRUNK: Final = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
 _LEVEL: Final = 30.0
 """Degrees by which arms and trunk of a T-pose may be off."""
@@ -135,7 +132,7 @@ def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
         wrist = f"{side}_wrist"
         hand = _hand_turn(side, source, target) or corrections[wrist]
         corrections[wrist] = hand
-        for finger in _FINGERS:
+        for finger in FINGER_NAMES:
             chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
             last = _follow(chain, hand, source, target, corrections)
             if chain[-1] in source:

@@ -15,13 +15,12 @@ from motion.body.model import BodyModel
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.placement import place
+from motion.points.clip_from_points import facial_actions
 from motion.points.detection import Detection
-from motion.points.facial_actions import facial_actions
 from motion.points.joint_rotations import LEGS, rotations_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.points.turning import nearest_similarity
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import joint_index
+from motion.skeleton import REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
 

@@ -17,12 +17,18 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from motion.body.forearm_twist import share_forearm_twist
-from motion.body.skinning import twist_angles
+from motion.body.skinning import share_forearm_twist, twist_angles
 from motion.errors import InputError
-from motion.hands import FINGERS, RELAXED_HANDS
 from motion.points.turning import smallest_turns, turns_of_frames
-from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, joint_index
+from motion.skeleton import (
+    FINGER_NAMES,
+    FINGERS,
+    JOINT_COUNT,
+    JOINT_NAMES,
+    PARENTS,
+    RELAXED_HANDS,
+    joint_index,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -34,7 +40,6 @@ LEGS: Final = ("left_knee", "right_knee", "left_ankle", "right_ankle")
 
 _SIDES: Final = (("left", 1.0), ("right", -1.0))
 _SPINE: Final = ("pelvis", "spine1", "spine2", "spine3", "neck")
-_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
 _ACROSS: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
 
 _PELVIS_STAYS: Final = np.radians(45)
@@ -308,7 +313,7 @@ def _turn_hand(figure: _Figure, side: str) -> None:
             (figure.resting(wrist, middle), figure.resting(last, index)),
             (figure.told(wrist, middle), figure.told(last, index)),
         )
-    for finger in _FINGERS:
+    for finger in FINGER_NAMES:
         chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
         if figure.has(wrist, *chain):
             for (joint, end), above in zip(pairwise(chain), (wrist, chain[0]), strict=True):

@@ -15,8 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
 from motion.points.turning import front_views, smallest_turns, turns_of_frames
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_NAMES, joint_index
+from motion.skeleton import JOINT_NAMES, REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
 Points = Mapping[str, FloatArray]

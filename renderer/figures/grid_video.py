@@ -16,13 +16,13 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.clip_video import Stage
-from renderer.figures.lettering import FAINT_INK, INK, fitted, font, wrapped
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.figures.plate import FAINT_INK, INK, fitted, font, wrapped
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
-from renderer.frames import SUPERSAMPLING
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
-from renderer.video.encoder import SOUND_RATE, VideoWriter, video_frame
-from renderer.video.loudness import at_common_loudness
+from renderer.loudness import at_common_loudness
+from renderer.picture import SUPERSAMPLING
 
 MOST_PANELS: Final = 9
 SLOWEST: Final = 0.1
@@ -137,7 +137,7 @@ def write_grid(
     panels : sequence of Panel
         What is shown, all with the same number of frames.
     speech : Audio
-        What is heard at full speed, at `renderer.video.encoder.SOUND_RATE`.
+        What is heard at full speed, at `renderer.encoder.SOUND_RATE`.
     speed : float
         In (0, 1]; below 1 the video is silent, with a silent sound track so that it can be joined
         to others, and says how fast it is.

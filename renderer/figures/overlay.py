@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageColor
 
 from motion.errors import InputError
-from renderer.figures.cut_out import CutOut
-from renderer.figures.lettering import fitted, font
-from renderer.figures.plate import LETTERS, Plate, pixels
+from renderer.figures.panels import CutOut
+from renderer.figures.plate import LETTERS, Plate, fitted, font, pixels
 from renderer.look import BACKGROUND
 
 VARIATION_COLOURS: Final = (

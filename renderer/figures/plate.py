@@ -1,20 +1,26 @@
-"""A page as it is printed: pictures with text around them, as PNG and PDF."""
+"""A page as it is printed: pictures with text around them, as PNG and PDF.
+
+Text in pictures has the font that comes with matplotlib: no system font is needed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from PIL import Image
+from PIL import Image, ImageFont
 
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.figures.lettering import INK
+
+INK: Final = "#222226"
+FAINT_INK: Final = "#6a6a72"
 
 DOTS_PER_INCH: Final = 300
 """Resolution that journals ask for."""
@@ -30,6 +36,45 @@ _NO_DATES: Final = {
     ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     ".png": {"Software": None},
 }
+
+
+@cache
+def font(size: float, *, bold: bool = False) -> ImageFont.FreeTypeFont:
+    """Return DejaVu Sans of `size` pixels; it covers Latin, Greek, Cyrillic and more."""
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(Path(mpl.get_data_path()) / "fonts" / "ttf" / name, size)
+
+
+def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
+    """Return `text` in one line, cut with an ellipsis where it is wider than `width` pixels."""
+    text = _printable(text)
+    if letters.getlength(text) <= width:
+        return text
+    while text and letters.getlength(text + "…") > width:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
+def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int) -> list[str]:
+    """Return `text` broken into at most `lines` lines of at most `width` pixels.
+
+    Words are kept whole where they fit; what does not fit ends with an ellipsis.
+    """
+    words = _printable(text).split()
+    done: list[str] = []
+    while words and len(done) < lines - 1:
+        line = words.pop(0)
+        while words and letters.getlength(f"{line} {words[0]}") <= width:
+            line += f" {words.pop(0)}"
+        done.append(fitted(line, letters, width))
+    if words:
+        done.append(fitted(" ".join(words), letters, width))
+    return done
+
+
+def _printable(text: str) -> str:
+    """Return `text` in one line without signs that no font can draw."""
+    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics
-from renderer.figures.lettering import INK, font
+from renderer.figures.plate import INK, font
 from renderer.framing import Camera, project
 
 SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}

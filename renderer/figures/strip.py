@@ -1,19 +1,37 @@
-"""A strip: rows of conditions, columns of key words, over the speech's time axis."""
+"""A strip: rows of conditions, columns of moments and their words, over the speech's time axis."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 from PIL import Image
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import find_peaks
 
 from motion.audio import Audio
-from renderer.figures.lettering import FAINT_INK, INK, fitted, font
-from renderer.figures.moments import Moment
-from renderer.figures.plate import DOTS_PER_INCH, LETTERS, Plate, pixels
+from motion.errors import InputError
+from renderer.figures.plate import (
+    DOTS_PER_INCH,
+    FAINT_INK,
+    INK,
+    LETTERS,
+    Plate,
+    fitted,
+    font,
+    pixels,
+)
 from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
+
+MOST_MOMENTS: Final = 16
+"""As many as are told apart in one figure."""
+
+_STEP: Final = 0.01
+_SYLLABLE: Final = 0.06
+"""Seconds over which loudness is averaged, about half a syllable."""
 
 _SMALLEST_LETTERS: Final = 4.5
 _SHRUNK_TO: Final = 0.93  # share of a panel's side that text may fill
@@ -23,6 +41,67 @@ _LINE: Final = 1.5  # height of a line of text, in letters
 _WAVE_HEIGHT: Final = 0.34  # inches
 _FAN_HEIGHT: Final = 0.16  # inches between the panels and the wave
 _WAVE_COLUMNS: Final = 600
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moment:
+    """One moment of a segment.
+
+    Attributes
+    ----------
+    seconds : float
+        From the segment's start.
+    word : str
+        The key word spoken there; empty where none was given.
+    """
+
+    seconds: float
+    word: str = ""
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read ``2.4``, or ``word=2.4`` with the key word spoken there."""
+        word, _, number = text.rpartition("=")
+        try:
+            return cls(seconds=float(number), word=word.strip())
+        except ValueError:
+            raise InputError(
+                f"{text!r} is not a moment", remedy="Give seconds such as 2.4, or 'word=2.4'"
+            ) from None
+
+    @property
+    def label(self) -> str:
+        """The key word, or the time where there is none."""
+        return self.word or f"{self.seconds:.1f} s"
+
+
+def even_moments(duration: float, count: int) -> tuple[Moment, ...]:
+    """Return `count` moments spread evenly over `duration` seconds, away from both ends."""
+    return tuple(
+        Moment(seconds=round(duration * (place + 0.5) / count, 3)) for place in range(count)
+    )
+
+
+def loud_moments(speech: Audio, count: int) -> tuple[Moment, ...]:
+    """Return the loudest syllable in each of `count` equal parts of `speech`, in order.
+
+    Gestures fall on stressed syllables, and those are loud; one for each part keeps the whole
+    speech in view. They lie at least half a part from each other, so that no syllable is shown
+    twice; a part without one gives its middle.
+    """
+    step = max(1, round(_STEP * speech.sample_rate))
+    whole = len(speech.samples) // step * step
+    if whole < count * step:
+        return even_moments(speech.duration, count)
+    energy = np.square(speech.samples[:whole], dtype=np.float64).reshape(-1, step).mean(axis=1)
+    loudness = gaussian_filter1d(energy, _SYLLABLE / _STEP)
+    syllables, _ = find_peaks(loudness, distance=math.ceil(len(loudness) / count / 2))
+    moments = []
+    for part in np.array_split(np.arange(len(loudness)), count):
+        within = syllables[(syllables >= part[0]) & (syllables <= part[-1])]
+        loudest = within[np.argmax(loudness[within])] if len(within) else part[len(part) // 2]
+        moments.append(Moment(seconds=round(float(loudest) * _STEP, 3)))
+    return tuple(moments)
 
 
 @dataclass(frozen=True, kw_only=True)

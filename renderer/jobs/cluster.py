@@ -9,14 +9,18 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 from uuid import uuid4
 
 from motion.errors import InputError
-from renderer.jobs.job import Job, Outcome
-from renderer.version import RENDERER_VERSION
+from renderer.jobs.job import Job, Outcome, Stages, do_job
+from renderer.look import RENDERER_VERSION
+
+if TYPE_CHECKING:
+    from distributed import Worker
 
 START_COMMAND: Final = (
     "LP_NUM_THREADS=0 MALLOC_TRIM_THRESHOLD_=268435456 MALLOC_MMAP_THRESHOLD_=33554432 "
@@ -84,8 +88,6 @@ class ClusterWorkers:
         self._submit(number, job, priority=-number)
 
     def _submit(self, number: int, job: Job, priority: float) -> None:
-        from renderer.jobs.cluster_worker import do_cluster_job
-
         future = self._client.submit(
             do_cluster_job,
             job,
@@ -123,8 +125,6 @@ class ClusterWorkers:
             return [(number, _outcome(future, job))]
 
     def _check_workers(self) -> None:
-        from renderer.jobs.cluster_worker import why_unfit
-
         try:
             self._client.wait_for_workers(1, timeout=_FOR_A_WORKER)
         except TimeoutError:
@@ -217,3 +217,53 @@ def _problem(future: Any) -> BaseException | None:
     """Return what a job raised; None where it did not, or was lost or cancelled."""
     problem: BaseException | None = future.exception() if future.status == "error" else None
     return problem
+
+
+def why_unfit(
+    version: str, python: tuple[int, int], needed: Sequence[Path], dask_worker: Worker
+) -> str | None:
+    """Return why this worker cannot render for the one who asks; None where it can.
+
+    Parameters
+    ----------
+    version : str
+        `RENDERER_VERSION` of the one who asks.
+    python : tuple of int
+        Major and minor version of their Python.
+    needed : sequence of Path
+        Files and folders that must be reachable from here.
+    dask_worker : Worker
+        This worker; ``Client.run`` gives it to the parameter of this name.
+    """
+    if (version, python) != (RENDERER_VERSION, sys.version_info[:2]):
+        return (
+            f"it has another version (renderer {RENDERER_VERSION}, Python "
+            f"{sys.version_info.major}.{sys.version_info.minor}; here {version}, "
+            f"{python[0]}.{python[1]})"
+        )
+    threads = dask_worker.state.nthreads
+    if threads != 1:
+        return f"it does {threads} jobs at once in one process, which OpenGL does not allow"
+    for path in needed:
+        if not path.exists():
+            return f"it does not see {path}"
+    return None
+
+
+def do_cluster_job(
+    job: Job, version: str, python: tuple[int, int], needed: Sequence[Path]
+) -> Outcome:
+    """Do `job` if this worker, which may have joined late, is fit for it."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    unfit = why_unfit(version, python, needed, worker)
+    if unfit is not None:
+        return Outcome(name=job.name, error=f"worker {worker.address} was left: {unfit}")
+    return do_job(job, _stages())
+
+
+@cache
+def _stages() -> Stages:
+    """Return this process's one stage; it ends with the process."""
+    return Stages()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -11,7 +13,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Final, Self
 
-from renderer.jobs.job import Job, Outcome
+from renderer.jobs.job import Job, Outcome, Stages, do_job
 
 ONE_THREAD: Final = {
     "LP_NUM_THREADS": "0",  # llvmpipe draws in the calling thread
@@ -137,9 +139,6 @@ class LocalWorkers:
 
 def _start_worker() -> _Worker:
     """Start a process that waits for jobs."""
-    # Imported by the new process alone, after its environment is set.
-    from renderer.jobs.worker import work
-
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     process = context.Process(target=work, args=(there,), daemon=True)
@@ -162,3 +161,26 @@ def _environment(changes: dict[str, str]) -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def work(pipe: Connection) -> None:
+    """Do the jobs that come through `pipe`, one after the other, until it is closed."""
+    # Ctrl-C reaches all processes of a terminal; the parent decides, and ends this one by
+    # SIGTERM, which must unwind the stack so that temporary files are removed.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _leave)
+    with Stages() as stages:
+        while True:
+            try:
+                job = pipe.recv()
+            except (EOFError, ConnectionError):
+                return
+            try:
+                pipe.send(do_job(job, stages))
+            except ConnectionError:  # nobody waits for it any more
+                return
+
+
+def _leave(number: int, frame: object) -> None:
+    """End the process by unwinding its stack."""
+    sys.exit(128 + number)

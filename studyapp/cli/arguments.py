@@ -96,8 +96,11 @@ def _default_processes() -> int:
     return min(os.cpu_count() or 1, _MOST_PROCESSES)
 
 
-study_folder = click.argument("folder", type=_StudyFolderType())
-"""The study folder; it must exist."""
+study_folder = click.argument("folder", type=_StudyFolderType(), default=".")
+"""The study folder; it must exist. The one in which the command is run where none is named."""
+
+named_study_folder = click.argument("folder", type=_StudyFolderType())
+"""The study folder of commands whose next argument could be taken for it."""
 
 optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
     "folder", required=False, type=_StudyFolderType()

@@ -9,15 +9,14 @@ from typing import Final
 import click
 
 from motion.audio import read_audio
-from motion.segment import Segment
-from motion.segments_table import write_segments
-from motion.speech.synthesis import speak
+from motion.segment import Segment, write_segments
+from motion.synthesis import speak
 from studyapp.cli import check_command, rehearse_command, report_command
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.material import generate_command, render_command
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
+from studyapp.study.study_file import new_study
 
 SENTENCES: Final = MappingProxyType(
     {

@@ -10,8 +10,8 @@ import click
 from motion.errors import InputError
 from studyapp.cli.arguments import refuse_beside, study_folder
 from studyapp.researchers.audit import reason_given
+from studyapp.results.export.columns import Format
 from studyapp.results.export.sharing import Shared, share
-from studyapp.results.export.typed import Format
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
 

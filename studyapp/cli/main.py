@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from difflib import get_close_matches
 from importlib import import_module, metadata
 from typing import Any, Final
 
@@ -15,27 +16,34 @@ _COMMANDS: Final = {
     "check": ("check", "Say everything that can go wrong before launch."),
     "corpus": ("material.corpus", "Make speech and motion with known truth, to train and test on."),
     "demo": ("demo", "Run the whole line on synthetic speech, from nothing to a report."),
-    "deploy": ("deploy", "Write the files with which a server serves the study to the world."),
+    "deploy": (
+        "serve:deploy",
+        "Write the files with which a server serves the study to the world.",
+    ),
     "exclude": ("exclude", "Leave a participant out of the analysis, or take one in again."),
     "export": ("export", "Write the answers as tables, or as a folder for another lab."),
     "figure": ("material.figure", "Make figures and videos for the paper."),
-    "forget": ("forget", "Erase a participant."),
+    "forget": ("exclude:forget", "Erase a participant."),
     "generate": ("material.generate", "Make the motion of every generated condition."),
     "import": ("material.import", "Bring speech, recordings and others' motion into a study."),
     "init": ("creation.init", "Make a study folder with a commented study.toml."),
     "metrics": ("metrics", "Compute automatic metrics of a study, or of folders of motion files."),
     "plan": ("plan", "Say how many participants and segments a study needs."),
-    "preview": ("material.preview", "Look at any motion file: a video and a sheet of frames."),
+    "preview": (
+        "material.render:preview",
+        "Look at any motion file: a video and a sheet of frames.",
+    ),
     "publish-media": ("publish_media", "Bring the videos into an S3-compatible store."),
-    "recruit": ("recruitment.recruit", "Bring participants to the study, and pay them."),
+    "recruit": ("recruit", "Bring participants to the study, and pay them."),
     "rehearse": ("rehearse", "Let simulated participants take the study over real HTTP."),
     "render": ("material.render", "Render clips and side-by-side pairs."),
     "report": ("report", "Write the report."),
     "researchers": ("researchers", "Say who may see the study's pages, and let people in."),
-    "restore": ("restore", "Bring a study back from a backup."),
+    "restore": ("backup:restore", "Bring a study back from a backup."),
     "serve": ("serve", "Serve the study to participants."),
     "train": ("material.train", "Train networks on your own recordings."),
 }
+"""What each does, and its module; ``module:NAME`` is `NAME_command` there, others are `command`."""
 
 _MOTION_PACKAGES: Final = {
     "OpenGL",
@@ -57,9 +65,18 @@ class _LazyCommands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"studyapp.cli.{_COMMANDS[cmd_name][0]}_command")
-        command: click.Command = module.command
+        home, _, other = _COMMANDS[cmd_name][0].partition(":")
+        module = import_module(f"studyapp.cli.{home}_command")
+        command: click.Command = getattr(module, f"{other}_command" if other else "command")
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        near = get_close_matches(args[0], _COMMANDS, n=1)
+        if near and args[0] not in _COMMANDS:
+            ctx.fail(f"No such command {args[0]!r}. Did you mean {near[0]!r}?")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

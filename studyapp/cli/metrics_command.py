@@ -17,8 +17,7 @@ from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.printing import echo_skipped, echo_table
-from studyapp.cli.progress import progress
+from studyapp.cli.output import echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.study.folder import StudyFolder
 

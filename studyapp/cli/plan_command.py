@@ -10,7 +10,7 @@ import click
 
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder, processes, refuse_beside
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 
 PROTOCOLS: Final = ("pairwise", "rating", "ranking", "mismatch")

@@ -7,17 +7,17 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import public_address, study_folder
-from studyapp.cli.progress import progress
+from studyapp.cli.arguments import named_study_folder, public_address
+from studyapp.cli.output import progress
 from studyapp.stimuli.publishing import let_in, publish, remove
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store.record import Place
+from studyapp.web.media_store import Place
 
 _SCHEME = "s3"
 
 
 @click.command("publish-media")
-@study_folder
+@named_study_folder
 @click.argument("bucket", required=False, metavar="[s3://BUCKET/FOLDER]")
 @click.option(
     "--endpoint",

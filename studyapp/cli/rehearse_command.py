@@ -10,13 +10,13 @@ from pydantic import ValidationError
 
 from motion.errors import InputError
 from studyapp.cli.arguments import study_folder
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 from studyapp.rehearsal.run import SPEED, WORKERS, RehearsalResult, rehearse
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.rehearsal import EVERY_QUESTION, SHARES, Rehearsal
+from studyapp.study.settings.sections import explain
 from studyapp.study.settings.study import Study
-from studyapp.study.settings.validation import explain
 
 SHARE_REMEDY = f"Write KIND=SHARE, with one of {', '.join(SHARES)} and a number from 0 to 1"
 STRENGTH_REMEDY = "Write CONDITION=LOGITS, or CONDITION:QUESTION=LOGITS for one question"
@@ -86,9 +86,9 @@ def command(
     of it stays apart from real answers, in rehearsal.db and the folder rehearsal.
     """
     # The analysis takes a second to load, and nobody needs it for --help or a refusal.
-    from studyapp.rehearsal.recovery.page import write_recovery
-    from studyapp.rehearsal.recovery.recovery import recover
-    from studyapp.rehearsal.recovery.words import recovery_lines
+    from studyapp.rehearsal.recovered import recover
+    from studyapp.rehearsal.recovery_page import write_recovery
+    from studyapp.rehearsal.recovery_words import recovery_lines
 
     people = default_population(with_others(folder.study(), shares, strengths))
     with progress("rehearse", "participant") as show:

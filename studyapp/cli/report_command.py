@@ -1,21 +1,24 @@
-"""`motionjury report`."""
+"""`motionjury report`, and an exclusion rule written in one word."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import click
+from pydantic import TypeAdapter, ValidationError
 
-from analysis.answers.columns import LAYOUTS
+from analysis.answers.table import LAYOUTS
 from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder, refuse_beside
 from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
-from studyapp.study.creation.written_exclusion import read_exclusion
 from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.exclusions import SECTIONS, Exclusion, ExclusionSection
+from studyapp.study.settings.sections import explain
 
 
 @click.command("report")
@@ -159,3 +162,79 @@ def _incomplete(missing: Sequence[str]) -> InputError:
         else f"{', '.join(missing)} is missing for the report of a table",
         remedy="Give a study folder, or a table with --responses FILE --protocol NAME --out DIR",
     )
+
+
+_ADAPTER: Final[TypeAdapter[ExclusionSection]] = TypeAdapter(Exclusion)
+
+_RULE: Final = re.compile(r"\s*(?P<name>[A-Za-z_-]+)\s*(?:(?P<sign>[<>]=?)\s*(?P<number>\S+))?\s*")
+
+_SETTING: Final = re.compile(r"\s*(?P<key>[a-z_]+)\s*=\s*(?P<number>\S+)\s*")
+
+
+def read_exclusion(text: str, *, where: object) -> ExclusionSection:
+    """Return the rule that is written in one word.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``coverage<0.9``, or with further settings ``time<3,share=0.25``; what
+        `ExclusionSection.written` returns.
+    where : object
+        What an error names.
+
+    Raises
+    ------
+    InputError
+        If there is no such rule, or it is not written like that.
+    """
+    word, *settings = text.split(",")
+    head = _RULE.fullmatch(word)
+    name = "" if head is None else head["name"].replace("-", "_")
+    section = next((one for one in SECTIONS if _name(one) == name), None)
+    if head is None or section is None:
+        raise InputError(
+            f"{text!r} is not an exclusion rule",
+            where=where,
+            remedy=f"Write one of {', '.join(map(_example, SECTIONS))}",
+        )
+    if head["sign"] != (section.limit[0] if section.limit else None):
+        raise InputError(
+            f"{text!r} is not how the rule {name!r} is written",
+            where=where,
+            remedy=f"Write {_example(section)}",
+        )
+    found: dict[str, object] = {"rule": name}
+    if section.limit:
+        found[section.limit[1]] = _number(head["number"])
+    for setting in settings:
+        parts = _SETTING.fullmatch(setting)
+        if parts is None:
+            raise InputError(
+                f"{setting.strip()!r} in {text!r} is not KEY=NUMBER",
+                where=where,
+                remedy="Write further settings behind commas, such as time<3,share=0.25",
+            )
+        found[parts["key"]] = _number(parts["number"])
+    try:
+        return _ADAPTER.validate_python(found)
+    except ValidationError as error:
+        wrong = explain(error).replace(f"{name}.", "")
+        raise InputError(f"{text!r}: {wrong}", where=where, remedy="Correct the rule") from None
+
+
+def _name(section: type[ExclusionSection]) -> str:
+    return str(section.model_fields["rule"].default)
+
+
+def _example(section: type[ExclusionSection]) -> str:
+    return _name(section) + (f"{section.limit[0]}NUMBER" if section.limit else "")
+
+
+def _number(text: str) -> object:
+    """Return a number as TOML would read it, else the text, which the rule's key refuses."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

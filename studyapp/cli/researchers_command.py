@@ -10,9 +10,9 @@ import click
 from studyapp.cli.arguments import public_address, study_folder
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.researchers import links, second_factor
-from studyapp.researchers.account import ROLES, Account, Role
-from studyapp.researchers.membership import accounts
+from studyapp.researchers import credentials as second_factor
+from studyapp.researchers import links
+from studyapp.researchers.account import ROLES, Account, Role, accounts
 from studyapp.study.folder import StudyFolder
 
 

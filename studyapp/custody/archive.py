@@ -20,8 +20,8 @@ from typing import IO, Final, cast
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.custody.manifest import NAME, Manifest, StoredFile
-from studyapp.study.settings.validation import explain
+from studyapp.custody.manifest import NAME, Manifest, OnFile, StoredFile
+from studyapp.study.settings.sections import explain
 
 ENDINGS: Final = (".tar", ".tar.gz", ".tgz")
 BLOCK: Final = 1 << 20
@@ -31,9 +31,6 @@ LARGEST_DIGEST: Final = 1 << 10
 _GZIP: Final = b"\x1f\x8b"
 
 REMEDY: Final = "Take another backup; this one is damaged, or was changed, or is none"
-
-OnFile = Callable[[int, int], None]
-"""Is told how many files are done, of how many."""
 
 
 def is_compressed(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""Backing up a study into one file, while it may be served."""
+"""Backing up a study into one file, while it may be served; and checking a backup."""
 
 from __future__ import annotations
 
@@ -6,20 +6,32 @@ import hashlib
 import os
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError
+from motion.errors import InputError, listed
 from studyapp.clock import Clock
-from studyapp.custody.archive import ENDINGS, OnFile, is_compressed, read_manifest, write_archive
-from studyapp.custody.manifest import DATABASE, Manifest
-from studyapp.custody.study_files import found_file, media_files, small_files
-from studyapp.custody.verification import check_archive
-from studyapp.database.copies import rows_of_copy, schema_of_copy, write_copy
+from studyapp.custody.archive import (
+    ENDINGS,
+    REMEDY,
+    is_compressed,
+    read_archive,
+    read_manifest,
+    write_archive,
+)
+from studyapp.custody.manifest import (
+    DATABASE,
+    Manifest,
+    OnFile,
+    found_file,
+    media_files,
+    small_files,
+)
+from studyapp.database.copies import flaws_of_copy, rows_of_copy, schema_of_copy, write_copy
 from studyapp.database.engine import database_url_of, shown_address
 from studyapp.study.folder import StudyFolder
 
@@ -244,3 +256,37 @@ def _recorded_origin(path: Path) -> str | None:
         return read_manifest(path).origin
     except InputError:
         return None
+
+
+def check_archive(archive: Path, on_file: OnFile) -> Manifest:
+    """Check all of a backup: its files, its database, and how many rows that has.
+
+    Raises
+    ------
+    InputError
+        If anything is not as it was backed up.
+    """
+    with tempfile.TemporaryDirectory(prefix="motionjury-") as name:
+        copy = Path(name) / DATABASE
+        manifest = read_archive(
+            archive, lambda entry: copy if entry.path == DATABASE else None, on_file
+        )
+        require_sound(copy, manifest, archive)
+    return manifest
+
+
+def require_sound(copy: Path, manifest: Manifest, archive: Path) -> None:
+    """Raise `InputError` unless the database `copy` is whole and holds what `manifest` says."""
+    flaws: Sequence[str] = flaws_of_copy(copy)
+    if not flaws and schema_of_copy(copy) != manifest.schema_name:
+        flaws = ["it has another schema"]
+    if not flaws and (rows := rows_of_copy(copy)) != manifest.rows:
+        tables = sorted({*rows, *manifest.rows})
+        wrong = [name for name in tables if rows.get(name) != manifest.rows.get(name)]
+        flaws = [f"another number of rows in {listed(wrong)}"]
+    if flaws:
+        raise InputError(
+            f"the database in it is not what was backed up: {'; '.join(flaws[:3])}",
+            where=archive,
+            remedy=REMEDY,
+        )

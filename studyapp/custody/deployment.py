@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final, Literal
 
 from motion.errors import InputError
-from studyapp.web.sub_path import checked_prefix
+from studyapp.web.mounting import checked_prefix
 
 Proxy = Literal["caddy", "nginx"]
 DatabaseKind = Literal["sqlite", "postgresql"]

@@ -19,7 +19,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Event, ScreenOut, StudySession, StudyVersion
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.session.withdrawal import take_back
+from studyapp.session.ending import take_back
 
 
 @dataclass(frozen=True, kw_only=True)

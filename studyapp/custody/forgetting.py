@@ -30,8 +30,8 @@ from studyapp.database.tables import (
 from studyapp.researchers.audit import ERASED, log_change
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.session.arrival.trial_rows import new_token
 from studyapp.session.state import state_of
+from studyapp.session.trial_rows import new_token
 
 LEFT: Final = frozenset({"id", "version_id", "arm", "arm_design"})
 """Columns of a study session that stay: they are of the study, not of the person. All others are

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError, found_at
-from motion.listing import listed
+from motion.errors import InputError, found_at, listed
 from studyapp.clock import Clock
-from studyapp.custody.archive import OnFile, read_archive
+from studyapp.custody.archive import read_archive
+from studyapp.custody.backup import require_sound
 from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
-from studyapp.custody.manifest import DATABASE, MEDIA, Manifest
-from studyapp.custody.study_files import media_amiss
-from studyapp.custody.verification import require_sound
+from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile, media_amiss
 from studyapp.database.copies import compact, fill_from_copy, require_empty
 from studyapp.database.engine import (
     Database,
@@ -28,9 +26,8 @@ from studyapp.database.engine import (
 )
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.stimuli.disk_space import as_text
-from studyapp.study.folder import StudyFolder
-from studyapp.study.lock import held_alone
-from studyapp.study.stimuli import read_stimuli
+from studyapp.study.folder import StudyFolder, held_alone
+from studyapp.study.media import read_stimuli
 
 _UNFINISHED: Final = ".unfinished-restore-"
 _FOR_THE_OWNER: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})

@@ -12,8 +12,7 @@ from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from studyapp.custody.deployment import Deployment
 
 

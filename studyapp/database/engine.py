@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import sqlite3
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Self
 
 from alembic import command
 from alembic.config import Config
@@ -19,8 +18,6 @@ from sqlalchemy import (
     URL,
     Connection,
     Engine,
-    create_engine,
-    event,
     text,
 )
 from sqlalchemy.engine import make_url
@@ -36,13 +33,8 @@ from studyapp.database.postgresql import (
     take_turn,
     taking_time,
 )
-from studyapp.database.waiting_line import in_line
+from studyapp.database.sqlite import in_line, keep_private, sqlite_engine
 from studyapp.study.folder import StudyFolder
-
-BUSY_SECONDS: Final = 30
-"""How long a writer waits for another one before it gives up."""
-
-_OWN: Final = 0o600
 
 
 def sqlite_url(path: Path) -> str:
@@ -95,8 +87,9 @@ class Database:
             of Motion Jury made it.
         """
         with _explained(url):
-            _keep_private(sqlite_file(url))
-            engine = _engine(url, _set_up_sqlite, seconds=STATEMENT_SECONDS)
+            if (file := sqlite_file(url)) is not None:
+                keep_private(file)
+            engine = _engine(url, seconds=STATEMENT_SECONDS)
             with engine.connect() as connection:
                 is_current = schema_of(connection) == _head()
             if not is_current:
@@ -307,57 +300,14 @@ def sqlite_file(url: str) -> Path | None:
     return Path(address.database)
 
 
-def _keep_private(file: Path | None) -> None:
-    """Let its owner alone read an SQLite database, which is made where there is none.
-
-    SQLite gives its working files the rights of the database's own.
-    """
-    if file is None:
-        return
-    with suppress(OSError):
-        os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, _OWN))
-    for ending in ("", "-wal", "-shm", "-line"):
-        # Where it belongs to somebody else, that is for them to say.
-        with suppress(OSError):
-            Path(f"{file}{ending}").chmod(_OWN)
-
-
 def _read_only(url: str) -> Engine:
-    return _engine(url, _forbid_sqlite_changes, seconds=READING_SECONDS, postgresql_readonly=True)
+    return _engine(url, changes=False, seconds=READING_SECONDS, postgresql_readonly=True)
 
 
-def _engine(
-    url: str,
-    set_up_sqlite: Callable[[sqlite3.Connection, Any], None],
-    *,
-    seconds: float,
-    **options: Any,
-) -> Engine:
+def _engine(url: str, *, changes: bool = True, seconds: float, **options: Any) -> Engine:
     address = _address(url)
     # Among the parameters of a failed statement may be a participant's token.
     hidden = {"hide_parameters": True, "execution_options": options}
     if address.get_backend_name() != "sqlite":
         return postgresql_engine(address, seconds, **hidden)
-    engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
-    event.listen(engine, "connect", set_up_sqlite)
-    event.listen(engine, "begin", _begin_sqlite)
-    return engine
-
-
-def _set_up_sqlite(connection: sqlite3.Connection, _record: Any) -> None:
-    # The driver must not open transactions by itself: `_begin_sqlite` does, of the right kind.
-    connection.isolation_level = None
-    for pragma in ("journal_mode = WAL", "foreign_keys = ON", "synchronous = FULL"):
-        connection.execute(f"PRAGMA {pragma}")
-
-
-def _forbid_sqlite_changes(connection: sqlite3.Connection, _record: Any) -> None:
-    connection.isolation_level = None
-    connection.execute("PRAGMA query_only = ON")
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    # A writer takes the lock at once: one that first reads and then writes could find that
-    # another has written in between, and fail.
-    writes = connection.get_execution_options().get("writes", False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+    return sqlite_engine(address, changes=changes, **hidden)

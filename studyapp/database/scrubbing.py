@@ -12,8 +12,8 @@ from sqlalchemy.exc import DBAPIError
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
+from studyapp.database.sqlite import in_line
 from studyapp.database.tables import Base
-from studyapp.database.waiting_line import in_line
 
 LOCK_SECONDS: Final = 30
 """How long a table is waited for; meanwhile, those who want it wait too."""

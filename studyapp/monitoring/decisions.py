@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from studyapp.monitoring.answered_trials import Sides, Times
-from studyapp.monitoring.checks import CheckedItem
 from studyapp.monitoring.counts import Dropouts, PlaceCounts
-from studyapp.monitoring.playback import PlayedVideo
+from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
 
 FEWEST_SHOWINGS: Final = 10
 MOST_STALLED: Final = 0.2

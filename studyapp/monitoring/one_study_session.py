@@ -21,9 +21,9 @@ from studyapp.database.tables import (
 )
 from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sessions
 from studyapp.researchers.exclusion_decisions import exclusion_decisions
-from studyapp.session.exclusion import JUDGED, is_failed
+from studyapp.session.ending import JUDGED, is_failed
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.videos.watch_evidence import FASTEST, length, watched_share, watched_so_far
+from studyapp.session.watch_evidence import FASTEST, length, watched_share, watched_so_far
 from studyapp.study.settings.study import Study
 
 

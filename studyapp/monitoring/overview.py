@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Final
 
 from studyapp.database.engine import Database
@@ -20,18 +20,27 @@ from studyapp.monitoring.answered_trials import (
     times,
     times_of_trials,
 )
-from studyapp.monitoring.checks import (
+from studyapp.monitoring.counts import (
+    Dropouts,
+    Forecast,
+    PlaceCounts,
+    all_together,
+    count_places,
+    dropouts,
+    forecast,
+)
+from studyapp.monitoring.data_quality import (
     CheckedItem,
+    PlayedVideo,
     checked_items,
     checks,
     failed_by_session,
+    played_videos,
 )
-from studyapp.monitoring.counts import Dropouts, PlaceCounts, all_together, count_places, dropouts
 from studyapp.monitoring.decisions import Decision, decisions
-from studyapp.monitoring.playback import PlayedVideo, played_videos
 from studyapp.monitoring.study_sessions import SessionProgress, present_ones, progress_of_sessions
-from studyapp.session.arrival.intake import Intake, present_intake
-from studyapp.session.exclusion import JUDGED
+from studyapp.session.ending import JUDGED
+from studyapp.session.intake import Intake, present_intake
 from studyapp.session.served_study import ServedStudy
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)
@@ -178,54 +187,3 @@ def _whole_seconds(present: Sequence[SessionProgress]) -> list[float]:
 
 def _tally(failures: Iterable[int]) -> tuple[tuple[int, int], ...]:
     return tuple(sorted(Counter(failures).items()))
-
-
-FEWEST: Final = 3
-"""With fewer who have finished, their pace is chance."""
-
-LOOKED_BACK: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
-"""The shortest of these in which enough have finished tells the present pace."""
-
-FARTHEST: Final = timedelta(days=365)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Forecast:
-    """When the last place will be done.
-
-    Attributes
-    ----------
-    at : datetime or None
-    reason : str
-        Why there is none; empty where there is one.
-    """
-
-    at: datetime | None
-    reason: str = ""
-
-
-def forecast(
-    finished: Sequence[datetime], remaining: int, began: datetime | None, now: datetime
-) -> Forecast:
-    """Return when `remaining` more will have finished.
-
-    Parameters
-    ----------
-    finished : sequence of datetime
-        When those finished who have, in any order.
-    began : datetime or None
-        When the first participant came.
-    """
-    if remaining == 0:
-        return Forecast(at=None, reason="all places are done")
-    if began is None:
-        return Forecast(at=None, reason="nobody has come yet")
-    for span in LOOKED_BACK:
-        since = max(now - span, began)
-        lately = sum(moment > since for moment in finished)
-        if lately >= FEWEST and now > since:
-            left = (now - since) * (remaining / lately)
-            if left > FARTHEST:
-                return Forecast(at=None, reason="at this rate it takes longer than a year")
-            return Forecast(at=now + left)
-    return Forecast(at=None, reason="too few have finished lately to tell when it is done")

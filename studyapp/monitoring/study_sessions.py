@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial, Video
-from studyapp.monitoring.checks import checks, failed_by_session
+from studyapp.monitoring.data_quality import checks, failed_by_session
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import state_of

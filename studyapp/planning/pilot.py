@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.participants import LeftOut, leave_out, table_rules

@@ -18,11 +18,9 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.clip import MotionClip
-from motion.freeze import freeze
+from motion.clip import MotionClip, freeze
 from motion.resample import resample
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.settings.study import Study

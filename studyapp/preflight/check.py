@@ -8,10 +8,8 @@ from collections.abc import Iterator
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.catch_checks import catch_picture_findings
-from studyapp.preflight.design_checks import design_findings
-from studyapp.preflight.expected_time import expected_time
+from studyapp.preflight.design_checks import balance_findings, design_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, finding
 from studyapp.preflight.finished_video_checks import (
     finished_video_findings,
@@ -19,23 +17,24 @@ from studyapp.preflight.finished_video_checks import (
 )
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
-from studyapp.preflight.participant_information import (
-    Pace,
-    minutes_needed,
-    pace_of_pilot,
-    pace_of_study,
-    page_findings,
-    time_findings,
-)
 from studyapp.preflight.recruiting_checks import (
     code_findings,
     made_findings,
+    page_findings,
     pay_findings,
     recruiting_findings,
 )
 from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
 from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
+from studyapp.preflight.time_checks import (
+    Pace,
+    expected_time,
+    minutes_needed,
+    pace_of_pilot,
+    pace_of_study,
+    time_findings,
+)
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.recruitment import Recruitment

@@ -19,7 +19,7 @@ from studyapp.stimuli.media_probe import (
     flaw_of,
     format_of,
 )
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Content
 from studyapp.study.finished_videos import finished_video, similar_file
 
 OF_FLAW: Final[Mapping[FlawKind, str]] = MappingProxyType(

@@ -10,9 +10,7 @@ from types import MappingProxyType
 from typing import Final, Self
 
 from motion.segment import Segment
-from studyapp.study.design.arm import Arm
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Arm, Content, PlannedTrial
 from studyapp.study.finished_videos import finished_video
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, VideoFile

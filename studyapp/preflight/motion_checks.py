@@ -6,15 +6,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from motion.clip import MotionClip
-from motion.errors import InputError
+from motion.clip import CHANNELS, MotionClip, freeze, moving_channels
+from motion.errors import InputError, listed
 from motion.formats import read_clip
-from motion.freeze import CHANNELS, freeze, moving_channels
-from motion.listing import listed
 from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
-from studyapp.stimuli.shown_body import left_out, shown_abilities
+from studyapp.stimuli.shown_motion import left_out, shown_abilities
 from studyapp.study.settings.study import Study
 
 

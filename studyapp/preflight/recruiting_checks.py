@@ -1,22 +1,23 @@
-"""What recruiters need, whom the payment rule does not pay, and what an hour pays."""
+"""What recruiters need, what participants are told beforehand, and whom and what an hour pays."""
 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, get_args
 
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from studyapp.preflight.finding import Finding, finding
-from studyapp.recruitment.prolific_draft import CODE_TYPES, places_of
-from studyapp.recruitment.record import FILE, read_made_there
-from studyapp.study.settings.pay import hourly, money
-from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, Recruitment
+from studyapp.recruitment.prolific import CODE_TYPES
+from studyapp.recruitment.record import FILE, places_of, read_made_there
+from studyapp.study.settings.presentation import Language, reaches_somebody
+from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, Recruitment, hourly, money
 from studyapp.study.settings.study import Study
+from studyapp.study.template_language import still_english, template_text
 
 
 def code_findings(recruitment: Recruitment) -> Iterator[Finding]:
@@ -157,3 +158,49 @@ def _payment_text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
             told=study.page.payment,
             paid=money(amount, study.recruitment.currency),
         )
+
+
+def page_findings(study: Study) -> Iterator[Finding]:
+    """Say what participants are not told, and what still says what a template says."""
+    page = study.page
+    for given, name in (
+        (page.organisation, "organisation-missing"),
+        (page.contact, "contact-missing"),
+        (page.payment, "payment-missing"),
+        (page.minutes, "minutes-missing"),
+        (page.ethics, "ethics-missing"),
+    ):
+        if not given or not str(given).strip():
+            yield finding(name)
+    if page.contact.strip() and not reaches_somebody(page.contact):
+        yield finding("contact-unreachable", contact=page.contact)
+    yield from _text_findings(study)
+
+
+def _text_findings(study: Study) -> Iterator[Finding]:
+    consents, titles = _template_texts(study)
+    if not study.page.consent.strip():
+        yield finding("consent-blank")
+    elif _squeezed(study.page.consent) in consents:
+        yield finding("consent-from-template")
+    if _squeezed(study.title) in titles:
+        yield finding("title-from-template", title=study.title)
+    english = still_english(study)
+    if english:
+        yield finding("texts-untranslated", language=study.page.language, texts=listed(english))
+
+
+def _template_texts(study: Study) -> tuple[set[str], set[str]]:
+    """Return the consent texts and the titles that templates of the protocol have."""
+    file = f"{study.protocol}.toml"
+    consents, titles = set(), set()
+    for language in get_args(Language):
+        source = tomllib.loads(template_text(file, language))
+        consents.add(_squeezed(source["page"]["consent"]))
+        titles.add(_squeezed(source["title"]))
+    return consents, titles
+
+
+def _squeezed(text: str) -> str:
+    """Return a text in which white space says nothing."""
+    return " ".join(text.split())

@@ -22,16 +22,17 @@ from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import Video
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
-from studyapp.preflight.participant_information import arrivals
-from studyapp.recruitment.prolific_draft import places_of
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.intake import present_intake
+from studyapp.preflight.time_checks import arrivals
+from studyapp.recruitment.record import places_of
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
+from studyapp.session.intake import present_intake
 from studyapp.session.participation import begin
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version
 from studyapp.stimuli.disk_space import as_text
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.form import Form
+from studyapp.study.settings.questions import Form
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
 from studyapp.web.app import create_app

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.finished_video_checks import (
     encode_like,
@@ -27,8 +26,7 @@ from studyapp.stimuli.media_probe import (
     written_in,
 )
 from studyapp.stimuli.video_copies import out_of_date
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Content, PlannedTrial
 from studyapp.study.finished_videos import finished_video, seconds_of, shows_copy
 from studyapp.study.media import VideoFile
 

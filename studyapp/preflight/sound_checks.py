@@ -10,10 +10,10 @@ from typing import Final
 
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
-from renderer.video.loudness import SHORTEST, integrated_loudness
+from renderer.loudness import SHORTEST, integrated_loudness
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video
 
 LOUDNESS_TOLERANCE: Final = 1.0

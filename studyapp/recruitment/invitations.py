@@ -1,7 +1,8 @@
-"""Invitations: links for one person each. What is stored of one is a hash.
+"""Invitations: links for one person each, to take part or to try the study.
 
-Looking at a link uses nothing up. Who begins by it has one study session, and comes back to it by
-the same link.
+What is stored of a link is a hash. Looking at one uses nothing up. Who begins by it has one study
+session, and comes back to it by the same link. Test participations have a database of their own, so
+that nothing of them counts.
 """
 
 from __future__ import annotations
@@ -15,14 +16,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from sqlalchemy import func, select
+from sqlalchemy import delete, func, select
 
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.clock import Clock
-from studyapp.database.engine import Database, database_url_of
-from studyapp.database.tables import Invitation, StudySession
-from studyapp.researchers.tokens import token_hash
+from studyapp.database.engine import Database, database_url_of, sqlite_url
+from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.tables import Base, Invitation, StudySession
+from studyapp.researchers.credentials import token_hash
+from studyapp.session.intake import extend, present_intake
+from studyapp.session.places import has_open_place
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 
 COLUMNS: Final = ("for", "link")
@@ -153,3 +159,52 @@ def invitation_counts(database: Database) -> InvitationCounts:
         made = session.scalar(select(func.count(Invitation.id))) or 0
         begun, completed = session.execute(used).one()
     return InvitationCounts(made=made, begun=begun, completed=completed)
+
+
+def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by: str) -> str:
+    """Return the token of a link by which somebody can try the study in folder `root` once.
+
+    There is always a place for it: where all were tried, one more opens in each arm.
+
+    Parameters
+    ----------
+    by : str
+        Who asks for it.
+    """
+    tried = served.opened_to_try()
+    with closing(Database.open(sqlite_url(StudyFolder(root).tries))) as database:
+        open_study(database, tried, clock, new_version=True)
+        with database.reading() as session:
+            is_full = not has_open_place(session, tried, present_intake(session), clock.now())
+        if is_full:
+            extend(database, tried, clock, 1, by=by, reason="every place has been tried")
+        (token,) = make_invitations(database, 1, clock)
+    return token
+
+
+def count_test_participations(root: Path) -> int:
+    """Return how many people have begun to try the study in folder `root`."""
+    file = StudyFolder(root).tries
+    if not file.exists():
+        return 0
+    with closing(Database.open(sqlite_url(file))) as database:
+        return _count(database)
+
+
+def erase_test_participations(root: Path) -> int:
+    """Erase all test participations of the study in folder `root`; return how many there were."""
+    file = StudyFolder(root).tries
+    if not file.exists():
+        return 0
+    with closing(Database.open(sqlite_url(file))) as database:
+        count = _count(database)
+        with database.writing() as session:
+            for table in reversed(Base.metadata.sorted_tables):
+                session.execute(delete(table))
+        leave_nothing(database)
+    return count
+
+
+def _count(database: Database) -> int:
+    with database.reading() as session:
+        return session.scalar(select(func.count(StudySession.id))) or 0

@@ -98,7 +98,7 @@ class ProlificRefusedError(InputError):
     """Prolific understood a request and did not do what it asked for."""
 
 
-def prolific_token(environment: Mapping[str, str] = os.environ) -> str:
+def prolific_token() -> str:
     """Return the token for Prolific's API.
 
     Raises
@@ -106,7 +106,7 @@ def prolific_token(environment: Mapping[str, str] = os.environ) -> str:
     InputError
         If the environment holds none; the message never holds any of it.
     """
-    token = environment.get(TOKEN, "").strip()
+    token = os.environ.get(TOKEN, "").strip()
     if not TOKEN_LETTERS.fullmatch(token):
         raise InputError(
             f"the environment variable {TOKEN} "

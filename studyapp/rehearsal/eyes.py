@@ -10,8 +10,8 @@ from sqlalchemy.orm import Session, joinedload, selectinload
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page, token_candidates
-from studyapp.rehearsal.simulation.sight import SeenTrial, Sight
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.rehearsal.simulation.raters import SeenTrial, Sight
+from studyapp.study.design.trial import Stimulus
 
 
 @dataclass(frozen=True)

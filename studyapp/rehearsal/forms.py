@@ -15,7 +15,7 @@ def has_label(soup: BeautifulSoup, control: Tag) -> bool:
     They are its own (of a button), those around it or meant for it (of a field), or said of it.
     """
     kind = str(control.get("type", "")).lower()
-    if kind == "hidden":
+    if kind == "hidden" or control.find_parent(attrs={"hidden": True}) is not None:
         return True
     if control.name == "button" and _words(control):
         return True

@@ -9,18 +9,16 @@ from typing import Final
 
 import httpx
 
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.simulation.conduct import Conduct
-from studyapp.rehearsal.simulation.judgement import Judgement, judge
+from studyapp.rehearsal.simulation.judgement import Conduct, Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.sight import Sight
+from studyapp.rehearsal.simulation.raters import Rater, Sight
 from studyapp.rehearsal.visit import Departure, PlainVisit, Visit
 from studyapp.study.settings.study import Study
-from studyapp.web.participants.about_participant import FORM_FIELD
+from studyapp.web.participants.participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
 """A page that comes back this often, though it was answered, leads nowhere."""

@@ -1,4 +1,4 @@
-"""`rehearsal.json`: what the simulated participants of a rehearsal were given to prefer."""
+"""`rehearsal.json`: whom a rehearsal simulated, and the true values that follow."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from analysis.results.known_values import KnownValue
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.study.settings.validation import explain
+from studyapp.study.settings.sections import explain
 
 
 class Truth(BaseModel):
-    """`rehearsal.json`: what the simulated participants were given to prefer.
+    """`rehearsal.json`: whom a rehearsal simulated, and the true values that follow.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Truth(BaseModel):
     population : Population
         Whom the participants were drawn from.
     expected : tuple of KnownValue
-        What they prefer: one for everything that each question measures.
+        The true values: one for everything that each question measures.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

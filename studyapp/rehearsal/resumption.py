@@ -6,24 +6,23 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Final
 
-from sqlalchemy import update
+from sqlalchemy import select, update
 
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.rehearsal.ledger import Ledger
-from studyapp.rehearsal.people import people
+from studyapp.rehearsal.bookkeeping import Ledger, people
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
-from studyapp.study.stimuli import Stimuli, read_stimuli
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
 
@@ -147,18 +146,28 @@ def call_roster(database: Database, count: int, truth: Truth) -> Roster:
 def let_time_pass(database: Database, roster: Roster, lease_minutes: int) -> None:
     """Let the leases end of those who left for good, and of nobody else.
 
-    It is their last sign of life that is set back, since nobody waits that long in a rehearsal;
-    their places are then given to others as they are in the study itself. Those in the middle of
-    their study session are on their way back, however long ago the rehearsal was stopped.
+    All that they did is set back, since nobody waits that long in a rehearsal; their places are
+    then given to others as they are in the study itself. Those in the middle of their study session
+    are on their way back, however long ago the rehearsal was stopped.
     """
     now = Clock().now()
-    for names, moment in (
-        (roster.gone, now - timedelta(minutes=lease_minutes + 1)),
-        (roster.halfway, now),
-    ):
-        with database.writing() as session:
-            session.execute(
-                update(StudySession)
-                .where(StudySession.recruiter_participant.in_(names))
-                .values(last_active_at=moment)
-            )
+    ended = now - timedelta(minutes=lease_minutes + 1)
+    with database.writing() as session:
+        over = StudySession.recruiter_participant.in_(roster.gone)
+        for gone in session.scalars(
+            select(StudySession).where(over, StudySession.last_active_at > ended)
+        ):
+            _set_back(gone, gone.last_active_at - ended)
+        session.execute(
+            update(StudySession)
+            .where(StudySession.recruiter_participant.in_(roster.halfway))
+            .values(last_active_at=now)
+        )
+
+
+def _set_back(study_session: StudySession, span: timedelta) -> None:
+    for row in (study_session, *study_session.form_answers, *study_session.trials):
+        for column in row.__table__.columns:
+            value = getattr(row, column.key)
+            if isinstance(value, datetime):
+                setattr(row, column.key, value - span)

@@ -1,26 +1,28 @@
-"""A whole rehearsal: the real server, and simulated participants who take the study through it."""
+"""A whole rehearsal: the real server, and simulated participants who take its study at once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Event
 from typing import Final
 
+import httpx
+
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.rehearsal.browser import require_browser
-from studyapp.rehearsal.crowd import Crowd
+from studyapp.rehearsal.bookkeeping import Ledger
+from studyapp.rehearsal.browser import by_browser, require_browser
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.resumption import call_roster, let_time_pass, prepare
+from studyapp.rehearsal.resumption import Roster, call_roster, let_time_pass, prepare
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.visit import Departure, study_client
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.folder import StudyFolder
-from studyapp.study.lock import held_alone
+from studyapp.study.folder import StudyFolder, held_alone
 from studyapp.study.settings.study import Study
 
 SPEED: Final = 100.0
@@ -155,3 +157,99 @@ def _checked_count(folder: StudyFolder, study: Study, participants: int | None) 
             remedy="Ask for fewer, or raise the number of participants there",
         )
     return participants * len(arms)
+
+
+STAGGER: Final = 0.05
+"""Seconds between the first arrivals."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crowd:
+    """The participants of one run, and what they have in common.
+
+    Attributes
+    ----------
+    like : Participant
+        What each of them is but for the name.
+    ledger : Ledger
+        Where they note what they are told.
+    server : str
+        Address of the study's server.
+    in_browser : collection of str
+        Who of them takes part in a real browser.
+    """
+
+    like: Participant
+    ledger: Ledger
+    server: str
+    in_browser: Collection[str] = ()
+
+    def take_part(
+        self, roster: Roster, *, workers: int, on_done: Callable[[int, int], None]
+    ) -> None:
+        """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
+
+        Who leaves to come back comes back after everybody else has come.
+
+        Parameters
+        ----------
+        roster : Roster
+            Who is still to come.
+        workers : int
+            How many take part at the same time.
+        on_done : callable
+            Called with the number of those who have finished, or left for good, after each, and
+            how many are wanted.
+
+        Raises
+        ------
+        InputError
+            If a page lacks something, or the server is gone.
+        """
+        away = self.ledger.read().away
+        done = roster.wanted - len(roster.remaining)
+        with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
+
+            def comes(name: str, *, delay: float, is_back: bool) -> Future[bool]:
+                return pool.submit(self._one, name, delay=delay, is_back=is_back)
+
+            try:
+                visits = {
+                    comes(name, delay=min(index, workers) * STAGGER, is_back=name in away): name
+                    for index, name in enumerate(roster.remaining)
+                }
+                while visits:
+                    for visit in wait(visits, return_when=FIRST_COMPLETED).done:
+                        name = visits.pop(visit)
+                        if visit.result():
+                            done += 1
+                            on_done(done, roster.wanted)
+                        else:
+                            visits[comes(name, delay=0.0, is_back=True)] = name
+            finally:
+                self.like.stop.set()
+                pool.shutdown(cancel_futures=True)
+
+    def _one(self, name: str, *, delay: float, is_back: bool) -> bool:
+        """Let one participant come; return whether that was for the last time."""
+        self.like.stop.wait(delay)
+        participant = replace(self.like, name=name, ledger=self.ledger)
+        if is_back:
+            self.ledger.returned(name)
+        try:
+            if name in self.in_browser:
+                by_browser(participant, self.server, is_back)
+            else:
+                with study_client(self.server) as client:
+                    participant.take_part(client, is_back=is_back)
+        except Departure as departure:
+            if departure.returns:
+                self.ledger.left(name)
+            return not departure.returns
+        except httpx.TransportError as error:
+            raise InputError(
+                f"the study's server does not answer any more ({error})",
+                where=self.server,
+                remedy="Run the command again: it goes on where it was",
+            ) from error
+        return True

@@ -21,7 +21,7 @@ import httpx
 from motion.errors import InputError
 from studyapp.rehearsal.visit import study_client
 from studyapp.study.folder import StudyFolder
-from studyapp.web.health import HEALTH
+from studyapp.web.mounting import HEALTH
 from studyapp.web.server import run_server
 
 HOST: Final = "127.0.0.1"

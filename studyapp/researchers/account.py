@@ -1,22 +1,62 @@
-"""A researcher's account without the password, and what each role may do.
+"""Researchers' accounts: names, what each role may do, and who belongs to the study.
 
 Pages ask this table of rights; nothing else decides.
 """
 
 from __future__ import annotations
 
+import hashlib
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from enum import Enum
 from typing import Final, Literal, cast, get_args
 
-from sqlalchemy import select
+from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
-from studyapp.database.tables import Researcher
-from studyapp.researchers.names import name_key
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import Event, Researcher, ResearcherLogin
+from studyapp.researchers.audit import log_change
+
+SHORTEST: Final = 2
+LONGEST: Final = 100
+
+
+def settled_name(given: str) -> str:
+    """Return the name as it is stored.
+
+    Raises
+    ------
+    InputError
+        If it is too short or too long, or holds what cannot be seen.
+    """
+    name = " ".join(unicodedata.normalize("NFC", given).split())
+    if not SHORTEST <= len(name) <= LONGEST or not name.isprintable():
+        raise InputError(
+            f"a name has {SHORTEST} to {LONGEST} letters, and none that cannot be seen",
+            remedy="Use your own name or your address of electronic mail",
+        )
+    return name
+
+
+def name_key(name: str) -> str:
+    """Return what is the same for all ways of writing one name.
+
+    It is never longer than twice `LONGEST`, nor does it hold what a database cannot store.
+    """
+    folded = unicodedata.normalize("NFKC", " ".join(name.split())).casefold()
+    seen = "".join(letter for letter in folded if letter.isprintable())
+    return seen[: 2 * LONGEST]
+
+
+def name_hash(name: str) -> str:
+    """Return by what attempts to log in as `name` are counted."""
+    return hashlib.sha256(name_key(name).encode("utf-8", "replace")).hexdigest()
+
 
 Role = Literal["owner", "analyst", "viewer"]
 ROLES: Final[tuple[Role, ...]] = get_args(Role)
@@ -85,3 +125,90 @@ def researcher_named(session: Session, name: str) -> Researcher:
             remedy="See who there is with 'motionjury researchers STUDY list'",
         )
     return found
+
+
+def accounts(database: Database) -> list[Account]:
+    """Return all researchers in the order in which they joined."""
+    with database.reading() as session:
+        return [
+            account_of(row) for row in session.scalars(select(Researcher).order_by(Researcher.id))
+        ]
+
+
+def change_role(
+    database: Database, clock: Clock, researcher_id: int, role: Role, *, by: str
+) -> None:
+    """Give a researcher another role; they have to log in again.
+
+    Raises
+    ------
+    InputError
+        If there is no such researcher, or nobody would be left who is an owner.
+    """
+    with database.writing() as session:
+        researcher = _kept_from_others(session, researcher_id)
+        if researcher.role == role:
+            return
+        if role != "owner":
+            _require_another_owner(session, researcher)
+        detail = f"{researcher.name}: {researcher.role} becomes {role}"
+        researcher.role = role
+        end_logins_of(session, researcher.id)
+        log_change(session, clock.now(), Event.ROLE_CHANGED, by=by, detail=detail)
+
+
+def shut_out(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
+    """Let a researcher log in no more, and end their logins; what they did stays in the log.
+
+    Raises
+    ------
+    InputError
+        If there is no such researcher, or nobody would be left who is an owner.
+    """
+    with database.writing() as session:
+        researcher = _kept_from_others(session, researcher_id)
+        _require_another_owner(session, researcher)
+        if researcher.disabled_at is None:
+            researcher.disabled_at = clock.now()
+            log_change(session, clock.now(), Event.SHUT_OUT, by=by, detail=researcher.name)
+        end_logins_of(session, researcher.id)
+
+
+def let_in_again(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
+    """Let a researcher who was shut out log in again, with the password they had.
+
+    Raises
+    ------
+    InputError
+        If there is no such researcher.
+    """
+    with database.writing() as session:
+        researcher = _kept_from_others(session, researcher_id)
+        if researcher.disabled_at is not None:
+            researcher.disabled_at = None
+            log_change(session, clock.now(), Event.LET_IN_AGAIN, by=by, detail=researcher.name)
+
+
+def _kept_from_others(session: Session, researcher_id: int) -> Researcher:
+    """Return a researcher; until stored, nobody else changes who is an owner."""
+    query = select(Researcher).order_by(Researcher.id).with_for_update()
+    for researcher in session.scalars(query).all():
+        if researcher.id == researcher_id:
+            return researcher
+    raise InputError("there is no such researcher", remedy="Open the list of researchers again")
+
+
+def _require_another_owner(session: Session, leaving: Researcher) -> None:
+    others = select(Researcher.id).where(
+        Researcher.role == "owner", Researcher.disabled_at.is_(None), Researcher.id != leaving.id
+    )
+    if leaving.role == "owner" and session.scalar(others.limit(1)) is None:
+        raise InputError(
+            f"{leaving.name!r} is the only owner of the study, and there must be one",
+            remedy="Make somebody else an owner first",
+        )
+
+
+def end_logins_of(session: Session, researcher_id: int) -> None:
+    """Log a researcher out everywhere."""
+    session.execute(delete(ResearcherLogin).where(ResearcherLogin.researcher_id == researcher_id))

@@ -1,19 +1,31 @@
-"""The log of changes: who did what, when and why. Lines are only ever added."""
+"""The log of changes and of looks at results: who did what, when and why.
+
+Lines are only ever added. Who stops, extends or changes something at a good moment takes chance for
+an effect. So every look is kept with how far the study was, and reports say which there were before
+the answers that they rest on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Event
+from studyapp.database.tables import (
+    AuditLine,
+    Event,
+    Look,
+    Response,
+    StudySession,
+    Trial,
+)
 
 LINES: Final = 200
 """As many are shown at once."""
@@ -151,3 +163,82 @@ def logged_changes(database: Database, *, before: int | None = None) -> list[Log
             )
             for line in session.scalars(query)
         ]
+
+
+Way = Literal["page", "report", "export"]
+
+EVENTS: Final[dict[Way, Event]] = {
+    "page": Event.LOOKED_AT,
+    "report": Event.REPORTED,
+    "export": Event.EXPORTED,
+}
+COMMAND_LINE: Final = "command line"
+SHOWN: Final = 200
+"""As many are listed on the page."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyState:
+    """How far the study is.
+
+    Attributes
+    ----------
+    finished, planned : int
+        Participants who have finished and hold a place, and places in all.
+    answers : int
+        Answers of everybody who has not withdrawn.
+    """
+
+    finished: int
+    planned: int
+    answers: int
+
+    @property
+    def is_interim(self) -> bool:
+        """Whether there are participants still to come."""
+        return self.finished < self.planned
+
+
+def note_look(
+    session: Session, now: datetime, state: StudyState, *, way: Way, by: str = "", reason: str = ""
+) -> None:
+    """Log a look at results; to be stored before they are shown.
+
+    Parameters
+    ----------
+    state : StudyState
+        What the results rest on.
+    by : str
+        The researcher's name; empty for the command line.
+    """
+    session.add(
+        Look(
+            at=now,
+            way=way,
+            researcher=by,
+            reason=reason,
+            finished=state.finished,
+            planned=state.planned,
+            answers=state.answers,
+        )
+    )
+    detail = f"{state.finished} of {state.planned} participants had finished"
+    log_change(session, now, EVENTS[way], by=by, detail=detail, reason=reason)
+
+
+def looks(database: Database) -> Sequence[Look]:
+    """Return the newest `SHOWN` looks, the newest first."""
+    query = select(Look).order_by(Look.id.desc()).limit(SHOWN)
+    with database.reading() as session:
+        return session.scalars(query).all()
+
+
+def answers_so_far(session: Session) -> int:
+    """Return how many answers there are of those who have not withdrawn."""
+    query = (
+        select(func.count(Response.id))
+        .join(Trial, Trial.id == Response.trial_id)
+        .join(StudySession, StudySession.id == Trial.study_session_id)
+        .where(StudySession.withdrawn_at.is_(None))
+    )
+    return session.scalar(query) or 0

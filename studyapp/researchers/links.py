@@ -17,13 +17,16 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLink
-from studyapp.researchers.account import Role, researcher_named
+from studyapp.researchers.account import (
+    Role,
+    end_logins_of,
+    name_key,
+    researcher_named,
+    settled_name,
+)
 from studyapp.researchers.audit import log_change
-from studyapp.researchers.authentication import set_password
-from studyapp.researchers.logins import begin_login, end_logins_of
-from studyapp.researchers.names import name_key, settled_name
-from studyapp.researchers.passwords import check_password, hashed
-from studyapp.researchers.tokens import new_token, token_hash
+from studyapp.researchers.credentials import check_password, hashed, new_token, token_hash
+from studyapp.researchers.logins import begin_login, set_password
 
 Purpose = Literal["first_owner", "invitation", "new_password"]
 

@@ -1,4 +1,4 @@
-"""Pseudonyms: names of participants for export, which nobody can turn back without the key."""
+"""Pseudonyms: what exports call participants, which nobody can turn back without the key."""
 
 from __future__ import annotations
 
@@ -9,13 +9,18 @@ import json
 import os
 import secrets
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Protocol, Self
+from typing import Final, NamedTuple, Protocol, Self
+
+from sqlalchemy import ColumnElement, or_, select, true
+from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 
 KEY_BYTES: Final = 32
 PSEUDONYM_BYTES: Final = 10
@@ -154,3 +159,63 @@ class PseudonymKey:
         """Tell whether `name`, as an export has it, is one of the participant's."""
         pseudonym = name.removeprefix(FOLDER)[:LENGTH]
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())
+
+
+class _Identity(NamedTuple):
+    """What tells the participant of a study session apart."""
+
+    id: int
+    token: str
+    visit: str | None
+    recruiter_participant: str | None
+
+
+def pseudonyms_of(
+    database: Database, key: PseudonymKey, numbers: Collection[int]
+) -> Mapping[int, str]:
+    """Return the pseudonym of each of the study sessions `numbers`, as exports have it."""
+    chosen = StudySession.id.in_(numbers)
+    # Who came twice is called x2 the second time: their other study sessions count too.
+    names = select(StudySession.recruiter_participant).where(
+        chosen, StudySession.recruiter_participant.is_not(None)
+    )
+    together = or_(chosen, StudySession.recruiter_participant.in_(names))
+    with database.reading() as session:
+        named = key.pseudonyms(_identities(session, together))
+    return {number: named[number] for number in numbers if number in named}
+
+
+def number_called(session: Session, key: PseudonymKey | None, name: str) -> int | None:
+    """Return the study session that is called `name`; None where there is none.
+
+    Parameters
+    ----------
+    key : PseudonymKey or None
+        By which pseudonyms are found; None where nobody may look for them, or there are none.
+    name : str
+        Its number, or the participant's pseudonym as an export or a folder of it has it.
+    """
+    name = name.strip().removeprefix(FOLDER).lower()
+    if name.isascii() and name.isdecimal():
+        return _numbered(session, name)
+    named = {} if key is None else key.pseudonyms(_identities(session, true()))
+    return next((number for number, found in named.items() if found == name), None)
+
+
+def _identities(session: Session, chosen: ColumnElement[bool]) -> list[_Identity]:
+    rows = session.execute(
+        select(
+            StudySession.id,
+            StudySession.token,
+            StudySession.visit,
+            StudySession.recruiter_participant,
+        ).where(chosen)
+    )
+    return [_Identity(*row) for row in rows]
+
+
+def _numbered(session: Session, digits: str) -> int | None:
+    """Return the number if there is such a study session; no database has one of many digits."""
+    if len(digits) >= len(str(2**31)):
+        return None
+    return session.scalars(select(StudySession.id).where(StudySession.id == int(digits))).first()

@@ -10,12 +10,11 @@ from typing import Final
 import pandas as pd
 
 from analysis.answers.cells import Cells
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import Order, answers_in
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.results.participants import LeftOut, leave_out
 from studyapp.results.answer_table import empty_answers, study_answers
-from studyapp.results.report_arms import of_present_design
+from studyapp.results.answers import of_present_design
 from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.ranking import RankingStudy
@@ -110,3 +109,13 @@ def compared(study: Study) -> tuple[str, ...]:
     if isinstance(study, RankingStudy):
         return tuple(name for name in study.conditions if name != study.reference)
     return tuple(study.conditions)
+
+
+def study_notes(study: Study) -> tuple[str, ...]:
+    """Return it, as sentences."""
+    if study.has_recording or not study.catch.trials:
+        return ()
+    return (
+        "No condition is a recording of a person, so there is no ground truth: "
+        f"catch trials show {study.catch_against} against {study.catch.condition}.",
+    )

@@ -15,12 +15,12 @@ import pandas as pd
 
 from analysis.answers.participant_facts import KnownFacts
 from studyapp.results.stored_answers import StoredAnswers
-from studyapp.session.exclusion import JudgedTrial
-from studyapp.study.design.asking import AnswerKey
+from studyapp.session.ending import JudgedTrial
+from studyapp.study.design.trial import AnswerKey
 from studyapp.study.protocols.mismatch import FIT, REALISM
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.scales import STEPS
+from studyapp.study.settings.questions import STEPS
 from studyapp.study.settings.study import Study
 
 SHARED: Final = (

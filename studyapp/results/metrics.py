@@ -14,9 +14,9 @@ from analysis.measurement.presets import combined
 from analysis.measurement.scores import StudyMetrics
 from motion.errors import InputError
 from motion.formats.joint_positions import is_joint_table
-from motion.segments_table import SEGMENTS_FILE, read_segments
-from renderer.avatars import default_body
-from studyapp.stimuli.shown_body import body_file, expression_matrix_file
+from motion.segment import SEGMENTS_FILE, read_segments
+from renderer.look import default_body
+from studyapp.stimuli.shown_motion import body_file, expression_matrix_file
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
+from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -13,18 +15,21 @@ from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.participants import LeftOut
-from analysis.results.report import Settings, TableReport, analyse_table
-from motion.files import replacing
+from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
+from motion.files import harmless_frame, replacing
 from motion.segment import Segment
-from motion.spreadsheet import harmless_frame
-from studyapp.results.analysed_tasks import ANSWERS, analysed_tasks, rules_of
-from studyapp.results.answers import answers_to_report, read_rehearsal
-from studyapp.results.logged_looks import earlier_looks, note_way_out
-from studyapp.results.report_arms import of_present_design
+from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answers import (
+    answers_to_report,
+    arm_of_each,
+    arm_states,
+    of_present_design,
+    read_rehearsal,
+)
+from studyapp.results.looks import earlier_looks, note_way_out
 from studyapp.results.report_subject import study_subject
 from studyapp.results.stated_beforehand import agreed_on
 from studyapp.results.stored_answers import Answers
-from studyapp.results.task_report import task_report
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.study import Study
@@ -194,3 +199,33 @@ def _of_study(study: Study, subject: Subject, answers: Answers) -> dict[str, obj
         "origin": subject.origin,
         "versions": versions,
     }
+
+
+def task_report(
+    study: Study,
+    task: AnalysedTask,
+    answers: Answers,
+    *,
+    settings: Settings,
+    sha256: str = "",
+    **more: Any,
+) -> TableReport:
+    """Return the results of one task.
+
+    Parameters
+    ----------
+    sha256 : str
+        Of the table of its answers, where that is written.
+    **more
+        As for `analysis.results.report.analyse_answers`.
+    """
+    stored = answers.stored
+    return analyse_answers(
+        task.table,
+        task.left_out,
+        source=Source(file=ANSWERS, sha256=sha256, motionjury=metadata.version("motionjury")),
+        settings=settings,
+        arms=() if stored is None else arm_states(study, stored),
+        arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+        **more,
+    )

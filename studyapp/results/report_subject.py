@@ -1,24 +1,37 @@
-"""What the report of a study is about, beside its answers."""
+"""What the report of a study is about, beside its answers: texts, metrics and stills."""
 
 from __future__ import annotations
 
-import hashlib
+import base64
+import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import av
+from av.video.frame import VideoFrame
+from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
+from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
 from analysis.measurement.scores import StudyMetrics
 from analysis.report.sections.metric import PAPER_OF
-from analysis.report.subject import Excerpt, Origin, Subject
+from analysis.report.subject import Excerpt, Origin, Still, Subject
+from motion.audio import Audio, read_audio
+from motion.errors import InputError
+from motion.files import sha256_of
 from motion.segment import Segment
+from renderer.figures.strip import even_moments, loud_moments
 from studyapp.rehearsal.record import read_truth
-from studyapp.results.analysed_tasks import compared
+from studyapp.results.analysed_tasks import compared, study_notes
 from studyapp.results.metrics import measure_study
-from studyapp.results.report_strips import study_stills
-from studyapp.results.study_notes import study_notes
+from studyapp.study.finished_videos import seconds_of
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import shown_videos
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.scales import STEPS
+from studyapp.study.settings.questions import STEPS
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 
@@ -58,7 +71,7 @@ def study_subject(
         },
         notes=(*study_notes(study), *notes),
         frozen=study.freeze,
-        study_sha256=hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
+        study_sha256=sha256_of(folder.definition),
         seed=study.seed,
         truth=read_truth(folder.rehearsal_truth).expected if origin == "rehearsal" else (),
         metrics=_metrics(folder, study, segments),
@@ -104,3 +117,167 @@ def report_presets(study: Study) -> tuple[str, ...]:
     systems = (condition.generator for condition in study.conditions.values())
     papers = (PAPER_OF[study.protocol], *(name for name in systems if name in PRESETS))
     return tuple(dict.fromkeys((REPORT, *(name for name in papers if name is not None))))
+
+
+COUNT: Final = 6
+"""Moments: as many as stand beside each other on a page."""
+
+SIDE: Final = 240
+"""Pixels that the longer side of a still has."""
+
+_QUALITY: Final = 80
+
+NO_VIDEOS: Final = "There are no videos of the conditions yet, so there are no stills of them."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stills:
+    """Stills of a study.
+
+    Attributes
+    ----------
+    stills : tuple of Still
+        By condition, then moment.
+    reason : str
+        Why there are none, as a sentence; empty where there are some.
+    """
+
+    stills: tuple[Still, ...] = ()
+    reason: str = ""
+
+
+def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> Stills:
+    """Take stills from the videos that participants see.
+
+    They are of the first segment that has a video of every condition, or else of the one that has
+    the most, at the loudest syllable in each of `COUNT` equal parts of its speech.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its videos may be missing or damaged, which gives no still of a condition.
+    study : Study
+        Its definition.
+    segments : sequence of Segment
+        In the study's order.
+    """
+    wanted = [(segment.name, name) for segment in segments for name in study.conditions]
+    try:
+        videos = {key: shown.file for key, shown in shown_videos(folder, study, wanted).items()}
+    except InputError as error:
+        return Stills(reason=f"There are no stills of the conditions: {error.what}.")
+    if not videos:
+        return Stills(reason=NO_VIDEOS)
+    chosen = max(segments, key=lambda segment: sum(name == segment.name for name, _ in videos))
+    own = {
+        condition: videos[chosen.name, condition]
+        for condition in study.conditions
+        if (chosen.name, condition) in videos
+    }
+    if not own:
+        return Stills(reason=NO_VIDEOS)
+    try:
+        moments = _moments(folder, chosen, own)
+    except InputError as error:
+        return Stills(reason=f"There are no stills of the conditions: {error.what}.")
+    found: list[Still] = []
+    for condition, video in own.items():
+        try:
+            frames = frames_at(video, moments, SIDE)
+        except InputError:
+            continue
+        found += [
+            Still(
+                condition=condition,
+                segment=chosen.name,
+                seconds=seconds,
+                word="",
+                image=_data_address(frame),
+            )
+            for seconds, frame in zip(moments, frames, strict=True)
+        ]
+    return Stills(
+        stills=tuple(found), reason="" if found else "No video of a condition can be read."
+    )
+
+
+def _moments(
+    folder: StudyFolder, segment: Segment, videos: Mapping[str, Path]
+) -> tuple[float, ...]:
+    """Return when the speech is loudest; evenly spread moments where it cannot be heard."""
+    first = next(iter(videos.values()))
+    speech = _speech(folder, segment, first)
+    if speech is None:
+        return tuple(one.seconds for one in even_moments(seconds_of(first), COUNT))
+    return tuple(one.seconds for one in loud_moments(speech, COUNT))
+
+
+def _speech(folder: StudyFolder, segment: Segment, video: Path) -> Audio | None:
+    recording = folder.speech / segment.wav
+    try:
+        if recording.is_file():
+            return read_audio(recording).cut(segment.start, segment.end)
+        return read_audio(video)
+    except InputError:
+        return None
+
+
+def _data_address(frame: Image.Image) -> str:
+    """Return a picture as the address of itself."""
+    data = io.BytesIO()
+    frame.save(data, "WEBP", quality=_QUALITY, method=4)
+    return "data:image/webp;base64," + base64.b64encode(data.getvalue()).decode()
+
+
+def frames_at(video: Path, moments: Sequence[float], side: int) -> tuple[Image.Image, ...]:
+    """Return the frames that a video shows at some moments, made smaller.
+
+    Parameters
+    ----------
+    video : Path
+        Any video that FFmpeg reads.
+    moments : sequence of float
+        Seconds from the beginning, in ascending order; one past the end gives the last frame.
+    side : int
+        Pixels that the longer side has.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read as a video.
+    """
+    found: list[Image.Image] = []
+    try:
+        with av.open(str(video)) as container:
+            stream = container.streams.video[0]
+            half = 0.5 / float(stream.average_rate or 30)
+            reformatter = VideoReformatter()
+            last = None
+            for frame in container.decode(stream):
+                last = frame
+                while len(found) < len(moments) and (frame.time or 0) + half > moments[len(found)]:
+                    found.append(_small(reformatter, frame, side))
+                if len(found) == len(moments):
+                    break
+            if last is None:
+                raise ValueError("no frame")
+            found += [_small(reformatter, last, side)] * (len(moments) - len(found))
+    except (av.FFmpegError, OSError, IndexError, ValueError) as error:
+        raise InputError(
+            "the video cannot be read", where=video, remedy="Delete it and render again"
+        ) from error
+    return tuple(found)
+
+
+def _small(reformatter: VideoReformatter, frame: VideoFrame, side: int) -> Image.Image:
+    scale = side / max(frame.width, frame.height)
+    small = reformatter.reformat(
+        frame,
+        width=max(2, round(frame.width * scale)),
+        height=max(2, round(frame.height * scale)),
+        format="rgb24",
+        interpolation=Interpolation.AREA,
+        src_color_range=ColorRange.MPEG,
+        dst_color_range=ColorRange.JPEG,
+    )
+    return Image.fromarray(small.to_ndarray())

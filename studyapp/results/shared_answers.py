@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
@@ -13,12 +12,11 @@ import pandas as pd
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from motion.errors import InputError
-from motion.files import write_text
-from motion.spreadsheet import cell_as_given, harmless_frame
+from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
 from studyapp.results.stated_beforehand import study_of
 from studyapp.results.stored_answers import NO_ANSWERS, Answers, Source, StoredAnswers
+from studyapp.study.settings.sections import explain
 from studyapp.study.settings.study import Study
-from studyapp.study.settings.validation import explain
 
 MANIFEST: Final = "answers.json"
 STATED: Final = "stated.toml"
@@ -92,7 +90,7 @@ def write_shared_answers(
         more_places=stored.more_places,
         columns=columns,
         sha256={
-            path.name: _sha256(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
+            path.name: sha256_of(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
         },
     )
     write_text(folder / MANIFEST, manifest.model_dump_json(indent=1) + "\n")
@@ -108,7 +106,7 @@ def read_shared_answers(folder: Path, origin: Source) -> Answers:
     """
     manifest = _manifest(folder / MANIFEST)
     for name, sha256 in manifest.sha256.items():
-        if not (folder / name).is_file() or _sha256(folder / name) != sha256:
+        if not (folder / name).is_file() or sha256_of(folder / name) != sha256:
             raise _not_as_written(folder / name)
     tables = {name: _table(folder / f"{name}.csv", manifest.columns[name]) for name in TABLES}
     stated: Study | None = None
@@ -166,7 +164,3 @@ def _column(cells: pd.Series[Any], kind: Kind) -> pd.Series[Any]:
         numbers = [float("nan") if cell == MISSING else float(cell) for cell in cells]
         return pd.Series(numbers, dtype="float64")
     return cells.astype("int64")
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

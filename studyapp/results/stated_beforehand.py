@@ -11,8 +11,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from studyapp.database.tables import StudyVersion
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.reading import parse_text

@@ -28,12 +28,12 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
+from studyapp.researchers.audit import COMMAND_LINE
 from studyapp.researchers.exclusion_decisions import standing_exclusions
-from studyapp.researchers.looks import COMMAND_LINE
-from studyapp.session.arrival.intake import present_intake
-from studyapp.session.exclusion import JUDGED
+from studyapp.session.ending import JUDGED
+from studyapp.session.intake import present_intake
 from studyapp.session.state import state_of
-from studyapp.session.videos.watch_evidence import watched_share
+from studyapp.session.watch_evidence import watched_share
 from studyapp.study.settings.study import Study
 
 ROWS: Final = 20_000

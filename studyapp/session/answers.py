@@ -12,15 +12,15 @@ from sqlalchemy import Table, insert
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Response, Trial, Video
-from studyapp.session.arrival.places import regain_place
-from studyapp.session.completion import end_unwatched, most_left_out, move_on
+from studyapp.session.ending import end_unwatched, most_left_out, move_on
+from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find, load_videos, note, require_present, trial_of
-from studyapp.session.videos.watch_evidence import failed_to_play, missing_seconds
-from studyapp.study.design.asking import AnswerKey, Answers, Ask
-from studyapp.study.design.asking import Trial as AskedTrial
-from studyapp.study.design.message import Message
+from studyapp.session.watch_evidence import failed_to_play, missing_seconds
+from studyapp.study.design.trial import AnswerKey, Answers, Ask
+from studyapp.study.design.trial import Trial as AskedTrial
+from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.study import Study
 
 Fields = Mapping[str, Sequence[str]]

@@ -9,13 +9,13 @@ from typing import Final
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer
-from studyapp.session.arrival.places import regain_place
-from studyapp.session.completion import move_on
+from studyapp.session.ending import move_on
+from studyapp.session.participation import sound_check_due
+from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.sound_check import sound_check_due
 from studyapp.session.state import find, form_due
-from studyapp.study.settings.form import Stage
+from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 
 BEFORE_ENROLMENT: Final[tuple[Stage, ...]] = ("eligibility", "consent")

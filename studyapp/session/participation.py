@@ -1,19 +1,32 @@
-"""Beginning, and looking at where the participant stands."""
+"""A participant's way: where they stand, the sound check, beginning, and breaks.
+
+At the sound check a few spoken digits are typed before anything else. It excludes nobody. Breaks
+are offered between the trials of a long study, and left when the participant is ready.
+"""
 
 from __future__ import annotations
 
+import secrets
+import unicodedata
 from dataclasses import dataclass, replace
+from typing import Final
 
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial, Video
-from studyapp.session.arrival.places import regain_place
-from studyapp.session.breaks import break_due
-from studyapp.session.departure import Leaving, leaving
+from studyapp.database.tables import StudySession
+from studyapp.session.ending import Leaving, leaving, take_back
+from studyapp.session.places import regain_place
+from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.sound_check import draw_digits, left_unheard, sound_check_due
+from studyapp.session.shown_trials import (
+    ShownTrial,
+    expected_seconds,
+    following,
+    minutes_left,
+    shown_trial,
+)
 from studyapp.session.state import (
     State,
     current_trial,
@@ -24,74 +37,8 @@ from studyapp.session.state import (
     note,
     state_of,
 )
-from studyapp.session.time_left import expected_seconds, minutes_left
-from studyapp.session.videos.watch_evidence import Watched, watched_so_far
-from studyapp.study.design.asking import Ask
-from studyapp.study.settings.form import Stage
+from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShownVideo:
-    """A player of the present trial as far as its page may know it.
-
-    Attributes
-    ----------
-    shows : tuple of int
-        Numbers of the stimuli it shows, 1 for A; 0 is the reference that is not judged.
-    muted : bool
-        Whether it is to be seen without its sound.
-    """
-
-    token: str
-    shows: tuple[int, ...]
-    duration: float
-    muted: bool
-    watched: Watched
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShownTrial:
-    """The present trial as far as its page may know it.
-
-    Attributes
-    ----------
-    videos : tuple of ShownVideo
-        Its players in the page's order, the reference first where there is one.
-    next_videos : tuple of str
-        Tokens of the following trial's videos, so that they can be fetched ahead.
-    position, presentations : int
-        The how manyth trial of how many.
-    part : str
-        The part of the study it belongs to.
-    part_number, parts : int
-        The how manyth part of how many; 1 of 1 where all trials are alike.
-    begins_part : bool
-        Whether it is the first trial of its part.
-    asks : tuple of Ask
-        The answers it asks for.
-    instructed : int or None
-        The value that the page asks to choose, on an attention check.
-    is_practice : bool
-        Whether its answers are discarded; only some studies tell.
-    minutes_left : int
-        See `studyapp.session.time_left`.
-    """
-
-    token: str
-    videos: tuple[ShownVideo, ...]
-    next_videos: tuple[str, ...]
-    position: int
-    presentations: int
-    part: str
-    part_number: int
-    parts: int
-    begins_part: bool
-    asks: tuple[Ask, ...]
-    instructed: int | None
-    is_practice: bool
-    emotion: str
-    minutes_left: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +52,7 @@ class Break:
     done : int
         How many trials there have been.
     minutes_left : int
-        See `studyapp.session.time_left`.
+        See `studyapp.session.shown_trials.minutes_left`.
     """
 
     position: int
@@ -182,10 +129,10 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
         if (position := break_due(study_session, served.study)) is not None:
             rest = Break(position=position, done=position - 1, minutes_left=minutes)
             return replace(situation, rest=rest)
-        load_videos(session, [trial, *_following(study_session, trial)[:1]])
+        load_videos(session, [trial, *following(study_session, trial)[:1]])
         if trial.shown_at is None:
             note(session, trial, shown_at=now)
-        return replace(situation, trial=_shown(study_session, trial, served.study, minutes))
+        return replace(situation, trial=shown_trial(study_session, trial, served.study, minutes))
 
 
 def _minutes_left(session: Session, study_session: StudySession, study: Study) -> int:
@@ -200,40 +147,127 @@ def _minutes_left(session: Session, study_session: StudySession, study: Study) -
     )
 
 
-def _shown(study_session: StudySession, trial: Trial, study: Study, minutes: int) -> ShownTrial:
-    following = _following(study_session, trial)
-    parts = list(dict.fromkeys(known.part for known in study_session.trials))
-    first = next(known for known in study_session.trials if known.part == trial.part)
-    return ShownTrial(
-        token=trial.token,
-        videos=tuple(_shown_video(video, study.watching.coverage) for video in trial.videos),
-        next_videos=tuple(video.token for video in following[0].videos) if following else (),
-        position=trial.position,
-        presentations=len(study_session.trials),
-        part=trial.part,
-        part_number=1 + parts.index(trial.part),
-        parts=len(parts),
-        begins_part=trial is first,
-        asks=study.asks(trial),
-        instructed=trial.instructed,
-        is_practice=trial.kind == "practice",
-        emotion=trial.emotion,
-        minutes_left=minutes,
+SPOKEN: Final = 3
+"""How many digits are spoken."""
+
+TRIES_BEFORE_LEAVING: Final = 3
+"""After so many other digits, leaving for want of sound is offered."""
+
+
+def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
+    """Tell whether the participant has still to show that the sound is heard."""
+    return (
+        served.study.page.sound_check
+        and served.has_sound
+        and state_of(study_session) == "instructed"
+        and study_session.sound_checked_at is None
     )
 
 
-def _following(study_session: StudySession, trial: Trial) -> list[Trial]:
-    return [later for later in study_session.trials if later.position > trial.position]
+def draw_digits(study_session: StudySession) -> None:
+    """Draw what is spoken to this participant, once."""
+    if not study_session.sound_digits:
+        study_session.sound_digits = "".join(secrets.choice("0123456789") for _ in range(SPOKEN))
 
 
-def _shown_video(video: Video, coverage: float) -> ShownVideo:
-    return ShownVideo(
-        token=video.token,
-        shows=tuple(stimulus.number for stimulus in video.stimuli),
-        duration=video.duration,
-        muted=video.soundless,
-        watched=watched_so_far(video, coverage),
+def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
+    """Return the digits that the participant is to hear.
+
+    Raises
+    ------
+    ConflictError
+        If the participant is not at the sound check.
+    """
+    with database.writing() as session:
+        study_session = find(session, token)
+        if not sound_check_due(study_session, served):
+            raise ConflictError("The sound check is over.", "The next page shows how to go on.")
+        draw_digits(study_session)
+        return study_session.sound_digits
+
+
+def check_sound(
+    database: Database, served: ServedStudy, token: str, typed: str, clock: Clock
+) -> bool:
+    """Tell whether what was typed was spoken, and note it; after the check nothing changes.
+
+    Parameters
+    ----------
+    typed : str
+        Digits of any width, with anything between them.
+
+    Raises
+    ------
+    UnacceptableError
+        If no digit was typed.
+    """
+    digits = "".join(
+        str(unicodedata.digit(letter))
+        for letter in unicodedata.normalize("NFKC", typed)
+        if letter.isdigit()
     )
+    with database.writing() as session:
+        study_session = find(session, token)
+        regain_place(session, served, study_session)
+        if not sound_check_due(study_session, served):
+            return True
+        if not digits:
+            raise UnacceptableError(
+                "No digits were typed.", "Please play the sound and type the digits you hear."
+            )
+        study_session.last_active_at = clock.now()
+        if digits == study_session.sound_digits:
+            study_session.sound_checked_at = clock.now()
+            return True
+        study_session.sound_tries += 1
+        return False
+
+
+def leave_unheard(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
+    """End the study session of somebody who cannot hear the sound, as if withdrawn.
+
+    It changes nothing before `TRIES_BEFORE_LEAVING` tries, and after the check.
+    """
+    with database.writing() as session:
+        study_session = find(session, token)
+        tried = study_session.sound_tries >= TRIES_BEFORE_LEAVING
+        if tried and sound_check_due(study_session, served):
+            take_back(session, study_session, clock.now())
+
+
+def left_unheard(study_session: StudySession) -> bool:
+    """Tell whether the participant withdrew at the sound check, after trying."""
+    return (
+        study_session.withdrawn_at is not None
+        and study_session.sound_checked_at is None
+        and study_session.sound_tries >= TRIES_BEFORE_LEAVING
+    )
+
+
+def break_due(study_session: StudySession, study: Study) -> int | None:
+    """Return the position of the trial that a break comes before now, if one does.
+
+    A trial that was shown already is gone on with: nobody is sent away from it.
+    """
+    trial = current_trial(study_session)
+    if state_of(study_session) != "started" or trial is None or trial.shown_at is not None:
+        return None
+    rested = (study_session.rested_at_position or 0) >= trial.position
+    if rested or not study.page.break_after(trial.position - 1, len(study_session.trials)):
+        return None
+    return trial.position
+
+
+def leave_break(
+    database: Database, served: ServedStudy, token: str, position: int, clock: Clock
+) -> None:
+    """End the break before the trial at `position`; any other than the present one is over."""
+    with database.writing() as session:
+        study_session = find(session, token)
+        regain_place(session, served, study_session)
+        if break_due(study_session, served.study) == position:
+            study_session.rested_at_position = position
+            study_session.last_active_at = clock.now()
 
 
 def begin(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:

@@ -12,7 +12,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, StudySession
-from studyapp.study.design.message import Message, Value
+from studyapp.study.settings.presentation import Message, Value
 
 
 class RefusalError(Exception):

@@ -8,12 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Self
 
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from motion.segment import Segment
 from studyapp.session.refusal import ConflictError
-from studyapp.study.design.arm import Arm
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Arm, Content
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, VideoFile
 from studyapp.study.settings.reading import parse_text, read_text

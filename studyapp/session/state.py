@@ -18,8 +18,8 @@ from sqlalchemy.orm.attributes import set_committed_value
 
 from studyapp.database.tables import Place, StudySession, Trial, Video
 from studyapp.session.refusal import ConflictError, NotTheirsError, UnknownAddressError
-from studyapp.study.design.message import Message
-from studyapp.study.settings.form import Stage
+from studyapp.study.settings.presentation import Message
+from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 
 State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import delete, func, not_, select, update
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Event, StudySession, StudyVersion
-from studyapp.session.arrival.places import (
-    open_places,
-    release_outdated,
-    restore_places,
-    take_allocation_turn,
-)
+from studyapp.database.tables import AuditLine, Event, Place, StudySession, StudyVersion
+from studyapp.session.intake import open_places, take_allocation_turn
+from studyapp.session.places import STALE, regain_place, silent_since
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.versioning import operation_changes, operation_part
 
@@ -109,3 +105,38 @@ def _note_operation(
         session.add(AuditLine(at=now, event=Event.OPERATION_CHANGED, detail="; ".join(changes)))
         version.operation = operation
         session.flush()
+
+
+def release_outdated(session: Session, served: ServedStudy) -> None:
+    """Give back the places of unfinished study sessions of arms that are no longer the same."""
+    unfinished = select(StudySession.id).where(StudySession.completed_at.is_(None))
+    held = select(Place.arm, Place.design).where(Place.study_session_id.is_not(None)).distinct()
+    for arm, design in session.execute(held).all():
+        if (arm, design) not in served.arms:
+            session.execute(
+                update(Place)
+                .where(
+                    Place.arm == arm,
+                    Place.design == design,
+                    Place.study_session_id.in_(unfinished),
+                )
+                .values(study_session_id=None)
+            )
+
+
+def restore_places(session: Session, served: ServedStudy, now: datetime) -> None:
+    """Give the active their places back where what they are asked is served once more."""
+    placeless = session.scalars(
+        select(StudySession)
+        .outerjoin(StudySession.place)
+        .where(
+            Place.id.is_(None),
+            StudySession.completed_at.is_(None),
+            StudySession.withdrawn_at.is_(None),
+            not_(STALE),
+        )
+        .with_for_update(of=StudySession, skip_locked=True),
+        {"silent_since": silent_since(served, now)},
+    )
+    for study_session in placeless.all():
+        regain_place(session, served, study_session)

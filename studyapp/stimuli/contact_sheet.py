@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
-from motion.files import replacing, write_text
+from motion.files import digest, replacing, write_text
 from motion.segment import Segment
 from renderer.figures.glance import glance_at
-from renderer.figures.sheet import Sheet, SheetCell, sheet_page, sheet_pictures
-from renderer.figures.sheet_cell import Cell, draw_cell
-from renderer.version import CELL_VERSION
-from studyapp.stimuli.digest import digest
-from studyapp.stimuli.shown_videos import ShownVideo, shown_videos
+from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
+from renderer.look import CELL_VERSION
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import ShownVideo, shown_videos
 from studyapp.study.settings.study import Study
 
 _UNSHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")

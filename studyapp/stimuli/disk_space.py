@@ -9,7 +9,7 @@ from typing import Final
 
 from motion.errors import InputError
 from renderer.look import Look
-from studyapp.study.stimuli import ClipVideo, PairVideo
+from studyapp.study.media import ClipVideo, PairVideo
 
 FRAMES_LIMIT: Final = 20 * 10**9
 """Bytes of frames that are kept where nobody says otherwise and the disk has room."""

@@ -1,24 +1,24 @@
-"""Making the motion of every generated condition."""
+"""Making the motion of every generated condition, and motion to speech files without a study."""
 
 from __future__ import annotations
 
 import zlib
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from generators.interface import OnPart, SpeechSegment
-from generators.registry import load_generator, needs_model
+from generators.registry import load_generator, needs_model, needs_source
 from generators.settings import Settings
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.files import digest
 from motion.formats import read_clip, write_clip
 from motion.placement import place
 from motion.segment import Segment
-from studyapp.stimuli.digest import digest
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
 
@@ -215,3 +215,93 @@ class Remarks:
             for (condition, heard), segments in self._in_parts.items()
         )
         return (*stood_in, *in_parts)
+
+
+def generate_files(
+    speech: Sequence[Path],
+    out: Path,
+    *,
+    generator: str,
+    settings: Settings,
+    device: str,
+    seed: int,
+    frame_rate: float,
+    emotion: str,
+    on_clip: OnClip = unshown,
+) -> GenerationCount:
+    """Write a clip for each file of speech, ``<out>/<name>.npz``; clips that still fit are kept.
+
+    Parameters
+    ----------
+    generator : str
+        One that needs no source.
+    settings : Settings
+        What the generator takes besides speech.
+    device : {'cpu', 'cuda'}
+        Where a network runs.
+    seed : int
+        The same for all files; each is moved to as it would be alone.
+    frame_rate : float
+        Frames per second of the clips.
+    emotion : str
+        One of `motion.segment.EMOTIONS`, for generators that move by it.
+    on_clip : callable
+        As for `generate`.
+
+    Raises
+    ------
+    InputError
+        If two files would make one clip, a clip in `out` was made by something else, the
+        generator starts from other motion, or a file cannot be read.
+    """
+    if needs_source(generator):
+        raise InputError(
+            f"the generator {generator} changes another condition's motion",
+            remedy="Use it in a study, or name another generator",
+        )
+    twice = [name for name, count in Counter(path.stem for path in speech).items() if count > 1]
+    if twice:
+        raise InputError(
+            f"two files of speech are called {twice[0]!r} and would make one clip",
+            remedy="Give them separately, with another --out each",
+        )
+    moving = load_generator(generator, settings, device)
+    shared = digest(
+        moving.name,
+        moving.version,
+        seed,
+        frame_rate,
+        emotion,
+        *settings.fingerprint(),
+    )
+    made = 0
+    remarks = Remarks()
+    for number, path in enumerate(speech, start=1):
+        target = out / f"{path.stem}.npz"
+        inputs = digest(shared, path)
+        foreign = InputError(
+            "this motion was made elsewhere and would be written over",
+            where=target,
+            remedy="Move it away, or name another --out",
+        )
+        if not is_made_from(inputs, target, otherwise=foreign):
+            audio = read_audio(path)
+            segment = Segment(
+                name=path.stem,
+                wav=path.name,
+                start=0.0,
+                end=audio.duration,
+                speaker="unknown",
+                emotion=emotion,
+            )
+            clip = moving.generate(
+                SpeechSegment(segment=segment, audio=audio),
+                seed=seed,
+                frame_rate=frame_rate,
+                on_part=part_shown(on_clip, number - 1, len(speech), path.stem),
+            )
+            write_clip(target, clip.with_provenance(inputs=inputs))
+            made += 1
+        remarks.look_at(generator, path.stem, target)
+        on_clip(number, len(speech))
+    return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks.sentences())

@@ -11,10 +11,7 @@ from typing import Any, ClassVar, Final, Literal, Self
 
 import av
 
-from motion.audio import read_audio
-from motion.errors import InputError
-from renderer.video.encoder import SOUND_RATE
-from renderer.video.loudness import integrated_loudness
+from renderer.encoder import SOUND_RATE
 
 _UNREADABLE: Final = (av.FFmpegError, OSError)
 
@@ -228,10 +225,3 @@ def written_in(video: Path) -> tuple[str, ...]:
         return ()
     said = [f"{key}: {value}" for table in tables for key, value in table.items()]
     return tuple(sorted(said))
-
-
-def loudness_of(video: Path) -> float | None:
-    """Return how loud a video is in LUFS; None where it is silent, too short or damaged."""
-    with suppress(InputError):
-        return integrated_loudness(read_audio(video, sample_rate=None))
-    return None

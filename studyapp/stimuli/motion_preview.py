@@ -15,14 +15,12 @@ from motion.clip import MotionClip
 from motion.files import replacing
 from motion.formats.joint_maps import JointMap
 from motion.resample import cut
-from renderer.avatars import default_body
-from renderer.clip_video import Stage, as_shown
-from renderer.figures.lettering import INK, font
+from renderer.clip_video import Stage, as_shown, still
+from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.figures.plate import INK, font
 from renderer.framing import frame_clips
-from renderer.look import Look
-from renderer.stills import still
-from renderer.video.encoder import SOUND_RATE, VideoWriter
-from renderer.video.loudness import at_common_loudness
+from renderer.look import Look, default_body
+from renderer.loudness import at_common_loudness
 from studyapp.stimuli.recorded_beside import read_recorded
 
 _COLUMNS: Final = 4

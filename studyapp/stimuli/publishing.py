@@ -16,21 +16,22 @@ from typing import Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.session.preview import planned_trials, players
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Content
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store.bucket import Bucket, connect
-from studyapp.web.media_store.record import (
+from studyapp.web.media_store import (
     FILE,
+    SIGNED_SECONDS,
+    Bucket,
     Place,
     Published,
     PublishedVideo,
+    connect,
+    digests_of,
     new_name,
     read_published,
     write_published,
 )
-from studyapp.web.media_store.store import SIGNED_SECONDS, digests_of
 
 MARK_BYTES: Final = 24
 """A box behind the end that players pass over, as long in every file: eight bytes of head and
@@ -172,8 +173,8 @@ def _most_times(served: ServedStudy, digests: Mapping[Content, str]) -> int:
         for number in range(min(arm.places, PLACES)):
             seen = Counter(
                 digests[content]
-                for trial in planned_trials(served, arm, number)
-                for content in players(trial).values()
+                for trial in served.study.plan(arm, number, served.segments)
+                for content in trial.shown
             )
             most = max(most, *seen.values())
     return most

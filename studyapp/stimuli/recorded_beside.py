@@ -13,8 +13,12 @@ from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
-from motion.formats.arkit_json import read_arkit_json
-from motion.formats.semantic_txt import SemanticSpan, cut_semantic_scores, read_semantic_scores
+from motion.formats.beat_tracks import (
+    SemanticSpan,
+    cut_semantic_scores,
+    read_arkit_json,
+    read_semantic_scores,
+)
 from motion.formats.transcript import preferred_transcript, read_transcript
 from motion.segment import Segment
 

@@ -14,24 +14,21 @@ from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import write_clip
+from motion.formats.beat_tracks import write_semantic_scores
 from motion.formats.joint_maps import JointMap
-from motion.formats.semantic_txt import write_semantic_scores
 from motion.placement import place
 from motion.resample import cut
-from motion.segment import Segment, check_name
-from motion.segments_table import read_segments, write_segments
+from motion.segment import Segment, check_name, read_segments, write_segments
 from studyapp.stimuli.recorded_beside import (
     read_recorded,
     semantics_beside,
     with_words_beside,
 )
-from studyapp.stimuli.shown_body import licensed_hands
-from studyapp.study.creation.study_file import add_condition
+from studyapp.stimuli.shown_motion import SEGMENT_TOLERANCE, check_same_length, licensed_hands
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
+from studyapp.study.study_file import add_condition
 
-SEGMENT_TOLERANCE: Final = 0.1
-"""Seconds by which motion and speech of one segment may differ."""
 TAKE_TOLERANCE: Final = 1.0
 """Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
 ROUNDING: Final = 1e-3
@@ -203,19 +200,6 @@ def import_clips(
     for name, clip in clips.items():
         write_clip(folder.clip(condition, name), clip)
     return notes + _add_if_new(folder, study, condition)
-
-
-def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
-    """Raise `InputError` if a clip and the speech of its segment differ by more than 0.1 s."""
-    difference = abs(clip.duration - segment.duration)
-    if difference > SEGMENT_TOLERANCE + 1e-6:
-        raise InputError(
-            f"the motion lasts {clip.duration:.2f} s, the speech of segment {segment.name} "
-            f"{segment.duration:.2f} s",
-            where=where,
-            remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, "
-            "or check the frame rate",
-        )
 
 
 def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:

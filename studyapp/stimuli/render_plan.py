@@ -10,19 +10,24 @@ from typing import Self
 
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
-from motion.ground import stand_on_ground
+from motion.files import digest
+from motion.placement import stand_on_ground
 from motion.segment import Segment
 from renderer.framing import Camera, frame_clips
 from renderer.jobs.job import ClipJob, DubJob, PairJob
-from renderer.look import Look
-from renderer.version import RENDERER_VERSION
-from studyapp.stimuli.digest import digest
-from studyapp.stimuli.shown_body import body_file, expression_matrix_file, left_out, shown_body
-from studyapp.stimuli.shown_motion import moved_clips, read_motion_shown
-from studyapp.study.design.stimulus import Content
+from renderer.look import RENDERER_VERSION, Look
+from studyapp.stimuli.shown_motion import (
+    body_file,
+    expression_matrix_file,
+    left_out,
+    moved_clips,
+    read_motion_shown,
+    shown_body,
+)
+from studyapp.study.design.trial import Content
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import ClipVideo, PairVideo
 from studyapp.study.settings.study import Study
-from studyapp.study.stimuli import ClipVideo, PairVideo
 
 
 @dataclass(frozen=True, kw_only=True)

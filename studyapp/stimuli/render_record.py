@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Final, Self
 
 from renderer.jobs.job import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
-from studyapp.study.stimuli import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.media import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
 
 _WRITTEN_EVERY: Final = 1.0
 """Seconds between two writings; of thousands of videos, each takes its time."""
@@ -61,15 +61,6 @@ class RenderCount:
     failures: tuple[str, ...] = ()
     left_out: int = 0
     notes: tuple[str, ...] = ()
-
-    def and_copied(self, made: int, kept: int, failures: tuple[str, ...]) -> RenderCount:
-        """Return the count with the videos that were copied."""
-        return replace(
-            self,
-            made=self.made + made,
-            kept=self.kept + kept,
-            failures=(*self.failures, *failures),
-        )
 
 
 class RenderRecord:

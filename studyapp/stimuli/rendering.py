@@ -5,25 +5,23 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.segment import Segment
+from renderer.encoder import SOUND_RATE, pad_to_equal_size
 from renderer.jobs.job import Job, Outcome, PairJob
 from renderer.jobs.making import run_jobs
-from renderer.video.encoder import SOUND_RATE
-from renderer.video.frame_cache import FrameCache
-from renderer.video.loudness import at_common_loudness
-from renderer.video.mp4_boxes import pad_to_equal_size
+from renderer.loudness import at_common_loudness
+from renderer.pair import FrameCache
 from studyapp.stimuli.disk_space import check_room, frames_limit
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.folder import StudyFolder
-from studyapp.study.lock import held_alone
-from studyapp.study.media import Media
-from studyapp.study.stimuli import ClipVideo, PairVideo, read_stimuli
+from studyapp.study.folder import StudyFolder, held_alone
+from studyapp.study.media import ClipVideo, Media, PairVideo, read_stimuli
 
 
 def render(
@@ -70,7 +68,12 @@ def render(
             rendered = _render(plan, processes, cluster, frames_cache, on_progress)
         copied = copy_videos(folder)
         hide_sizes(folder)
-    return rendered.and_copied(copied.made, copied.kept, copied.failures)
+    return replace(
+        rendered,
+        made=rendered.made + copied.made,
+        kept=rendered.kept + copied.kept,
+        failures=(*rendered.failures, *copied.failures),
+    )
 
 
 def _render(

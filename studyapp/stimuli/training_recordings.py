@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -14,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators.training_clips import ClipSource
+from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.files import sha256_of
 from motion.formats import read_clip, read_motion
 from motion.formats.joint_positions import is_joint_table
-from motion.hands import read_mean_hands
-from motion.segments_table import SEGMENTS_FILE
-from renderer.avatars import default_body
-from studyapp.stimuli.shown_body import shown_body
+from motion.segment import SEGMENTS_FILE
+from renderer.look import default_body
+from studyapp.stimuli.shown_motion import shown_body
 from studyapp.study.folder import StudyFolder
 
 _MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
@@ -93,7 +93,7 @@ def _of_study(folder: StudyFolder, condition: str) -> Recordings:
             name=segment.name,
             recording=segment.wav,
             emotion=segment.emotion,
-            sha256=_hash(path),
+            sha256=sha256_of(path),
             read=partial(read_clip, path),
         )
         for segment, path in files.items()
@@ -138,7 +138,7 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
                 name=path.relative_to(folder).as_posix(),
                 recording=label.recording,
                 emotion=label.emotion,
-                sha256=_hash(path),
+                sha256=sha256_of(path),
                 read=partial(_read, path, file_rate, mean_hands),
             )
         )
@@ -154,11 +154,6 @@ def _read(
     path: Path, file_rate: float | None, mean_hands: NDArray[np.float32] | None
 ) -> MotionClip:
     return read_motion(path, frame_rate=file_rate, mean_hands=mean_hands)
-
-
-def _hash(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,17 +14,16 @@ from fractions import Fraction
 from pathlib import Path
 
 from motion.errors import InputError
+from motion.files import digest
 from motion.segment import Segment
-from renderer.version import COPY_VERSION
-from renderer.video.stream_copy import copy_video, end_of
-from studyapp.stimuli.digest import digest
+from renderer.look import COPY_VERSION
+from renderer.stream_copy import copy_video, end_of
 from studyapp.stimuli.media_probe import flaw_of
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video, shows_copy, similar_file
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import stimulus_of
+from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, stimulus_of, write_stimuli
 from studyapp.study.settings.study import Study
-from studyapp.study.stimuli import Stimuli, VideoCopy, read_stimuli, write_stimuli
 
 
 @dataclass(frozen=True, kw_only=True)

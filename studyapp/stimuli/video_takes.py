@@ -12,14 +12,12 @@ from typing import Final
 from motion.audio import read_audio, write_wav
 from motion.body.model import read_body
 from motion.errors import InputError
-from motion.files import write_text
+from motion.files import harmless_cell, write_text
 from motion.formats import write_clip
-from motion.points.detection import Detection, Stretch, stretches
+from motion.points.detection import Detection, Stretch, detect, stretches
 from motion.points.found_motion import clip_of_detection
-from motion.points.mediapipe_detector import detect
 from motion.segment import check_name
-from motion.spreadsheet import harmless_cell
-from renderer.avatars import default_body
+from renderer.look import default_body
 from training.data.found_take import usable_name
 
 LEFT_OUT: Final = "left_out.csv"

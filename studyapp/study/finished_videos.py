@@ -16,7 +16,7 @@ import av
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment, check_name
-from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
 ALIKE: Final = 0.8

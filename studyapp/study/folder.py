@@ -1,14 +1,16 @@
-"""Where everything lies in a study's folder."""
+"""Where everything lies in a study's folder, and the lock of one command at a time on it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import fcntl
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from motion.errors import InputError
-from motion.segment import Segment
-from motion.segments_table import read_segments
+from motion.segment import Segment, read_segments
 from studyapp.study.finished_videos import finished_segments
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
@@ -52,7 +54,7 @@ class StudyFolder:
     """SQLite database of test participations; never mixed with the real one."""
 
     rehearsal_truth = _Inside("rehearsal.json")
-    """What the simulated participants were given to prefer."""
+    """Whom a rehearsal simulated, and the true values that follow."""
 
     rehearsal_findings = _Inside("rehearsal")
     """Folder of what a rehearsal's participants were told, and of what came of it."""
@@ -121,3 +123,26 @@ class StudyFolder:
             for segment in segments
             if all((self.videos / name / f"{segment.name}.mp4").is_file() for name in finished)
         ]
+
+
+@contextmanager
+def held_alone(folder: Path, *, busy: InputError) -> Iterator[None]:
+    """Hold a lock on `folder` during the block.
+
+    The lock is the system's and lies on the folder itself: it leaves no file behind, and ends
+    with the process that holds it, however that ends.
+
+    Raises
+    ------
+    InputError
+        `busy`, if another process holds it.
+    """
+    held = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise busy from None
+        yield
+    finally:
+        os.close(held)

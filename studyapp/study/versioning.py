@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from motion.segment import Segment
-from studyapp.study.design.arm import Arm
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Arm, Content
 from studyapp.study.media import VideoFile
 from studyapp.study.settings.study import Study
 

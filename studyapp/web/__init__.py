@@ -37,7 +37,7 @@ participant. What programs may rely on:
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
                                 the video that were played; n counts the reports of a video from
                                 0. How they were played may be told beside them, as in
-                                `studyapp.web.participants.participant.WatchReport`. The answer
+                                `studyapp.session.watch_evidence.Report`. The answer
                                 holds ``missing``, the seconds still to be played.
 ``POST /take/<token>/withdraw``  the form of the page at that address, linked from every other.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its

@@ -1,37 +1,40 @@
-"""The web application of one study."""
+"""The web application of one study, and the page that tells whether it is well."""
 
 from __future__ import annotations
 
 import hashlib
-import math
+import logging
 import threading
 import time
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
-from flask import Flask, Response, request
+from flask import Blueprint, Flask, Response, current_app, request
 from jinja2 import StrictUndefined
+from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
-from studyapp.researchers.interim.computing import FigureProcess
+from studyapp.researchers.interim_figures import FigureProcess
 from studyapp.session.served_study import ServedStudy, VideoRecord
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.form import LONGEST_TEXT
-from studyapp.web import health, media
+from studyapp.study.settings.questions import LONGEST_TEXT
+from studyapp.web import media
 from studyapp.web.errors import register_error_pages
-from studyapp.web.headers import protect
 from studyapp.web.language import language_of, speak
-from studyapp.web.media_store.store import MediaStore
+from studyapp.web.media_store import MediaStore
+from studyapp.web.mounting import HEALTH, at_sub_path, checked_prefix, with_test_participations
 from studyapp.web.participants import entrance, participant, sound_check
-from studyapp.web.participants.trying import WithTestParticipations
+from studyapp.web.protection import keep_pace, protect
 from studyapp.web.research.pages import research_pages
-from studyapp.web.running import Running, attach
-from studyapp.web.sub_path import SubPath, checked_prefix
+from studyapp.web.running import Running, attach, running
 
-LETTERS = 32
+if TYPE_CHECKING:
+    from _typeshed.wsgi import WSGIApplication
+
+LETTERS: Final = 32
 
 
 def window_name(token: str) -> str:
@@ -130,7 +133,7 @@ def create_app(
     app.register_blueprint(participant.pages)
     app.register_blueprint(sound_check.pages)
     app.register_blueprint(media.pages)
-    app.register_blueprint(health.pages)
+    app.register_blueprint(health_pages)
     if not rehearsal and not tried:
         # A rehearsal is looked at from the study's own server, where researchers have accounts.
         app.register_blueprint(research_pages())
@@ -140,73 +143,78 @@ def create_app(
         recruitment=served.study.recruitment,
         media="" if store is None else store.origin,
     )
+    mounted: WSGIApplication = app.wsgi_app
     if not rehearsal and not tried:
-        app.wsgi_app = WithTestParticipations(  # type: ignore[method-assign]
-            app.wsgi_app,
+        mounted = with_test_participations(
+            mounted,
             lambda: create_app(
                 folder, tried=True, served=served, accel_prefix=accel_prefix, store=store
             ),
             files.tries,
         )
-    if prefix:
-        app.wsgi_app = SubPath(app.wsgi_app, prefix)  # type: ignore[method-assign]
+    app.wsgi_app = at_sub_path(mounted, prefix) if prefix else mounted  # type: ignore[assignment, method-assign]
     return app
 
 
-PER_SECOND: Final = 3.0
-AT_ONCE: Final = 30
-"""Reports that may come together, as from a page whose line was lost for long."""
+KNOWN_SECONDS: Final = 1.0
+"""For how long the last answer stands: anybody may ask, and to find out costs a write."""
 
-KEPT: Final = 10_000
-"""Participants after which those are forgotten who have sent nothing for a while."""
+ANSWER_SECONDS: Final = 5.0
+"""How long the database may take. One that is frozen, or has no connection left, takes longer."""
+
+health_pages = Blueprint("health", __name__)
 
 
-class Pace:
-    """Lets each participant send `AT_ONCE` reports at once, and `PER_SECOND` in the long run."""
+@health_pages.get(HEALTH)
+def health() -> Response:
+    """Say whether answers can be stored; nothing of the study is told."""
+    known = cast(Health, current_app.extensions.setdefault(HEALTH, Health()))
+    if not known.is_well(running().database, current_app.logger):
+        return Response("Answers cannot be stored.\n", 503, mimetype="text/plain")
+    return Response("ok\n", mimetype="text/plain")
+
+
+class Health:
+    """Whether answers can be stored, as one attempt after the other finds out."""
 
     def __init__(self) -> None:
-        self._paid_until: dict[int, float] = {}
         self._lock = threading.Lock()
+        self._attempt: _Attempt | None = None
 
-    def seconds_to_wait(self, token: str, now: float) -> float:
-        """Count a report; return 0, or how long to wait with it where it is one too many.
-
-        Parameters
-        ----------
-        token : str
-            The participant's.
-        now : float
-            The present moment in seconds, from any one beginning.
-        """
-        whose = hash(token)
+    def is_well(self, database: Database, log: logging.Logger) -> bool:
+        """Return what the last attempt found, or a new one; False where it has no end in time."""
         with self._lock:
-            if len(self._paid_until) >= KEPT:
-                self._paid_until = {
-                    who: until for who, until in self._paid_until.items() if until > now
-                }
-            until = max(now, self._paid_until.get(whose, now)) + 1 / PER_SECOND
-            wait = until - now - AT_ONCE / PER_SECOND
-            if wait > 1e-9:
-                return wait
-            self._paid_until[whose] = until
-            return 0.0
+            if self._attempt is None or self._attempt.is_outdated:
+                self._attempt = _Attempt(database, log)
+            attempt = self._attempt
+        return attempt.succeeds()
 
 
-def keep_pace(app: Flask, clock: Clock) -> None:
-    """Refuse reports to `app` beyond what one participant may send, before anything is read."""
-    pace = Pace()
+class _Attempt:
+    """An attempt to write, beside the requests that wait for it."""
 
-    @app.before_request
-    def refuse_too_many() -> Response | None:
-        if request.endpoint != "participant.watched" or request.view_args is None:
-            return None
-        wait = pace.seconds_to_wait(request.view_args["token"], time.monotonic() * clock.speed)
-        if not wait:
-            return None
-        seconds = max(1, math.ceil(wait / clock.speed))
-        return Response(
-            f"Too many reports of what was played. Send this one again after {seconds} s.\n",
-            429,
-            {"Retry-After": str(seconds)},
-            mimetype="text/plain",
-        )
+    def __init__(self, database: Database, log: logging.Logger) -> None:
+        self._began = time.monotonic()
+        self._ended = threading.Event()
+        self._succeeded = False
+        threading.Thread(target=self._write, args=(database, log), daemon=True).start()
+
+    @property
+    def is_outdated(self) -> bool:
+        """Whether it has ended, and what it found stands no longer."""
+        return self._ended.is_set() and time.monotonic() - self._began >= KNOWN_SECONDS
+
+    def succeeds(self) -> bool:
+        """Tell whether it has succeeded, as soon as it has, or has had its time."""
+        self._ended.wait(max(0.0, self._began + ANSWER_SECONDS - time.monotonic()))
+        return self._succeeded
+
+    def _write(self, database: Database, log: logging.Logger) -> None:
+        try:
+            database.try_writing()
+            self._succeeded = True
+        except (SQLAlchemyError, InputError, OSError) as error:
+            cause = getattr(error, "orig", None) or error
+            log.error("Not well: %s", (str(cause).splitlines() or [""])[0])
+        finally:
+            self._ended.set()

@@ -11,7 +11,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from werkzeug.datastructures import MultiDict
 from werkzeug.exceptions import HTTPException
 
-from studyapp.database.waiting_line import LineHeldError
+from studyapp.database.sqlite import LineHeldError
 from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
@@ -26,7 +26,7 @@ from studyapp.session.refusal import (
     UnprovenError,
     note_refusal,
 )
-from studyapp.study.design.message import Message
+from studyapp.study.settings.presentation import Message
 from studyapp.web.language import _, say
 from studyapp.web.running import running
 

@@ -21,7 +21,7 @@ from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po
 from flask import Flask, current_app
 
-from studyapp.study.design.message import Message
+from studyapp.study.settings.presentation import Message
 
 CATALOGUES: Final = Path(__file__).parent / "catalogues"
 SOURCE: Final = "en"

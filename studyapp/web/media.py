@@ -11,9 +11,9 @@ from werkzeug.exceptions import RequestedRangeNotSatisfiable
 from werkzeug.wsgi import wrap_file
 
 from motion.errors import InputError
-from studyapp.session.videos.video_access import content_of, content_to_send, earlier_contents
-from studyapp.study.design.stimulus import Content
-from studyapp.web.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
+from studyapp.session.video_access import content_of, content_to_send, earlier_contents
+from studyapp.study.design.trial import Content
+from studyapp.web.media_store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.web.running import running
 
 

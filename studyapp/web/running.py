@@ -1,19 +1,24 @@
-"""What every request needs."""
+"""What every request needs: the study, its database and clock, and from which address it came."""
 
 from __future__ import annotations
 
+import hashlib
+import ipaddress
+import os
 from dataclasses import dataclass
+from datetime import timedelta
 from pathlib import Path
 from typing import Final, cast
 
-from flask import Flask, current_app
+from flask import Flask, Response, current_app, request
 
+from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.researchers.interim.computing import FigureProcess
+from studyapp.researchers.interim_figures import FigureProcess
 from studyapp.session.served_study import ServedStudy, VideoRecord
 from studyapp.study.settings.study import Study
-from studyapp.web.media_store.store import MediaStore
+from studyapp.web.media_store import MediaStore
 
 EXTENSION: Final = "motionjury"
 
@@ -62,3 +67,115 @@ def attach(app: Flask, running: Running) -> None:
 def running() -> Running:
     """Return what the present request needs."""
     return cast(Running, current_app.extensions[EXTENSION])
+
+
+PROXIES: Final = "FORWARDED_ALLOW_IPS"
+"""Names the proxies that are believed; gunicorn reads it too."""
+
+OWN_NETWORK: Final = 64
+"""Leading bits of an IPv6 address that are one household's or institute's."""
+
+
+def client_address() -> str:
+    """Return the address that asks; of IPv6, its network, as anybody has very many addresses.
+
+    A proxy says for whom it asks, in the last entry of ``X-Forwarded-For``. It is believed where
+    the environment names it in ``FORWARDED_ALLOW_IPS``, as the server itself does.
+    """
+    peer = _parsed(request.remote_addr or "")
+    forwarded = _parsed(request.headers.get("X-Forwarded-For", "").rpartition(",")[2].strip())
+    found = forwarded if forwarded is not None and _is_trusted(peer) else peer
+    if found is None:
+        return "unknown"
+    if isinstance(found, ipaddress.IPv6Address):
+        if found.ipv4_mapped is not None:
+            return str(found.ipv4_mapped)
+        return str(ipaddress.ip_network((found, OWN_NETWORK), strict=False))
+    return str(found)
+
+
+def newcomers_address() -> str | None:
+    """Return `client_address`, None where a proxy asks that is not believed.
+
+    The address of such a proxy would be that of everybody.
+    """
+    peer = _parsed(request.remote_addr or "")
+    proxied = "X-Forwarded-For" in request.headers and (peer is None or not peer.is_global)
+    return None if proxied and not _is_trusted(peer) else client_address()
+
+
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+
+def _parsed(text: str) -> Address | None:
+    try:
+        return ipaddress.ip_address(text.partition("%")[0])
+    except ValueError:
+        return None
+
+
+def _is_trusted(peer: Address | None) -> bool:
+    """Tell whether the one that asks is a proxy of ours; without an address it is a socket."""
+    networks = believed_proxies()
+    return peer is None or networks is None or any(peer in network for network in networks)
+
+
+def believed_proxies() -> tuple[Network, ...] | None:
+    """Return the networks whose proxies are believed; None for all.
+
+    Raises
+    ------
+    InputError
+        If the environment names something that is not a network.
+    """
+    named = os.environ.get(PROXIES, "127.0.0.1,::1").split(",")
+    if "*" in named:
+        return None
+    try:
+        return tuple(ipaddress.ip_network(text.strip()) for text in named if text.strip())
+    except ValueError as error:
+        raise InputError(
+            f"the environment variable names no network address: {error}",
+            where=PROXIES,
+            remedy="Name the proxies by address, such as 10.0.0.5,10.1.0.0/16",
+        ) from error
+
+
+@dataclass(frozen=True)
+class TokenCookie:
+    """A cookie with a token that says who sends it.
+
+    Attributes
+    ----------
+    whose : str
+        Begins its name.
+    path : str
+        Which pages get it, from the study's root.
+    kept : timedelta or None
+        For how long the browser keeps it; None until it is closed.
+    """
+
+    whose: str
+    path: str
+    kept: timedelta | None = None
+
+    def name(self, study: str) -> str:
+        """Return its name: two studies on one host, which ports tell apart, have two."""
+        return f"{self.whose}-{hashlib.sha256(study.encode()).hexdigest()[:8]}"
+
+    def read(self, study: str) -> str | None:
+        """Return what the browser sent, None where it sent none."""
+        return request.cookies.get(self.name(study))
+
+    def send(self, response: Response, study: str, token: str) -> None:
+        """Have the browser keep `token`."""
+        response.set_cookie(
+            self.name(study),
+            token,
+            max_age=self.kept,
+            path=request.script_root + self.path,
+            secure=request.is_secure,
+            httponly=True,
+            samesite="Lax",
+        )

@@ -19,15 +19,13 @@ from sqlalchemy.exc import SQLAlchemyError
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.monitoring.alarm_channels import AlarmChannels
-from studyapp.monitoring.alarms import watch_for_alarms
+from studyapp.monitoring.alarms import AlarmChannels, watch_for_alarms
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.web.address import believed_proxies
 from studyapp.web.app import create_app
-from studyapp.web.media_store.store import MediaStore
-from studyapp.web.running import running
-from studyapp.web.sub_path import checked_prefix
+from studyapp.web.media_store import MediaStore
+from studyapp.web.mounting import checked_prefix
+from studyapp.web.running import believed_proxies, running
 from studyapp.web.worker import StudyWorker
 
 RETRY_SECONDS: Final = 1.0
@@ -149,7 +147,7 @@ def run_server(
         "proc_name": "motionjury",
         "control_socket_disable": True,
         # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
-        # is read in `studyapp.web.address`. The sub-path is ours to name.
+        # is read in `studyapp.web.running`. The sub-path is ours to name.
         "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
         "forwarder_headers": "",
     }

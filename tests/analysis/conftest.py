@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +18,29 @@ def closed_form(shared_data: Path) -> Mapping[str, Any]:
     path = shared_data.parent / "reference" / "stats" / "metrics_closed_form.json"
     if not path.is_file():
         pytest.skip("the closed-form scores (../shared/reference/stats) are not here")
-    return json.loads(path.read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
 
 
 @pytest.fixture
-def waving():
+def waving() -> Callable[..., MotionClip]:
     """Return a maker of clips whose arms swing at a given rate."""
 
-    def make(*, frequency=1.0, seconds=4.0, frame_rate=30.0, amplitude=0.6, drift=0.0):
+    def make(
+        *,
+        frequency: float = 1.0,
+        seconds: float = 4.0,
+        frame_rate: float = 30.0,
+        amplitude: float = 0.6,
+        drift: float = 0.0,
+    ) -> MotionClip:
         frames = round(seconds * frame_rate)
         time = np.arange(frames) / frame_rate
-        poses = np.zeros((frames, JOINT_COUNT, 3))
+        poses = np.zeros((frames, JOINT_COUNT, 3), np.float32)
         swing = amplitude * np.sin(2 * np.pi * frequency * time)
         for joint in ("left_shoulder", "right_shoulder"):
             poses[:, joint_index(joint), 2] = swing
-        trans = np.outer(drift * time, [1.0, 0.0, 0.0])
+        trans = np.outer(drift * time, [1.0, 0.0, 0.0]).astype(np.float32)
         return MotionClip(poses=poses, trans=trans, frame_rate=frame_rate)
 
     return make

@@ -9,19 +9,19 @@ import pytest
 
 from benchmarks.hands_alive import RESTS, generated, hands_alive, main
 from motion.audio import read_audio
-from motion.clip import MotionClip
 from motion.formats import read_motion
 from motion.skeleton import joint_index
+from tests.motion.random_clips import clip_of
 
 
 def test_a_turning_finger_and_a_shifted_body_are_measured_in_degrees_and_metres() -> None:
     poses = np.zeros((31, 55, 3), np.float32)
     poses[:, joint_index("left_index2"), 2] = np.radians(60) * np.arange(31) / 30
-    trans = np.outer(np.arange(31) / 30, [1.01 * RESTS, 0, 0]).astype(np.float32)
-    found = hands_alive(MotionClip(poses=poses, trans=trans, frame_rate=30))
+    trans = np.outer(np.arange(31) / 30, [1.01 * RESTS, 0, 0])
+    found = hands_alive(clip_of(poses, trans))
     assert found.fingers == pytest.approx(60 / 30, rel=1e-3)
     assert found.resting == 0.0
-    assert hands_alive(MotionClip(poses=poses, trans=trans / 2, frame_rate=30)).resting == 1.0
+    assert hands_alive(clip_of(poses, trans / 2)).resting == 1.0
 
 
 def test_neutral_hands_move_and_rest_like_recorded_ones(shared_data: Path) -> None:

@@ -12,8 +12,7 @@ from benchmarks.rehearsal_recovery import (
     simulated,
     template_study,
 )
-from studyapp.rehearsal.simulation.kinds import KINDS
-from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.population import KINDS, Population, default_population
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "rehearsal.md"
 

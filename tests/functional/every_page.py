@@ -13,8 +13,9 @@ from playwright.sync_api import Page, expect
 from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.completion import move_on
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import move_on
+from studyapp.session.enrolment import enrol
 from studyapp.session.participation import begin
 from studyapp.session.state import current_trial, find, note
 from studyapp.web.app import create_app
@@ -68,7 +69,7 @@ def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
             answer(page)
             yield f"{name}-answered"
             menus = page.locator(".ordering button")
-            if menus.count() and menus.get_attribute("aria-pressed") == "false":
+            if menus.count() and not page.locator(".ranks:visible").count():
                 menus.click()
                 yield f"{name}-menus"
             leave_trial(page, app)

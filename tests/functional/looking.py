@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, ViewportSize
@@ -15,9 +15,19 @@ SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1920, "height": 1080},
     "phone": {"width": 390, "height": 844},
 }
-CONTRAST = {"runOnly": {"type": "rule", "values": ["color-contrast"]}}
+CONTRAST: dict[str, object] = {"runOnly": {"type": "rule", "values": ["color-contrast"]}}
+EVERYTHING: dict[str, object] = {"resultTypes": ["violations"]}
 SEVERE = ("serious", "critical")
-SCHEMES: tuple[Literal["dark"], Literal["light"]] = ("dark", "light")
+SCHEMES: Final[tuple[Literal["dark", "light"], ...]] = ("dark", "light")
+COLOURS = """[...document.querySelectorAll('*')].map(element => {
+  const style = getComputedStyle(element);
+  return [style.color, style.backgroundColor, style.borderTopColor, style.colorScheme].join();
+})"""
+CHOICES = "button, select, .scale label, .reasons label, .place, .slider input"
+LOOKS = 10
+"""How often at most a page's colours are compared before they are said to differ."""
+LEAST_HEIGHT = 44
+"""Pixels of a telephone that a finger does not miss."""
 
 
 def photograph(page: Page, name: str, *, resized: bool = True) -> None:
@@ -44,13 +54,54 @@ def photograph(page: Page, name: str, *, resized: bool = True) -> None:
 def barriers(page: Page) -> list[str]:
     """Return what axe-core finds severe on the page, light and dark."""
     found = []
-    for scheme, options in zip(SCHEMES, (CONTRAST, {"resultTypes": ["violations"]}), strict=True):
+    for scheme, options in zip(SCHEMES, (CONTRAST, EVERYTHING), strict=True):
         page.emulate_media(color_scheme=scheme)
-        results = Axe().run(page, options=options).response
-        found += [
-            f"{scheme}: {violation['id']} at {node['target']}: {node['failureSummary']}"
-            for violation in results["violations"]
-            if violation["impact"] in SEVERE
-            for node in violation["nodes"]
-        ]
+        found += [f"{scheme}: {each}" for each in _severe(page, options)]
     return found
+
+
+def _severe(page: Page, options: dict[str, object]) -> list[str]:
+    return [
+        f"{violation['id']} at {node['target']}: {node['failureSummary']}"
+        for violation in Axe().run(page, options=options).response["violations"]
+        if violation["impact"] in SEVERE
+        for node in violation["nodes"]
+    ]
+
+
+def participants_barriers(page: Page) -> list[str]:
+    """Return what axe-core finds severe on a participant's page, which knows no dark look."""
+    # While a page still changes by itself, two moments differ; a dark look differs at all times.
+    alike = any(_looks_alike(page) for _ in range(LOOKS))
+    found = [f"light: {each}" for each in _severe(page, EVERYTHING)]
+    return found + ([] if alike else ["another look in the dark"])
+
+
+def _looks_alike(page: Page) -> bool:
+    """Tell whether all colours of the page are the same in the dark and in the light."""
+    looks = []
+    for scheme in SCHEMES:
+        page.emulate_media(color_scheme=scheme)
+        looks.append(page.evaluate(COLOURS))
+    dark, light = looks
+    return bool(dark == light)
+
+
+def too_small_to_touch(page: Page) -> list[str]:
+    """Return what can be chosen or pressed on the page and is too flat on a telephone."""
+    size = page.viewport_size
+    assert size is not None
+    page.set_viewport_size(SIZES["phone"])
+    found = []
+    for choice in page.locator(CHOICES).all():
+        box = choice.bounding_box() if choice.is_visible() else None
+        if box is not None and box["height"] < LEAST_HEIGHT:
+            found.append(f"{choice.inner_text()} is {box['height']} pixels high")
+    page.set_viewport_size(size)
+    return found
+
+
+def video_sizes(page: Page) -> set[tuple[int, int]]:
+    """Return how large the videos of the page are, in pixels: one size if all are alike."""
+    boxes = [video.bounding_box() for video in page.locator("video").all()]
+    return {(round(box["width"]), round(box["height"])) for box in boxes if box is not None}

@@ -41,7 +41,7 @@ labels = ["not natural at all", "hardly believable", "acceptable", "good", "very
 [[questions]]
 name = "synchrony"
 title = "Synchrony with the speech"
-text = "How do face and body go along with the speech?"
+text = "How do face and body move with the speech?"
 labels = [
   "hardly at all, or at random",
   "they move a little",

@@ -19,16 +19,16 @@ from typing import Final
 
 import pytest
 
-from renderer.video.mp4_boxes import pad_to_equal_size
+from renderer.encoder import pad_to_equal_size
 from studyapp.database.tables import Trial, TrialStimulus
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.finished_videos import finished_video
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.functional.adversary import unlike_videos
-from tests.functional.adversary.guessing import Guess, Sitting, guesses
+from tests.functional.adversary.guessing import Guess, Received, guesses
 from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
 from tests.functional.adversary.mp4_facts import facts_of
 from tests.functional.adversary.studies import STUDIES, write_study
@@ -37,13 +37,13 @@ from tests.studyapp.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
 
-SITTINGS: Final = 24
+SESSIONS: Final = 24
 """Half of them are guessed: eight study sessions can exchange what is true of them in so many ways
 that a perfect guess is far less probable than `CHANCE` allows, even of one catch trial in six."""
 CHANCE: Final = 0.01
 """How probable it may be that any guess is called better than chance where none is."""
 GUESSES: Final = len(STUDIES) * 2 * 2
-"""Of conditions and of kinds, each half of every study's sittings."""
+"""Of conditions and of kinds, each half of every study's sessions."""
 
 Sat = list[HeardTrial]
 Change = Callable[[Exchange, Trial, Content | None], Exchange]
@@ -55,7 +55,7 @@ class Heard:
     """A study, and everything that was received by those who took part in it."""
 
     folder: StudyFolder
-    sittings: list[Sat]
+    sessions: list[Sat]
     questions: bool
 
 
@@ -79,9 +79,9 @@ def heard(made: Callable[[str], StudyFolder]) -> Callable[[str], Heard]:
             patch.setattr("secrets.token_urlsafe", seeded_tokens())
             here = running()
             attach(app, replace(here, clock=clock))
-            sittings = [Listener(app, clock).hear() for _ in range(SITTINGS)]
+            sessions = [Listener(app, clock).hear() for _ in range(SESSIONS)]
         here.database.close()
-        return Heard(folder, sittings, questions=not STUDIES[name].instructs)
+        return Heard(folder, sessions, questions=not STUDIES[name].instructs)
 
     return take_part
 
@@ -99,10 +99,10 @@ def shape(sat: Sat) -> tuple[object, ...]:
     )
 
 
-def by_condition(sittings: Sequence[Sat], *, questions: bool) -> list[Sitting]:
-    """Return the sittings, an item for each stimulus: what it shows, and with whose speech."""
+def by_condition(sessions: Sequence[Sat], *, questions: bool) -> list[Received]:
+    """Return the sessions, an item for each stimulus: what it shows, and with whose speech."""
     made = []
-    for sat in sittings:
+    for sat in sessions:
         rows, truth = [], []
         for trial in sat:
             facts = stimulus_facts(trial, questions=questions)
@@ -110,19 +110,19 @@ def by_condition(sittings: Sequence[Sat], *, questions: bool) -> list[Sitting]:
                 if stimulus.number:
                     rows.append(facts[stimulus.number])
                     truth.append(f"{stimulus.condition} {_sound(stimulus)}")
-        made.append(Sitting(rows, truth, shape(sat)))
+        made.append(Received(rows, truth, shape(sat)))
     return made
 
 
-def by_kind(sittings: Sequence[Sat], *, questions: bool) -> list[Sitting]:
-    """Return the sittings, an item for each trial: its kind."""
+def by_kind(sessions: Sequence[Sat], *, questions: bool) -> list[Received]:
+    """Return the sessions, an item for each trial: its kind."""
     return [
-        Sitting(
+        Received(
             [trial_facts(t, questions=questions) for t in sat],
             [t.truth.kind for t in sat],
             shape(sat),
         )
-        for sat in sittings
+        for sat in sessions
     ]
 
 
@@ -132,17 +132,17 @@ def _sound(stimulus: TrialStimulus) -> str:
     return "own" if stimulus.speech == stimulus.segment else "other"
 
 
-def better_than_chance(sittings: Sequence[Sitting]) -> list[Guess]:
-    assert len({truth for sitting in sittings for truth in sitting.truth}) > 1
-    return [guess for guess in guesses(sittings) if guess.p < CHANCE / GUESSES]
+def better_than_chance(sessions: Sequence[Received]) -> list[Guess]:
+    assert len({truth for session in sessions for truth in session.truth}) > 1
+    return [guess for guess in guesses(sessions) if guess.p < CHANCE / GUESSES]
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_an_adversary_does_no_better_than_chance(heard: Callable[[str], Heard], name: str) -> None:
     found = heard(name)
 
-    assert better_than_chance(by_condition(found.sittings, questions=found.questions)) == []
-    assert better_than_chance(by_kind(found.sittings, questions=found.questions)) == []
+    assert better_than_chance(by_condition(found.sessions, questions=found.questions)) == []
+    assert better_than_chance(by_kind(found.sessions, questions=found.questions)) == []
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -162,9 +162,9 @@ def test_files_that_may_stand_beside_each_other_tell_the_same(
         assert all(facts == of_segment[0] for facts in of_segment)
 
 
-def planted(sittings: Sequence[Sat], change: Change) -> list[Sat]:
+def planted(sessions: Sequence[Sat], change: Change) -> list[Sat]:
     """Return what would have been received if `change` had been made to it."""
-    return [[_changed(trial, change) for trial in sat] for sat in sittings]
+    return [[_changed(trial, change) for trial in sat] for sat in sessions]
 
 
 def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
@@ -187,8 +187,8 @@ def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
 
 
 def found_by_condition(study: Heard, change: Change) -> list[Guess]:
-    sittings = planted(study.sittings, change)
-    return better_than_chance(by_condition(sittings, questions=study.questions))
+    sessions = planted(study.sessions, change)
+    return better_than_chance(by_condition(sessions, questions=study.questions))
 
 
 def with_files(files: Mapping[Content, bytes]) -> Change:
@@ -275,6 +275,6 @@ def test_one_byte_that_depends_on_the_kind_would_be_found(heard: Callable[[str],
 
     study = heard("players")
 
-    sittings = planted(study.sittings, leak)
+    sessions = planted(study.sessions, leak)
 
-    assert better_than_chance(by_kind(sittings, questions=study.questions))
+    assert better_than_chance(by_kind(sessions, questions=study.questions))

@@ -18,7 +18,7 @@ from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.restoration import restore
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, Response, StudySession, Trial
-from studyapp.rehearsal.ledger import AnswerPlace
+from studyapp.rehearsal.bookkeeping import AnswerPlace
 from studyapp.study.folder import StudyFolder
 from tests.support.databases import BACKENDS, Backend
 from tests.support.fabricated_study import StudyShape, write_fabricated_study

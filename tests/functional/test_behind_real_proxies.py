@@ -72,7 +72,9 @@ class Participant:
         """Watch what is shown, and send the page's form."""
         for video in self.page.soup.select("video"):
             self.watch(
-                str(video["src"]), str(video["data-watched-url"]), float(video["data-duration"])
+                str(video["src"]),
+                str(video["data-watched-url"]),
+                float(str(video["data-duration"])),
             )
         to = urljoin(self.address, self.page.action)
         self.page = self.read(self.client.post(to, data=filled(self.page)))

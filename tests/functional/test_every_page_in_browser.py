@@ -1,4 +1,4 @@
-"""Every page of every protocol, looked at: barriers, light and dark, and whether a pair fits.
+"""Every page of every protocol, looked at: barriers, one look for all, and whether a pair fits.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
@@ -20,7 +20,15 @@ from studyapp.web.language import language_of, speak
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import fill, first_trial, shown, spoken_digits, walk
-from tests.functional.looking import LAPTOP, SIZES, barriers, photograph
+from tests.functional.looking import (
+    LAPTOP,
+    SIZES,
+    barriers,
+    participants_barriers,
+    photograph,
+    too_small_to_touch,
+    video_sizes,
+)
 from tests.functional.shown_studies import NAMES, write_shown_study
 
 pytestmark = IN_A_BROWSER
@@ -39,7 +47,7 @@ def examined() -> set[str]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_page_has_a_severe_barrier_in_light_or_dark(
+def test_every_page_looks_the_same_for_all_and_has_no_severe_barrier(
     name: str, examined: set[str], browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / name, name)
@@ -51,7 +59,10 @@ def test_no_page_has_a_severe_barrier_in_light_or_dark(
             if parts not in seen:
                 photograph(page, f"{name}-{state}")
             if parts not in examined:
-                found[state] = barriers(page)
+                found[state] = participants_barriers(page) + too_small_to_touch(page)
+                for _larger in (False, True) if "trial" in state else ():
+                    assert len(video_sizes(page)) == 1, state
+                    page.keyboard.press("l")
             seen.add(parts)
             examined.add(parts)
 
@@ -110,13 +121,13 @@ def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path:
         found = {}
         for name in beside_the_way(page, address, app):
             photograph(page, f"beside-{name}")
-            found[name] = barriers(page)
+            found[name] = participants_barriers(page)
         page.context.close()
         phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
         phone.goto(address)
         expect(phone.get_by_role("heading", level=1)).to_contain_text("on a computer")
         photograph(phone, "beside-phone")
-        found["phone"] = barriers(phone)
+        found["phone"] = participants_barriers(phone)
         phone.close()
 
     assert {name: each for name, each in found.items() if each} == {}
@@ -176,7 +187,7 @@ def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Pat
         found = {}
         for name in in_trouble(page, address, app):
             photograph(page, f"trouble-{name}")
-            found[name] = barriers(page)
+            found[name] = participants_barriers(page)
         page.context.close()
 
     assert list(found) == ["trial-problem", "trial-fault", "full", "lapsed", "closed"]
@@ -197,6 +208,7 @@ def test_a_barrier_would_be_found(browser: Browser) -> None:
         "dark: color-contrast",
         "light: select-name",
     ]
+    assert participants_barriers(page)[1:] == ["another look in the dark"]
     page.close()
 
 
@@ -246,6 +258,9 @@ def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
             missing, onward = page.locator("#watched"), page.locator("#next")
             expect(missing).to_contain_text("E")
             photograph(page, f"ranking-{language}")
-            rows = [place.bounding_box() for place in (missing, onward)]
-            beside, button = (row for row in rows if row is not None)
-            assert button["y"] < beside["y"] + beside["height"] / 2 < button["y"] + button["height"]
+            for larger in (True, False):
+                page.keyboard.press("l")
+                rows = [place.bounding_box() for place in (missing, onward)]
+                beside, button = (row for row in rows if row is not None)
+                middle = beside["y"] + beside["height"] / 2
+                assert button["y"] < middle < button["y"] + button["height"], (language, larger)

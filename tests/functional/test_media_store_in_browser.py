@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 
 from studyapp.stimuli.publishing import publish
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store.record import Place
+from studyapp.web.media_store import Place
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, launched, serving
 from tests.studyapp.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
 

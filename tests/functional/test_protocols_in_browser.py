@@ -49,7 +49,7 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
     """Return a study of the protocol that the test names."""
-    folder = tmp_path / request.param
+    folder: Path = tmp_path / request.param
     folder.mkdir()
     write_finished_study(folder, request.param, video)
     redefine(folder, *CHANGES.get(request.param, ()))

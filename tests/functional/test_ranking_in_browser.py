@@ -11,6 +11,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import first_trial, shown
+from tests.functional.looking import video_sizes
 from tests.functional.shown_studies import write_shown_study
 
 pytestmark = IN_A_BROWSER
@@ -144,6 +145,9 @@ def test_menus_can_be_used_instead_and_say_what_is_wrong(page: Page) -> None:
     expect(page.locator("#needed")).to_contain_text("answer 2, 3 and 4")
     page.reload()
     expect(question(page).locator("select").first).to_be_visible()
+    page.get_by_role("button", name="Use letters instead").click()
+    expect(question(page).locator(".card").first).to_be_visible()
+    expect(page.get_by_role("button", name="Use menus instead")).to_be_visible()
 
 
 @pytest.mark.parametrize("page", ["ties"], indirect=True)
@@ -177,6 +181,25 @@ def test_videos_stay_in_view_beside_all_questions(page: Page) -> None:
     expect(page.locator(".question").last.locator(".place").first).to_be_in_viewport(ratio=1)
 
 
+def test_all_videos_are_enlarged_alike_by_click_and_by_key_and_no_answer_tells(page: Page) -> None:
+    sent = "[...new FormData(document.querySelector('#answers'))].flat().join()"
+    (small,), before = video_sizes(page), page.evaluate(sent)
+
+    page.get_by_role("button", name="Larger videos").click()
+
+    ((width, height),) = video_sizes(page)
+    assert min(width, height) > 2 * max(small)
+    page.get_by_role("button", name="Play E", exact=True).click()
+    expect(page.locator("video").last).to_be_in_viewport(ratio=0.95)
+    expect(page.locator(".place").first).to_be_in_viewport(ratio=1)
+    assert page.evaluate(sent) == before
+    page.reload()
+    expect(page.get_by_role("button", name="Smaller videos")).to_be_visible()
+    page.keyboard.press("l")
+    expect(page.get_by_role("button", name="Larger videos")).to_be_visible()
+    assert video_sizes(page) == {small}
+
+
 def test_a_card_goes_where_it_is_put_and_pushes_no_other_out(page: Page) -> None:
     orders = sorted(set(permutations((0, 0, 0, 1, 2, 3, 4), 4)))
     moves = [
@@ -195,5 +218,5 @@ def test_a_card_goes_where_it_is_put_and_pushes_no_other_out(page: Page) -> None
         assert len(set(ranked)) == len(ranked)
         others = [card for card in range(4) if card != moved]
         assert [card for card in others if not ranks[card]] == [c for c in others if not now[c]]
-        before = sorted((c for c in others if ranks[c]), key=lambda c, r=ranks: r[c])
-        assert before == sorted((c for c in others if now[c]), key=lambda c, r=now: r[c])
+        before = sorted((c for c in others if ranks[c]), key=ranks.__getitem__)
+        assert before == sorted((c for c in others if now[c]), key=now.__getitem__)

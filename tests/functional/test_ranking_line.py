@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomlkit
 from click.testing import CliRunner
 
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
-from motion.formats.arkit_json import write_arkit_json
+from motion.formats.beat_tracks import write_arkit_json
 from studyapp.cli.main import group
+from tests.edited_study import edited
 from tests.generators.diffsheg.small_network import written_network
 
 pytestmark = pytest.mark.slow
@@ -55,12 +55,11 @@ def record(home: Path, name: str, pitch: float) -> None:
     loudness = np.maximum(np.sin(2 * np.pi * 1.7 * times), 0)
     samples = (0.4 * loudness * np.sin(2 * np.pi * pitch * times)).astype(np.float32)
     write_wav(home / f"{name}.wav", Audio(samples=samples, sample_rate=RATE))
-    poses = np.zeros((120, 55, 3))
+    poses = np.zeros((120, 55, 3), np.float32)
     poses[:, 16, 2] = -1.1 + 0.3 * np.sin(2 * np.pi * 1.7 * np.arange(120) / 30)
     poses[:, 17, 2] = 1.1
-    write_clip(
-        home / f"{name}.npz", MotionClip(poses=poses, trans=np.zeros((120, 3)), frame_rate=30)
-    )
+    take = MotionClip(poses=poses, trans=np.zeros((120, 3), np.float32), frame_rate=30)
+    write_clip(home / f"{name}.npz", take)
     jaw = np.zeros((240, 51))
     jaw[:, 17] = np.maximum(np.sin(2 * np.pi * 1.7 * np.arange(240) / 60), 0)
     write_arkit_json(home / f"{name}.json", jaw, 60)
@@ -72,19 +71,18 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
     written_network(home / "net.safetensors")
     motionjury("init", "lab", "--template", "diffsheg", "--reference", "ground_truth")
     definition = home / "lab" / "study.toml"
-    document = tomlkit.parse(definition.read_text())
-    network = {"generator": "diffsheg", "checkpoint": str(home / "net.safetensors")}
-    document["conditions"]["diffsheg"] = network  # type: ignore[index]
-    document["participants"] = PARTICIPANTS
-    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
-    document["attention"]["trials"] = 0  # type: ignore[index]
-    long, short = document["blocks"]  # type: ignore[misc]
-    long.update({"trials": 2, "shortest": 1.5})  # type: ignore[union-attr]
-    short.update({"trials": 2, "longest": 1.5})  # type: ignore[union-attr]
-    for block in (long, short):
-        block["conditions"] = ["diffsheg", *list(block["conditions"])[:-1]]  # type: ignore[index]
-    del document["conditions"]["mismatched_flawed"]  # type: ignore[union-attr]
-    definition.write_text(tomlkit.dumps(document))
+    with edited(definition) as document:
+        network = {"generator": "diffsheg", "checkpoint": str(home / "net.safetensors")}
+        document["conditions"]["diffsheg"] = network
+        document["participants"] = PARTICIPANTS
+        document["video"].update({"size": 96, "frame_rate": 10})
+        document["attention"]["trials"] = 0
+        long, short = document["blocks"]
+        long.update({"trials": 2, "shortest": 1.5})
+        short.update({"trials": 2, "longest": 1.5})
+        for block in (long, short):
+            block["conditions"] = ["diffsheg", *list(block["conditions"])[:-1]]
+        del document["conditions"]["mismatched_flawed"]
     for name, pitch, seconds in (("one", 140, 2), ("two", 180, 1)):
         record(home, name, pitch)
         motionjury(
@@ -107,8 +105,10 @@ def test_the_network_moved_face_and_body_and_the_recording_kept_its_own(study: P
         assert clip.provenance["generator"] == "diffsheg"
         assert "from the last pose" in clip.provenance["sampling"]
         assert np.ptp(clip.poses, axis=0).max() > 0
+        assert clip.arkit is not None
         assert np.ptp(clip.arkit, axis=0).max() > 0
         recorded = read_clip(study / "motion" / "ground_truth" / f"{segment}.npz")
+        assert recorded.arkit is not None
         assert np.ptp(recorded.arkit[:, 17]) > 0.5
 
 

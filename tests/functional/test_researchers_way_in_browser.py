@@ -29,7 +29,7 @@ from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = IN_A_BROWSER
 
-MOTIONJURY = Path(sys.executable).with_name("motionjury")
+MOTIONJURY = str(Path(sys.executable).with_name("motionjury"))
 PEOPLE = 25
 TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
@@ -111,7 +111,7 @@ def send(page: Page, button: str, reason: str) -> None:
     form.get_by_role("button", name=button, exact=True).click()
 
 
-def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
+def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     browser: Browser, study: Path
 ) -> None:
     found: dict[str, list[str]] = {}
@@ -165,7 +165,7 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
     assert people["state"].tolist() == ["completed"] * (PEOPLE + 1)
     assert len(answers) == (PEOPLE + 1) * TRIALS * QUESTIONS
     assert not answers.duplicated(["participant", "position", "question"]).any()
-    assert people.loc[3, "participant"] == pseudonym
+    assert people["participant"].to_dict()[3] == pseudonym
     by_hand = people[people["exclusion_rule"] == "researcher"]
     assert by_hand.index.tolist() == [3]
     # The export that told the pseudonym was a look.

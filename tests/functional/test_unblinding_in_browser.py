@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.researchers.looks import looks
+from studyapp.researchers.audit import looks
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
@@ -70,5 +70,11 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         look_at(page, "overview-with-agreement")
         [look] = looks(stored)
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
+        closed = replace(here.served, study=here.study.model_copy(update={"open": False}))
+        attach(app, replace(here, figures=figures, served=closed))
+        page.get_by_role("link", name="Results", exact=True).click()
+        expect(page.get_by_role("heading", level=1)).to_have_text("Results")
+        expect(note).to_contain_text("The study is closed: 3 of 4 participants finished")
+        look_at(page, "results-final")
 
     assert {name: each for name, each in found.items() if each} == {}

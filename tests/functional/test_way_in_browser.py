@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, ViewportSize, expect
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
@@ -61,7 +61,7 @@ HEARD_TO_THE_END = """async audio => {
   await audio.play();
   audio.currentTime = audio.duration - 0.5;
 }"""
-PHONE = {"width": 390, "height": 844}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 
 
 @pytest.fixture(scope="module")
@@ -206,7 +206,9 @@ def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: 
 
 def test_a_phone_is_asked_to_come_back_as_a_computer(browser: Browser, address: str) -> None:
     link = f"{address}/?PROLIFIC_PID=p2"
-    context = browser.new_context(viewport=PHONE, screen=PHONE, has_touch=True, is_mobile=True)
+    context = browser.new_context(
+        viewport=PHONE, screen={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     phone = context.new_page()
     phone.goto(link)

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomlkit
 from click.testing import CliRunner
 
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import write_clip
 from studyapp.cli.main import group
+from tests.edited_study import edited
 
 pytestmark = pytest.mark.slow
 
@@ -69,18 +69,17 @@ def study(home: Path, motionjury: Callable[..., str], within: Callable[..., str]
     samples = (0.4 * loudness * np.sin(2 * np.pi * 140 * times)).astype(np.float32)
     write_wav(home / "take.wav", Audio(samples=samples, sample_rate=RATE))
     frames = int(SECONDS * 30)
-    poses = np.zeros((frames, 55, 3))
+    poses = np.zeros((frames, 55, 3), np.float32)
     poses[:, 16, 2] = -1.1 + 0.3 * np.sin(2 * np.pi * 1.7 * np.arange(frames) / 30)
     poses[:, 17, 2] = 1.1
-    take = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
+    take = MotionClip(poses=poses, trans=np.zeros((frames, 3), np.float32), frame_rate=30)
     write_clip(home / "take.npz", take)
 
     within("init", "lab", "--reference", "rule_based", "--trials", 3)
     definition = home / "lab" / "study.toml"
-    document = tomlkit.parse(definition.read_text())
-    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
-    document["participants_per_comparison"] = PARTICIPANTS
-    definition.write_text(tomlkit.dumps(document))
+    with edited(definition) as document:
+        document["video"].update({"size": 96, "frame_rate": 10})
+        document["participants_per_comparison"] = PARTICIPANTS
     within(
         "import", "take.npz", "--speech", "take.wav", "--segment", 2,
         "--condition", "ground_truth", "--speaker", "anna", "--emotion", "anger", "lab",

@@ -30,10 +30,14 @@ def generator(request: pytest.FixtureRequest, load: Load) -> Generator:
 
 
 def make(
-    generator: Generator, study: StudyClips, speech: SpeechSegment, **options: float
+    generator: Generator,
+    study: StudyClips,
+    speech: SpeechSegment,
+    *,
+    seed: int = 1,
+    frame_rate: float = 30.0,
 ) -> MotionClip:
-    settings = {"seed": 1, "frame_rate": 30.0} | options
-    return generator.generate(speech, source=study, **settings)
+    return generator.generate(speech, source=study, seed=seed, frame_rate=frame_rate)
 
 
 @pytest.fixture

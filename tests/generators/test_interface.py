@@ -9,23 +9,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generators.clip_length import with_length
-from generators.interface import SpeechSegment, required_source, seeded_stream
+from generators.interface import SpeechSegment, required_source, seeded_stream, with_length
 from generators.registry import load_generator
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.segment import EMOTIONS
+from tests.motion.random_clips import clip_of
 
 Speak = Callable[..., SpeechSegment]
 
 
 def counting(frames: int) -> MotionClip:
     """A clip whose frames can be told apart: trans holds the frame's number."""
-    return MotionClip(
-        poses=np.zeros((frames, 55, 3)),
-        trans=np.repeat(np.arange(frames)[:, None], 3, axis=1),
-        frame_rate=30,
+    return clip_of(
+        np.zeros((frames, 55, 3)), np.repeat(np.arange(float(frames))[:, None], 3, axis=1)
     )
 
 

@@ -13,6 +13,7 @@ from motion.clip import MotionClip
 from motion.segment import Segment
 from tests.fingerprint import fingerprint
 from tests.generators.conftest import ClipsInMemory
+from tests.motion.random_clips import clip_of
 
 # What each version gives, by the name and the version of the generator. Where a change is wanted,
 # raise the generator's version and write its new numbers here.
@@ -31,9 +32,7 @@ def waving(seconds: float) -> MotionClip:
     frames = np.arange(round(seconds * 25))
     waves = np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3))
     trans = np.stack([frames / 200, frames * 0, frames / 300], axis=1)
-    return MotionClip(
-        poses=waves / 5, trans=trans, frame_rate=25, arkit=np.abs(waves.reshape(-1, 165)[:, :52])
-    )
+    return clip_of(waves / 5, trans, 25, arkit=np.abs(waves.reshape(-1, 165)[:, :52]))
 
 
 @pytest.mark.parametrize("name", generator_names())

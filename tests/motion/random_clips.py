@@ -1,11 +1,42 @@
-"""Random motion clips for tests."""
+"""Motion clips for tests."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from motion.clip import GENDERS, MotionClip
+
+Numbers = NDArray[np.floating]
+
+
+def clip_of(
+    poses: Numbers,
+    trans: Numbers | None = None,
+    frame_rate: float = 30,
+    *,
+    betas: Numbers | None = None,
+    expressions: Numbers | None = None,
+    arkit: Numbers | None = None,
+) -> MotionClip:
+    """Return the clip of `poses`, shape (T, 55, 3); it stays at the origin without `trans`."""
+    return MotionClip(
+        poses=poses.astype(np.float32),
+        trans=np.zeros((len(poses), 3), np.float32) if trans is None else trans.astype(np.float32),
+        frame_rate=frame_rate,
+        betas=np.zeros(0, np.float32) if betas is None else betas.astype(np.float32),
+        expressions=None if expressions is None else expressions.astype(np.float32),
+        arkit=None if arkit is None else arkit.astype(np.float32),
+    )
+
+
+def arkit_of(clip: MotionClip) -> NDArray[np.float32]:
+    """Return the facial actions of a clip that has them."""
+    assert clip.arkit is not None
+    return clip.arkit
 
 
 def random_clip(
@@ -13,15 +44,14 @@ def random_clip(
 ) -> MotionClip:
     """Return a clip whose every value differs from its neighbours'."""
     rng = np.random.default_rng(seed)
-    return MotionClip(
-        poses=rng.uniform(-1, 1, (frames, 55, 3)),
-        trans=rng.uniform(-1, 1, (frames, 3)),
-        frame_rate=frame_rate,
+    return clip_of(
+        rng.uniform(-1, 1, (frames, 55, 3)),
+        rng.uniform(-1, 1, (frames, 3)),
+        frame_rate,
         betas=rng.uniform(-1, 1, 16),
         expressions=rng.uniform(-1, 1, (frames, 100)) if face else None,
         arkit=rng.uniform(0, 1, (frames, 52)) if face else None,
-        provenance={"generator": "random", "seed": str(seed)},
-    )
+    ).with_provenance(generator="random", seed=str(seed))
 
 
 @st.composite
@@ -35,16 +65,8 @@ def clips(draw: st.DrawFn) -> MotionClip:
     )
     gender = draw(st.sampled_from(GENDERS))
     facts = draw(st.dictionaries(st.text(max_size=9), st.text(max_size=9), max_size=3))
-    return MotionClip(
-        poses=clip.poses,
-        trans=clip.trans,
-        frame_rate=clip.frame_rate,
-        betas=clip.betas[: draw(st.integers(0, 16))],
-        expressions=clip.expressions,
-        arkit=clip.arkit,
-        gender=gender,
-        provenance=facts,
-    )
+    betas = clip.betas[: draw(st.integers(0, 16))]
+    return replace(clip, betas=betas, gender=gender, provenance=facts)
 
 
 def assert_same_clip(left: MotionClip, right: MotionClip) -> None:

@@ -12,8 +12,8 @@ from motion import clearance
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.formats import read_motion
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from tests.motion.random_clips import clip_of
 
 FRAMES, RATE = 90, 30
 
@@ -26,7 +26,7 @@ def _with_left_arm(adduction: np.ndarray, seed: int = 0) -> MotionClip:
     poses[:, joint_index("right_shoulder"), 2] = np.radians(50)
     poses[:, joint_index("left_elbow"), 1] = rng.uniform(-0.3, 0)
     poses[:, 0] = Rotation.from_euler("y", rng.uniform(-180, 180), degrees=True).as_rotvec()
-    return MotionClip(poses=poses, trans=np.zeros((len(adduction), 3)), frame_rate=RATE)
+    return clip_of(poses, frame_rate=RATE)
 
 
 def _distance_from_thigh(clip: MotionClip) -> np.ndarray:
@@ -34,7 +34,7 @@ def _distance_from_thigh(clip: MotionClip) -> np.ndarray:
     positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     hip, knee, wrist = (positions[:, joint_index(f"left_{n}")] for n in ("hip", "knee", "middle1"))
     along = (knee - hip) / np.linalg.norm(knee - hip, axis=1, keepdims=True)
-    return np.linalg.norm(np.cross(wrist - hip, along), axis=1)
+    return np.asarray(np.linalg.norm(np.cross(wrist - hip, along), axis=1))
 
 
 def _shoulder_turns(before: MotionClip, after: MotionClip) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from motion.errors import InputError
+from motion.errors import InputError, listed
 
 
 def test_a_message_says_what_where_and_what_to_do() -> None:
@@ -22,3 +22,16 @@ def test_no_message_has_two_full_stops(end: str) -> None:
 
     assert str(error) == "study.toml: it was said: the file is damaged. Get it again. Do so."
     assert (error.what[-5:], error.remedy) == ("again", "Do so")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ([], ""),
+        (["a"], "a"),
+        (["a", "b"], "a and b"),
+        (("a", "b", "c"), "a, b and c"),
+    ],
+)
+def test_words_are_listed_as_in_a_sentence(words: list[str], sentence: str) -> None:
+    assert listed(words) == sentence

@@ -2,9 +2,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from motion.files import replacing, write_text
+from motion.files import (
+    cell_as_given,
+    harmless_cell,
+    harmless_frame,
+    replacing,
+    sha256_of,
+    write_text,
+)
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
@@ -26,8 +36,54 @@ def test_missing_folders_are_made_and_the_ending_is_kept(tmp_path: Path) -> None
     assert target.read_bytes() == b"new"
 
 
+def test_a_files_hash_is_what_sha256sum_prints(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"abc")
+    assert sha256_of(tmp_path / "a.txt").startswith("ba7816bf8f01cfea414140de5dae2223")
+
+
 def test_a_written_file_can_be_read_by_others_as_any_new_file(tmp_path: Path) -> None:
     plain = tmp_path / "plain"
     plain.touch()
     write_text(tmp_path / "a.txt", "x")
     assert (tmp_path / "a.txt").stat().st_mode == plain.stat().st_mode
+
+
+FORMULAS = (
+    '=HYPERLINK("http://example.org","x")',
+    "+1+cmd|' /C calc'!A0",
+    "-2+3",
+    "@SUM(A1)",
+    "\t=1",
+    "\r=1",
+    "  =1",
+)
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_a_formula_becomes_text(formula: str) -> None:
+    assert harmless_cell(formula) == "'" + formula
+
+
+@pytest.mark.parametrize("text", ["", "-2", "+0.5", "-1e-3", "a=b", "rule_based-mismatched", "–"])
+def test_numbers_and_other_text_stay(text: str) -> None:
+    assert harmless_cell(text) == text
+
+
+@given(st.text())
+def test_no_text_is_lost(text: str) -> None:
+    assert cell_as_given(harmless_cell(text)) == text
+
+
+def test_an_apostrophe_that_nobody_added_stays() -> None:
+    assert cell_as_given("'tis so") == "'tis so"
+
+
+def test_a_table_keeps_its_numbers_and_gaps() -> None:
+    frame = pd.DataFrame({"=a": ["=1", None, "x"], "b": [-1.0, 2.0, float("nan")]})
+
+    found = harmless_frame(frame)
+
+    assert list(found.columns) == ["'=a", "b"]
+    assert found["'=a"].tolist()[::2] == ["'=1", "x"]
+    assert found["'=a"].isna().tolist() == [False, True, False]
+    assert found["b"].equals(frame["b"])

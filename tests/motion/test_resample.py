@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import cut, resample
-from tests.motion.random_clips import assert_same_clip, random_clip
+from tests.motion.random_clips import assert_same_clip, clip_of, random_clip
 
 RATES = st.sampled_from([12.5, 15.0, 24.0, 25.0, 29.97, 30.0, 60.0, 120.0])
 
@@ -18,7 +18,7 @@ def turning(degrees_per_second: float, frame_rate: float, frames: int) -> Motion
     """Return a clip whose neck turns steadily."""
     poses = np.zeros((frames, 55, 3))
     poses[:, 12, 1] = np.radians(degrees_per_second) * np.arange(frames) / frame_rate
-    return MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate)
+    return clip_of(poses, frame_rate=frame_rate)
 
 
 @given(frames=st.integers(1, 200), old=RATES, new=RATES)
@@ -56,7 +56,7 @@ def test_rotations_follow_the_sphere() -> None:
 def test_turn_goes_the_short_way_round() -> None:
     poses = np.zeros((2, 55, 3))
     poses[:, 0, 1] = np.radians([170, -170])
-    clip = MotionClip(poses=poses, trans=np.zeros((2, 3)), frame_rate=1)
+    clip = clip_of(poses, frame_rate=1)
     middle = resample(clip, 2).poses[1, 0]
     assert np.abs(middle[1]) == pytest.approx(np.pi, abs=1e-5)
 
@@ -66,6 +66,8 @@ def test_translation_and_face_are_interpolated_linearly() -> None:
     middle = resample(clip, 2).frames(slice(1, 2))
     assert clip.expressions is not None
     assert clip.arkit is not None
+    assert middle.expressions is not None
+    assert middle.arkit is not None
     np.testing.assert_allclose(middle.trans[0], clip.trans.mean(axis=0), atol=1e-6)
     np.testing.assert_allclose(middle.expressions[0], clip.expressions.mean(axis=0), atol=1e-6)
     np.testing.assert_allclose(middle.arkit[0], clip.arkit.mean(axis=0), atol=1e-6)

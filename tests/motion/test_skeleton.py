@@ -5,8 +5,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
+from motion.skeleton import (
+    FINGERS,
+    JOINT_COUNT,
+    JOINT_NAMES,
+    PARENTS,
+    RELAXED_HANDS,
+    REST_JOINTS,
+    forward_kinematics,
+    joint_index,
+)
 
 
 def test_every_joint_but_the_pelvis_comes_after_its_parent() -> None:
@@ -50,3 +58,29 @@ def test_no_pose_changes_the_length_of_a_bone(poses: np.ndarray) -> None:
     lengths = np.linalg.norm(positions[0, 1:] - positions[0, parents], axis=1)
     rest = np.linalg.norm(REST_JOINTS[1:] - REST_JOINTS[parents], axis=1)
     np.testing.assert_allclose(lengths, rest, atol=1e-9)
+
+
+def test_fingers_are_the_joints_below_the_wrists() -> None:
+    assert all("_" in name and name[-1] in "123" for name in JOINT_NAMES[FINGERS])
+    assert len(JOINT_NAMES[FINGERS]) == len(RELAXED_HANDS) == 30
+
+
+def test_relaxed_hands_are_mirror_images_with_fingers_towards_the_palm() -> None:
+    poses = np.zeros((1, 55, 3))
+    poses[0, FINGERS] = RELAXED_HANDS
+    positions, _ = forward_kinematics(poses, np.zeros((1, 3)), REST_JOINTS)
+    for finger in ("index", "middle", "ring", "pinky"):
+        left, right = (positions[0, joint_index(f"{s}_{finger}3")] for s in ("left", "right"))
+        np.testing.assert_allclose(left, right * [-1, 1, 1], atol=1e-6)
+        assert left[1] < REST_JOINTS[joint_index(f"left_{finger}3"), 1] - 0.01
+
+
+def test_tips_of_a_relaxed_hand_are_nearer_to_each_other_than_in_an_open_one() -> None:
+    poses = np.zeros((2, 55, 3))
+    poses[1, FINGERS] = RELAXED_HANDS
+    positions, _ = forward_kinematics(poses, np.zeros((2, 3)), REST_JOINTS)
+    fingers = ("thumb", "index", "middle", "ring", "pinky")
+    tips = positions[:, [joint_index(f"left_{finger}3") for finger in fingers]]
+    apart = np.linalg.norm(np.diff(tips, axis=1), axis=2)
+    assert (apart[1] < 0.97 * apart[0]).all()
+    assert apart[1, 0] < 0.07

@@ -10,12 +10,10 @@ import pytest
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio, write_wav
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
-from motion.face import arkit_index
+from motion.clip import MotionClip, arkit_index
 from motion.formats import write_clip
-from renderer.avatars import default_body
 from renderer.framing import Camera, frame_clips
-from renderer.look import Look
+from renderer.look import Look, default_body
 
 SECONDS = 0.8
 """Length of the test clip; no whole number of AAC frames."""

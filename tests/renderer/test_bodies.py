@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
+from motion.clip import ARKIT_NAMES, MotionClip, arkit_index
 from motion.errors import InputError
-from motion.face import ARKIT_NAMES, arkit_index
 from motion.skeleton import joint_index
-from renderer.avatars import AVATARS, BODIES, FIRST, avatar_named, default_body
+from renderer.look import AVATARS, BODIES, FIRST_AVATAR, avatar_named, default_body
 from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
@@ -98,7 +97,7 @@ def test_a_fist_closes_against_the_palm(body: BodyModel) -> None:
             gaps = []
             for pose in (clip, open_hand):
                 at = body.vertices(pose)[0]
-                gaps.append(cKDTree(at[palm]).query(at[tip])[0].min())
+                gaps.append(np.min(cKDTree(at[palm]).query(at[tip])[0]))
             assert gaps[0] < 0.012 < gaps[1]
 
 
@@ -177,7 +176,7 @@ def test_there_are_four_people_to_choose_from_and_a_mannequin_without_a_face() -
 
 
 def test_the_first_avatar_is_the_one_shown_where_none_is_chosen() -> None:
-    assert next(iter(AVATARS)) == FIRST
+    assert next(iter(AVATARS)) == FIRST_AVATAR
 
 
 def test_each_avatar_is_listed_by_its_name_and_described() -> None:

@@ -14,8 +14,7 @@ from renderer.clip_video import Stage
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.framing import frame_clips
 from renderer.look import BACKGROUND, Look
-from renderer.pixel_box import PixelBox
-from renderer.video.canvas import plane_pixels
+from renderer.picture import PixelBox, plane_pixels
 
 LEFT, RIGHT, TRUNK = 0, 1, 2
 

@@ -9,14 +9,13 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.avatars import AVATARS, default_body
-from renderer.clip_video import PLAIN, Stage, VertexNormals, surface_colours
-from renderer.frames import SUPERSAMPLING, FrameRenderer
+from renderer.clip_video import PLAIN, Stage, VertexNormals, still, surface_colours
+from renderer.frames import FrameRenderer
 from renderer.framing import Camera, frame_clips
-from renderer.look import BACKGROUND, Look
+from renderer.look import AVATARS, BACKGROUND, Look, default_body
 from renderer.opengl import renderer_name
-from renderer.stills import still
-from tests.renderer.golden import assert_like_golden
+from renderer.picture import SUPERSAMPLING
+from tests.renderer.golden_frames import assert_like_golden
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +12,10 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import forward_kinematics, joint_index
-from renderer.clip_video import Stage
+from renderer.clip_video import Stage, frame_at, still
 from renderer.figures.skeleton_lines import joints_of
 from renderer.framing import Camera, frame_clips, project
 from renderer.look import BACKGROUND, Look
-from renderer.stills import frame_at, still
 
 HANDS = [joint_index(f"{side}_middle3") for side in ("left", "right")]
 
@@ -96,9 +96,9 @@ def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyMod
 
 def test_a_camera_survives_json(clip: MotionClip, body: BodyModel) -> None:
     camera = frame_clips([clip], body, Look())
-    fields = json.loads(json.dumps(asdict(camera)))
-    back = Camera(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
-    assert back == camera
+    fields: dict[str, Any] = json.loads(json.dumps(asdict(camera)))
+    eye, target = tuple(fields.pop("eye")), tuple(fields.pop("target"))
+    assert Camera(eye=eye, target=target, **fields) == camera
 
 
 def test_no_clip_is_refused(body: BodyModel) -> None:
@@ -107,7 +107,7 @@ def test_no_clip_is_refused(body: BodyModel) -> None:
 
 
 @pytest.mark.parametrize("bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}])
-def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, object]) -> None:
+def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         Look(**bad)
 

@@ -1,6 +1,6 @@
 """Videos are kept for as long as their version is the same, which must be true.
 
-Where a change is wanted, raise the version in `renderer.version` and write its new numbers here.
+Where a change is wanted, raise the version in `renderer.look` and write its new numbers here.
 """
 
 from __future__ import annotations
@@ -17,13 +17,11 @@ from PIL import Image
 
 from renderer.clip_video import Stage, write_clip_video
 from renderer.figures.glance import glance_at
-from renderer.figures.sheet_cell import draw_cell
+from renderer.figures.sheet import draw_cell
 from renderer.framing import Camera
-from renderer.look import Look
+from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
 from renderer.pair import write_pair
-from renderer.version import CELL_VERSION, COPY_VERSION, RENDERER_VERSION
-from renderer.video.dub import write_dubbed
-from renderer.video.stream_copy import copy_video
+from renderer.stream_copy import copy_video, write_dubbed
 from tests.fingerprint import fingerprint
 from tests.renderer.conftest import SECONDS
 
@@ -81,11 +79,11 @@ def videos(
 def moments(video: Path) -> NDArray[np.float64]:
     """Return when each packet is shown or heard and for how long, in seconds."""
     with av.open(str(video)) as container:
-        packets = [packet for packet in container.demux() if packet.pts is not None]
         return np.array(
             [
                 (float(packet.pts * packet.time_base), float(packet.duration * packet.time_base))
-                for packet in packets
+                for packet in container.demux()
+                if packet.pts is not None and packet.duration is not None
             ]
         )
 
@@ -103,7 +101,7 @@ def blocks(pictures: NDArray[np.uint8]) -> NDArray[np.float64]:
     height, width = (side // BLOCK for side in pictures.shape[1:3])
     cut = pictures[:, : height * BLOCK, : width * BLOCK]
     split = cut.reshape(len(cut), height, BLOCK, width, BLOCK, -1)
-    return split.mean(axis=(2, 4)) / 255
+    return np.asarray(split.mean(axis=(2, 4)) / 255)
 
 
 def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) -> None:

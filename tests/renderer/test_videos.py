@@ -9,6 +9,8 @@ from typing import Any
 import av
 import numpy as np
 import pytest
+from av.audio.stream import AudioStream
+from av.video.stream import VideoStream
 
 from motion.audio import Audio
 from motion.clip import MotionClip
@@ -17,10 +19,10 @@ from motion.formats import write_clip
 from renderer.clip_video import Stage, write_clip_video
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
+from renderer.loudness import TARGET, integrated_loudness
 from renderer.pair import write_pair
-from renderer.video.loudness import TARGET, integrated_loudness
 from tests.renderer.conftest import SECONDS
-from tests.renderer.golden import assert_like_golden
+from tests.renderer.golden_frames import assert_like_golden
 
 FRAMES = round(SECONDS * 30)
 
@@ -113,19 +115,26 @@ def video(request: pytest.FixtureRequest, rendered: tuple[Path, Path], pair: Pat
     return rendered[0] if request.param == "clip" else pair
 
 
+def lasting(stream: VideoStream | AudioStream) -> Fraction:
+    """Return the seconds that a stream says it lasts."""
+    assert stream.duration is not None
+    assert stream.time_base is not None
+    return stream.duration * stream.time_base
+
+
 def test_a_video_has_exactly_the_frames_of_its_speech(video: Path) -> None:
     with av.open(str(video)) as container:
         stream = container.streams.video[0]
         assert stream.average_rate == 30
         assert sum(1 for _ in container.decode(stream)) == FRAMES
-        assert stream.duration * stream.time_base == Fraction(FRAMES, 30)
+        assert lasting(stream) == Fraction(FRAMES, 30)
 
 
 def test_sound_lasts_as_long_as_the_picture_and_starts_with_it(video: Path) -> None:
     with av.open(str(video)) as container:
         stream = container.streams.audio[0]
         assert (stream.codec_context.name, stream.rate) == ("aac", 48000)
-        assert float(stream.duration * stream.time_base) == pytest.approx(SECONDS, abs=1024 / 48000)
+        assert float(lasting(stream)) == pytest.approx(SECONDS, abs=1024 / 48000)
         sound = np.concatenate([frame.to_ndarray()[0] for frame in container.decode(stream)])
     loud = np.flatnonzero(np.abs(sound) > 0.05)
     assert loud[0] < 0.03 * 48000

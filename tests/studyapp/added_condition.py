@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from studyapp.study.stimuli import read_stimuli, write_stimuli
+from studyapp.study.media import read_stimuli, write_stimuli
 
 
 def add_condition(folder: Path) -> None:

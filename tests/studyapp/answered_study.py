@@ -8,10 +8,9 @@ import numpy as np
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.answers import answer
-from studyapp.session.participation import ShownTrial
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
-from studyapp.session.videos.watch_reports import record_watched
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -39,15 +38,7 @@ def _take(participant: Participant, chance: np.random.Generator, trials: int | N
         participant.clock.advance(seconds=10)
         for video in shown.videos:
             participant.fetch(video.token)
-            record_watched(
-                participant.database,
-                participant.served,
-                participant.token,
-                video.token,
-                batch=0,
-                intervals=[(0.0, video.duration)],
-                clock=participant.clock,
-            )
+            participant.report(video.token, (0.0, video.duration))
         answer(
             participant.database,
             participant.served,

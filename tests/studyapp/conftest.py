@@ -18,8 +18,8 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.stimuli.recordings import Take
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
+from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
@@ -44,17 +44,11 @@ BOTH_DATABASES = (
     "database/test_engine",
     "monitoring",
     "recruitment",
-    "researchers/test_both_databases",
+    "researchers",
     "results/export",
-    *(
-        f"session/test_{subject}"
-        for subject in (
-            *("answers", "enrolment", "every_protocol", "exclusion", "intake", "places"),
-            *("refusal", "schedules", "versions", "votes", "watch_reports", "withdrawal"),
-        )
-    ),
+    "session",
 )
-"""What is repeated on both databases: every kind of statement, and what several do at once."""
+"""Rooms whose tests are repeated on both databases: what is done with the tables."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -101,7 +95,7 @@ def cheap_passwords() -> Iterator[None]:
     """Hash passwords of researchers at next to no cost."""
     with pytest.MonkeyPatch.context() as patch:
         cheap = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
-        patch.setattr("studyapp.researchers.passwords.HASHER", cheap)
+        patch.setattr("studyapp.researchers.credentials.HASHER", cheap)
         yield
 
 

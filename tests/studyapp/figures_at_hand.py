@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.errors import InputError
-from studyapp.researchers.interim.computing import SECONDS, FigureProcess, NoFiguresError
-from studyapp.researchers.interim.documents import What
-from studyapp.results.so_far import DOCUMENTS
+from studyapp.researchers.interim_figures import SECONDS, FigureProcess, NoFiguresError, What
+from studyapp.results.looks import DOCUMENTS
 from studyapp.study.folder import StudyFolder
 
 

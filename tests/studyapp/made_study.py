@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from motion.segment import Segment
-from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from studyapp.database.engine import Database
 from studyapp.researchers.account import Role
-from studyapp.researchers.authentication import log_in
 from studyapp.researchers.links import first_owner_link, invite, join
-from studyapp.researchers.logins import logged_in
+from studyapp.researchers.logins import log_in, logged_in
 from tests.studyapp.taking_part_steps import SetClock
 
 PASSWORD = "correct horse battery"  # noqa: S105 - it opens nothing but tests

@@ -23,7 +23,10 @@ def write_speech(path: Path, seconds: float) -> Path:
 
 def write_motion(path: Path, seconds: float, frame_rate: float = 30) -> Path:
     frames = round(seconds * frame_rate)
-    poses = np.zeros((frames, 55, 3))
+    poses = np.zeros((frames, 55, 3), np.float32)
     poses[:, 16, 2] = np.linspace(0, -1, frames)
-    write_clip(path, MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate))
+    write_clip(
+        path,
+        MotionClip(poses=poses, trans=np.zeros((frames, 3), np.float32), frame_rate=frame_rate),
+    )
     return path

@@ -8,14 +8,18 @@ from datetime import UTC, datetime, timedelta
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.session.answers import answer, skip_unplayable
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.participation import ShownTrial, Situation, begin, look
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
+from studyapp.session.participation import Situation, begin, look
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.videos.video_access import content_to_send
-from studyapp.session.videos.watch_evidence import AS_RECORDED, Playback
-from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.video_access import content_to_send
+from studyapp.session.watch_evidence import Playback, Report, Watched
+from studyapp.session.watch_reports import record_watched
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
+
+AS_RECORDED = Playback()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +79,19 @@ class Participant:
             media_error,
         )
 
+    def report(
+        self,
+        video_token: str,
+        *intervals: tuple[float, float],
+        batch: int = 0,
+        playback: Playback = AS_RECORDED,
+    ) -> Watched:
+        """Tell the server that a video was played, whether it was sent or not."""
+        report = Report(batch=batch, intervals=intervals, **vars(playback))
+        return record_watched(
+            self.database, self.served, self.token, video_token, report, self.clock
+        )
+
     def watch(
         self,
         *intervals: tuple[float, float],
@@ -83,17 +100,7 @@ class Participant:
     ) -> float:
         video = self.trial().videos[0].token
         self.fetch(video)
-        known = record_watched(
-            self.database,
-            self.served,
-            self.token,
-            video,
-            batch=batch,
-            intervals=intervals,
-            clock=self.clock,
-            playback=playback,
-        )
-        return known.missing
+        return self.report(video, *intervals, batch=batch, playback=playback).missing
 
     def answer(self, trial_token: str, answers: dict[str, str] | None = None) -> None:
         given = ANSWERS if answers is None else answers

@@ -32,9 +32,6 @@ def compiled_once() -> Iterator[None]:
 
     def sharing(*given: Any, **named: Any) -> Engine:
         engine = create_engine(*given, **named)
-        if engine.dialect.name != "sqlite":
-            # Its dialect hears of each connection, and those differ.
-            return engine
         if known:
             engine.dialect, engine._compiled_cache = known[0].dialect, known[0]._compiled_cache
         else:
@@ -43,6 +40,6 @@ def compiled_once() -> Iterator[None]:
         return engine
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("studyapp.database.engine.create_engine", sharing)
+        patch.setattr("studyapp.database.sqlite.create_engine", sharing)
         patch.setitem(Flask.jinja_options, "bytecode_cache", _KeptTemplates())
         yield

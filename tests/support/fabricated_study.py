@@ -10,7 +10,7 @@ import av
 import numpy as np
 
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import Stimuli, VideoCopy, write_stimuli
+from studyapp.study.media import Stimuli, VideoCopy, write_stimuli
 
 FRAME_RATE: Final = 15
 SIZE: Final = 128

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from training.run.log import LogLine
-from training.threads import torch_threads
+from training.device import torch_threads
+from training.run.records import LogLine
 
 
 @contextmanager

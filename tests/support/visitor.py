@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from studyapp.rehearsal.ledger import AnswerPlace
+from studyapp.rehearsal.bookkeeping import AnswerPlace
 from tests.support.page_scan import SeenForm, seen_files, seen_form, seen_videos
 from tests.support.wire import LostConnectionError, Reply, Wire
 

@@ -53,12 +53,7 @@ def test_a_text_that_cannot_be_found_is_refused(code: Path, written: str) -> Non
 def test_templates_scripts_and_all_rooms_of_code_are_searched() -> None:
     found = list(found_texts())
 
-    assert {file.split("/")[1] for file, _, _ in found} == {
-        "recruitment",
-        "session",
-        "study",
-        "web",
-    }
+    assert {file.split("/")[1] for file, _, _ in found} == {"session", "study", "web"}
     assert {file.rsplit(".", 1)[1] for file, _, _ in found} == {"html", "js", "py"}
     assert any(isinstance(text, tuple) for file, _, text in found if file.endswith(".js"))
     assert any(isinstance(text, tuple) for file, _, text in found if file.endswith(".html"))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from babel.messages.catalog import Catalog, Message
 
-from studyapp.study.settings.page import Page
+from studyapp.study.settings.presentation import Page
 from studyapp.web.language import SOURCE, catalogue_path
 from tools.message_catalogues import TRANSLATED, catalogue_of, found_texts, read_catalogue, updated
 
@@ -23,7 +23,7 @@ def texts(message: Message) -> list[str]:
 
 
 def translations(message: Message) -> list[str]:
-    return [message.string] if isinstance(message.string, str) else list(message.string)
+    return [message.string] if isinstance(message.string, str) else list(message.string or ())
 
 
 def places(text: str) -> set[str]:

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, Line, interrupt_after
+from tests.training.lines import ENTRIES, VALUES, LineTask, interrupt_after
 from training.config import Decay, TrainingConfig
-from training.run.folder import RunFolder
 from training.run.loop import TrainingStopped, train
+from training.run.records import RunFolder
 
 CONFIG = TrainingConfig(
     steps=8,
@@ -63,7 +63,7 @@ class PlainNetwork(nn.Module):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlainLine(Line):
+class PlainLine(LineTask[PlainNetwork]):
     """Learns through dropout and noise, or without chance; with batch statistics, or without."""
 
     chance: bool = True

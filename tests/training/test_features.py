@@ -1,4 +1,4 @@
-"""What DiffSHEG is told of takes, computed from files as data sets have them."""
+"""What networks are told of takes, computed from files as data sets have them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import torch
 
 from generators.diffsheg.train import features_of
 from motion.audio import Audio, read_audio
+from motion.clip import ARKIT_NAMES
 from motion.errors import InputError
-from motion.face import ARKIT_NAMES
 from tests.fingerprint import fingerprint
 from tests.training.data.recordings import (
     DOWN,
@@ -24,16 +24,15 @@ from tests.training.data.recordings import (
     write_smplx,
 )
 from training import features
-from training.data.any_folder import read_takes
-from training.data.beat_bvh import read_beat_bvh
+from training.data.beat import read_beat_bvh
 from training.data.feature_cache import prepare
-from training.data.take import Take
+from training.data.folders import read_takes
+from training.data.take import Feature, Take
 from training.features import read_smplx
-from training.hearing.hubert import FEATURES, Hubert, stand_in
+from training.hearing.hubert import FEATURES, Heard, Hubert, stand_in
 from training.hearing.speech_frames import hear, hear_whole
-from training.spaces.beat import body_values
-from training.spaces.beat_skeleton import TOLD_JOINTS
-from training.spaces.show import show_values
+from training.spaces.beat import TOLD_JOINTS, body_values
+from training.spaces.smplx_bodies import show_values
 
 ARM = TOLD_JOINTS.index("RightArm")
 
@@ -64,7 +63,7 @@ def hubert() -> Hubert:
     return stand_in()
 
 
-def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, features.Feature]:
+def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, Feature]:
     return {one.name: one for one in features_of(dataset, hubert, frame_rate)}
 
 
@@ -249,13 +248,14 @@ def test_long_speech_is_heard_in_pieces_that_join() -> None:
     class Loudness:
         """Hears in every 320 samples how loud they are."""
 
-        def __call__(self, samples: torch.Tensor) -> object:
+        def __call__(self, samples: torch.Tensor) -> Heard:
             longest.append(samples.shape[1])
             count = (samples.shape[1] - 400) // 320 + 1
             loud = samples[0].unfold(0, 400, 320)[:count].abs().mean(dim=1)
-            heard = type("Heard", (), {})()
-            heard.last_hidden_state = loud[None, :, None].expand(1, count, FEATURES)
-            return heard
+            return Heard(loud[None, :, None].expand(1, count, FEATURES))
+
+        def to(self, device: str) -> Loudness:
+            return self
 
     hubert = Hubert(network=Loudness(), description="", stands_in=True, identity="")
     seconds = 200

@@ -12,8 +12,8 @@ from motion.errors import InputError
 from motion.formats.ted_npz import AXES
 from tests.generators.s2ue.small_network import FACE, standing
 from training.data.take import Kind, Take
+from training.features import features_of
 from training.hearing.word_vectors import StandIn
-from training.point_features import features_of
 
 
 def take(folder: Path, **files: Path) -> Take:

@@ -51,9 +51,10 @@ def test_what_cannot_be_stored_is_named_and_leaves_the_old_file(
     path, elsewhere = tmp_path / "w.safetensors", tmp_path / "gone" / "w"
     write_weights(path, TENSORS, {})
     before = path.read_bytes()
-    save = weights_file.save_file
     monkeypatch.setattr(
-        weights_file, "save_file", lambda tensors, draft, **rest: save(tensors, elsewhere, **rest)
+        weights_file,
+        "save_file",
+        lambda tensors, draft, **rest: save_file(tensors, elsewhere, **rest),
     )
     with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Make room"):
         write_weights(path, TENSORS, {"new": 1})

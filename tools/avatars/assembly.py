@@ -1,4 +1,4 @@
-"""The default body in SMPL-X's own file layout, ready to be written."""
+"""All pieces of one avatar, as a body in SMPL-X's own file layout, ready to be written."""
 
 from __future__ import annotations
 
@@ -10,11 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.skeleton import JOINT_COUNT, PARENTS
-from renderer.avatars import AVATARS
+from renderer.look import AVATARS
 from tools.avatars.anny_source import AnnyPerson, read_person
-from tools.avatars.colours import baked_colours
-from tools.avatars.figure import pieces_of
-from tools.avatars.occlusion import open_sky
+from tools.avatars.bob import bob
+from tools.avatars.cloth import fabric
+from tools.avatars.colours import baked_colours, open_sky
+from tools.avatars.eyes import eyeballs, lashes
+from tools.avatars.facial_hair import beard, brows
+from tools.avatars.glasses import glasses
+from tools.avatars.hair import CUTS, bun, hair_on_scalp
+from tools.avatars.hands import arms
+from tools.avatars.head import head
+from tools.avatars.mannequin import mannequin
 from tools.avatars.pieces import MATERIALS, Piece
 from tools.avatars.recipes import Recipe
 from tools.avatars.sitter import Sitter
@@ -26,6 +33,11 @@ from tools.avatars.smplx_rig import (
     with_twist_joints,
     with_wrists_in_forearms,
 )
+from tools.avatars.tops import TOPS
+from tools.avatars.trousers import shoes, trousers
+
+_HEM_ABOVE_HIPS: Final = 0.015
+_BOB_LENGTH: Final = 0.125
 
 Array = NDArray[np.float64]
 
@@ -40,6 +52,42 @@ _LEAST_VERTICES: Final = 9930
 
 _MAX_JOINTS_PER_VERTEX: Final = 6
 _REGRESSED_FROM: Final = 300
+
+
+def pieces_of(recipe: Recipe, sitter: Sitter) -> list[Piece]:
+    """Return all that can be seen of `recipe`."""
+    top = TOPS[recipe.top]
+    hem = float(sitter.joint("left_hip")[1]) + _HEM_ABOVE_HIPS
+    cloth = fabric(sitter)
+    if not AVATARS[recipe.name].has_face:
+        return mannequin(sitter, cloth)
+    return [
+        *head(sitter, top.neckline),
+        *eyeballs(sitter),
+        *lashes(sitter),
+        brows(sitter, recipe.brow_thickness),
+        *_hair(recipe, sitter),
+        *arms(sitter, top.sleeve),
+        *top.make(sitter, cloth, top.neckline, hem),
+        trousers(sitter, cloth, hem),
+        *shoes(sitter, cloth),
+    ]
+
+
+def _hair(recipe: Recipe, sitter: Sitter) -> list[Piece]:
+    """Return hair, beard and glasses."""
+    pieces = []
+    if recipe.hair == "bob":
+        pieces.append(bob(sitter, _BOB_LENGTH))
+    elif recipe.hair:
+        pieces.append(hair_on_scalp(sitter, CUTS[recipe.hair]))
+    if recipe.hair == "bun":
+        pieces.append(bun(sitter))
+    if recipe.beard:
+        pieces.append(beard(sitter))
+    if recipe.glasses:
+        pieces.append(glasses(sitter))
+    return pieces
 
 
 def build_body(recipe: Recipe) -> dict[str, NDArray[Any]]:

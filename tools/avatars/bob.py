@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.spatial import cKDTree
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
 from tools.avatars.hair import head_centre
-from tools.avatars.masks import mask
 from tools.avatars.pieces import Piece
-from tools.avatars.sitter import Sitter
+from tools.avatars.sitter import Sitter, mask
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial import cKDTree
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from tools.avatars.cloth import TIGHTS
 from tools.avatars.patch import Patch
 from tools.avatars.pieces import Piece

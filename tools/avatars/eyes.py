@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
 from tools.avatars.pieces import Piece
 from tools.avatars.sitter import Sitter

@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
-from tools.avatars.masks import mask
 from tools.avatars.pieces import Piece
-from tools.avatars.sitter import Sitter
+from tools.avatars.sitter import Sitter, mask
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Hair that lies on the scalp: the scalp above the hairline, lifted and combed."""
+"""Hair that lies on the scalp above the hairline, lifted and combed, and a bun at its back."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from tools.avatars.masks import mask
+from motion.clip import ARKIT_NAMES
+from motion.skeleton import JOINT_COUNT, joint_index
 from tools.avatars.patch import Patch, boundary_edges, hemmed
 from tools.avatars.pieces import Piece
-from tools.avatars.sitter import Sitter
+from tools.avatars.sitter import Sitter, mask
 
 Array = NDArray[np.float64]
 Line = tuple[tuple[float, float], ...]
@@ -36,6 +37,14 @@ _UP: Final[Line] = (
     (0, 0.074), (22, 0.075), (40, 0.066), (54, 0.048), (66, 0.020), (74, -0.004), (82, -0.004),
     (92, 0.016), (104, 0.008), (116, -0.022), (130, -0.048), (150, -0.056), (180, -0.060),
 )  # fmt: skip
+
+_PLACE: Final = (0.0, 0.075, -0.112)
+"""Metres from the middle of the head."""
+
+_RADII: Final = (0.043, 0.040, 0.034)
+_ROWS: Final = 9
+_SEGMENTS: Final = 14
+_COILS: Final = 0.06
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,3 +143,39 @@ def _above(sitter: Sitter, patch: Patch, cut: Cut) -> Array:
 def _smooth(share: Array) -> Array:
     inside = np.clip(share, 0, 1)
     return np.asarray(inside * inside * (3 - 2 * inside))
+
+
+def bun(sitter: Sitter) -> Piece:
+    """Return the bun."""
+    tilt = np.linspace(0, np.pi, _ROWS)[:, None]
+    turn = np.linspace(0, 2 * np.pi, _SEGMENTS, endpoint=False)[None]
+    radius = 1 + _COILS * np.sin(3 * turn + 5 * tilt)
+    ball = np.stack(
+        [
+            radius * np.sin(tilt) * np.cos(turn),
+            radius * np.sin(tilt) * np.sin(turn),
+            -np.cos(tilt) + 0 * turn,
+        ],
+        axis=2,
+    ).reshape(-1, 3)
+    back = np.array(_PLACE) / np.linalg.norm(_PLACE)
+    across = np.array([1.0, 0.0, 0.0])
+    axes = np.stack([across, np.cross(back, across), back]) * np.array(_RADII)[:, None]
+    vertices = ball @ axes + head_centre(sitter) + np.array(_PLACE)
+    row, column = np.divmod(np.arange((_ROWS - 1) * _SEGMENTS), _SEGMENTS)
+    a = row * _SEGMENTS + column
+    b = row * _SEGMENTS + (column + 1) % _SEGMENTS
+    faces = np.concatenate(
+        [np.stack([a, b, a + _SEGMENTS], 1), np.stack([b, b + _SEGMENTS, a + _SEGMENTS], 1)]
+    )
+    weights = np.zeros((len(vertices), JOINT_COUNT))
+    weights[:, joint_index("head")] = 1.0
+    light = 0.5 + 0.5 * np.sin(3 * turn + 5 * tilt).ravel()
+    return Piece(
+        material="hair",
+        vertices=vertices,
+        faces=faces,
+        weights=weights,
+        actions=np.zeros((len(ARKIT_NAMES), len(vertices), 3)),
+        mixed={"hair_light": light},
+    )

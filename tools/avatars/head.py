@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tools.avatars.masks import mask
 from tools.avatars.necklines import Neckline
 from tools.avatars.patch import Patch
 from tools.avatars.pieces import Piece
-from tools.avatars.sitter import Sitter
+from tools.avatars.sitter import Sitter, mask
 
 Array = NDArray[np.float64]
 

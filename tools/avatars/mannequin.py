@@ -11,16 +11,15 @@ from scipy import sparse
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.skeleton import joint_index
 from tools.avatars.cloth import TIGHTS, cut_along, smoothed, thick
 from tools.avatars.hair import head_centre
 from tools.avatars.hands import arms
-from tools.avatars.masks import mask
 from tools.avatars.necklines import Neckline
 from tools.avatars.patch import Patch
 from tools.avatars.pieces import Piece
-from tools.avatars.sitter import Sitter
+from tools.avatars.sitter import Sitter, mask
 from tools.avatars.trousers import shoes
 
 Array = NDArray[np.float64]

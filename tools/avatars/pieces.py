@@ -35,7 +35,7 @@ class Piece:
     weights : ndarray, shape (n, 55)
         Skin weights.
     actions : ndarray, shape (52, n, 3)
-        Offsets of each facial action in the order of `motion.face.ARKIT_NAMES`.
+        Offsets of each facial action in the order of `motion.clip.ARKIT_NAMES`.
     mixed : mapping of str to ndarray, shape (n,)
         Further colours of the palette, and how much of each is mixed in, in [0, 1].
     """

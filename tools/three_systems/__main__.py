@@ -16,15 +16,19 @@ from typing import Any, Final
 import tomlkit
 
 from motion.errors import InputError
-from motion.files import write_text
-from studyapp.stimuli.digest import digest
+from motion.files import digest, write_text
 from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Line, places
 from tools.three_systems.networks import NETWORKS, Network, evaluators, networks
 from tools.three_systems.page import measured, with_measured
-from tools.three_systems.pictures import shown_segment, write_picture
-from tools.three_systems.takes import bring, learned_takes, shown_takes
-from training.data.any_folder import read_takes
+from tools.three_systems.takes import (
+    bring,
+    learned_takes,
+    shown_segment,
+    shown_takes,
+    write_picture,
+)
+from training.data.folders import read_takes
 
 STUDY: Final = "study"
 RECORDINGS: Final = "recordings"

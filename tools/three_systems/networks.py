@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from motion.errors import InputError
-from studyapp.stimuli.digest import digest
+from motion.files import digest
 from tools.three_systems.line import Line, places
 from training.weights_file import read_weights
 

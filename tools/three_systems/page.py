@@ -8,10 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from analysis.measurement.paper_tables import PAPER_TABLES, TableColumn
-from analysis.report.sections.metric import TITLES
-from motion.errors import InputError
-from motion.listing import listed
+from analysis.report.sections.metric import PAPER_TABLES, TITLES
+from analysis.report.sections.metric_table import TableColumn
+from motion.errors import InputError, listed
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Took
@@ -75,7 +74,7 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
             f"{people['recruited']} simulated participants took the study over HTTP, of whom "
             f"{people['attentive']} are analysed, with {len(segments)} segments. Strengths of "
             "Bradley and Terry (logits, adding up to zero) with 95 % intervals over participants "
-            "and segments, behind what the raters were given to prefer, which is on another scale "
+            "and segments, behind their true values, which are on another scale "
             "and from another zero: the order counts.",
             "",
             *_preferences(results, said),

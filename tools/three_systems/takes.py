@@ -1,15 +1,37 @@
-"""Which takes of a corpus are shown and learned from, and bringing them into a study."""
+"""Which takes of a corpus are shown and learned from, in a study and as strips of frames."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from PIL import Image
 
 from motion.audio import read_audio
+from motion.files import replacing
 from motion.segment import EMOTIONS
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import Take as RecordedTake
+
+_WIDE: Final = 840
+_COLOURS: Final = 128
+
+
+def shown_segment(study: StudyFolder) -> str:
+    """Return the shortest segment of the study."""
+    return min(study.segments(), key=lambda one: (one.duration, one.name)).name
+
+
+def write_picture(strip: Path, to: Path) -> None:
+    """Write a strip with fewer pixels and colours, so that the repository stays small."""
+    with Image.open(strip) as picture:
+        high = round(picture.height * _WIDE / picture.width)
+        small = picture.convert("RGB").resize((_WIDE, high), Image.Resampling.LANCZOS)
+    with replacing(to) as draft:
+        small.quantize(_COLOURS, dither=Image.Dither.NONE).save(draft, "png", optimize=True)
 
 
 def shown_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:

@@ -1,4 +1,4 @@
-"""The worked examples in the docs: what published numbers do and do not support.
+"""The worked examples in the docs: what published numbers and rules do and do not support.
 
 ``python -m tools.worked_examples.page FILE`` writes them.
 """
@@ -6,17 +6,25 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from scipy import stats
 
 from analysis.report import wording
 from motion.files import write_text
 from tools.worked_examples import amuse_study, s2ue_study
-from tools.worked_examples.catch_rules import Excluded, excluded
-from tools.worked_examples.rebuilt import LEVEL, SPREADS, Rebuilt, rebuild, supported
-from tools.worked_examples.rounded import counts_behind, printable_neighbours
+from tools.worked_examples.rebuilt import (
+    LEVEL,
+    SPREADS,
+    Rebuilt,
+    counts_behind,
+    printable_neighbours,
+    rebuild,
+    supported,
+)
 from tools.worked_examples.spread import SharedAnswers, Spread
 
 _TEMPLATE: Final = "worked_examples.md"
@@ -26,6 +34,44 @@ _FAILING: Final = (0.02, 0.05, 0.10)
 
 _GUESSING: Final = 1 - (2 / 5) ** 2
 """Of one who answers two questions of five levels at random: two levels of each are right."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excluded:
+    """How probable it is that a participant is excluded.
+
+    Attributes
+    ----------
+    failing : float
+        The participant's chance to fail one catch trial.
+    more_than_one, any_of_them, all_of_them : float
+        Chance of exclusion where more than one failure excludes, where any does, and where only
+        failing all of them does.
+    """
+
+    failing: float
+    more_than_one: float
+    any_of_them: float
+    all_of_them: float
+
+
+def excluded(failing: float, catch_trials: int) -> Excluded:
+    """Compute how probable it is that a participant is excluded by each rule.
+
+    Parameters
+    ----------
+    failing : float
+        Chance to fail one catch trial, 0 to 1; whether one is failed says nothing of the next.
+    catch_trials : int
+        How many there are, at least one.
+    """
+    failures = stats.binom(catch_trials, failing)
+    return Excluded(
+        failing=failing,
+        more_than_one=float(failures.sf(1)),
+        any_of_them=float(failures.sf(0)),
+        all_of_them=float(failures.pmf(catch_trials)),
+    )
 
 
 def write_worked_examples(path: Path) -> None:

@@ -1,18 +1,20 @@
-"""Table A.5 of AMUSE turned back into counts, and what tests of those counts say."""
+"""Printed percentages turned back into counts, AMUSE's table A.5, and what tests of these say."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from analysis.stats.holm import holm
-from analysis.stats.sign_test import sign_test
-from analysis.stats.wilcoxon import pooled_tests
+from analysis.stats.multiple_testing import holm
+from analysis.stats.signed_rank import pooled_tests, sign_test
 from tools.worked_examples.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPreference
-from tools.worked_examples.rounded import counts_behind
 from tools.worked_examples.spread import SharedAnswers, Spread, with_spread
+
+_ROUNDING: Final = 1e-9
+"""A share in the very middle of two printed ones may have been rounded either way."""
 
 SPREADS: Final = (
     Spread(participants=0.0, items=0.0),
@@ -23,6 +25,36 @@ SPREADS: Final = (
 """From no differences at all to large ones."""
 
 LEVEL: Final = 0.05
+
+
+def counts_behind(percent: float, total: int, decimals: int = 0) -> range:
+    """Return every count out of `total` that is printed as `percent`.
+
+    Parameters
+    ----------
+    percent : float
+        As printed, 0 to 100.
+    total : int
+        What it is a percentage of, at least 1.
+    decimals : int
+        Digits printed after the point.
+
+    Returns
+    -------
+    range
+        Empty where no count gives that percentage: it is impossible.
+    """
+    half = 0.5 * 10.0**-decimals + _ROUNDING
+    low = max(math.ceil((percent - half) * total / 100), 0)
+    high = min(math.floor((percent + half) * total / 100), total)
+    return range(low, high + 1)
+
+
+def printable_neighbours(percent: float, total: int, decimals: int = 0) -> tuple[float, float]:
+    """Return the percentages of `total` next below and next above `percent`, as printed."""
+    below = math.floor(percent * total / 100)
+    low, high = (round(100 * count / total, decimals) for count in (below, below + 1))
+    return low, high
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from training.corpus.chance import Chance
-from training.corpus.emotion_motion import EMOTION_MOTION
-from training.corpus.heard_speech import HeardSpeech
-from training.corpus.speakers import CorpusSpeaker
-from training.corpus.strokes import find_strokes, stroke_shape
-from training.spaces.beat_skeleton import TOLD_JOINTS
+from training.corpus.heard_speech import HeardSpeech, find_strokes, stroke_shape
+from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker
+from training.spaces.beat import TOLD_JOINTS
 
 FloatArray = NDArray[np.float64]
 
@@ -204,7 +202,7 @@ def told_rotations(angles: BodyAngles) -> FloatArray:
     Returns
     -------
     ndarray, shape (T, 141)
-        Axis-angle in radians, in the order of `training.spaces.beat_skeleton.TOLD_JOINTS`.
+        Axis-angle in radians, in the order of `training.spaces.beat.TOLD_JOINTS`.
     """
     turns = {
         "Spine": _bent_forward(angles.trunk),

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from training.corpus.chance import Chance
-from training.corpus.emotion_motion import EMOTION_MOTION
 from training.corpus.heard_speech import HeardSpeech
-from training.corpus.speakers import CorpusSpeaker
+from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker
 from training.spaces.beat import FACIAL_WEIGHTS
 
 FloatArray = NDArray[np.float64]

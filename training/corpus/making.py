@@ -16,10 +16,9 @@ from typing import Final
 from threadpoolctl import threadpool_limits
 
 from motion.files import write_text
-from training.corpus.description import claim
 from training.corpus.plan import PlannedTake, planned_takes
 from training.corpus.recording import RecordingFiles, record
-from training.corpus.request import CorpusRequest
+from training.corpus.request import CorpusRequest, claim
 
 Show = Callable[[int, int], None]
 """Told how many takes are made, of how many."""

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
-from motion.formats.arkit_json import read_arkit_json
+from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
-from training.corpus.description import read_request
 from training.corpus.heard_speech import HeardSpeech, hear
 from training.corpus.motion_curves import MotionCurves, curves_of, follow, wrist_positions
 from training.corpus.plan import PlannedTake, Split, planned_takes
 from training.corpus.recording import RecordingFiles
+from training.corpus.request import read_request
 from training.corpus.truth import read_truth
 from training.spaces.beat import body_values, face_values
 

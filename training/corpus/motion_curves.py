@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from training.spaces.beat import FACIAL_WEIGHTS, told_motion
-from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
+from training.spaces.beat import BEAT_SKELETON, FACIAL_WEIGHTS, TOLD_JOINTS, told_motion
 
 FloatArray = NDArray[np.float64]
 

@@ -13,12 +13,10 @@ from motion.clip import check_frame_rate
 from motion.errors import InputError
 from training.corpus.body_angles import body_angles, told_rotations
 from training.corpus.chance import EXPECTED, Chance
-from training.corpus.emotion_motion import EMOTION_MOTION
 from training.corpus.face_weights import face_weights
-from training.corpus.heard_speech import HeardSpeech, hear
+from training.corpus.heard_speech import HeardSpeech, Strokes, find_strokes, hear
 from training.corpus.motion_curves import MotionCurves, curves_of
-from training.corpus.speakers import CorpusSpeaker, voice_of
-from training.corpus.strokes import Strokes, find_strokes
+from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, voice_of
 
 FloatArray = NDArray[np.float64]
 

@@ -17,19 +17,15 @@ import numpy as np
 
 from motion.audio import SPEECH_RATE, Audio, read_audio, write_wav
 from motion.files import write_text
-from motion.formats.arkit_json import write_arkit_json
-from motion.formats.bvh_hierarchy import BvhJoint
-from motion.formats.bvh_writing import write_bvh
-from motion.formats.semantic_txt import SemanticSpan, write_semantic_scores
-from motion.speech.synthesis import speak_as
+from motion.formats.beat_tracks import SemanticSpan, write_arkit_json, write_semantic_scores
+from motion.formats.bvh_motion import BvhJoint, write_bvh
+from motion.synthesis import speak_as
 from training.corpus.chance import Chance
-from training.corpus.emotion_motion import EMOTION_MOTION
 from training.corpus.plan import PlannedTake
 from training.corpus.process import Process
-from training.corpus.speakers import spoken_prosody, voice_of
+from training.corpus.speakers import EMOTION_MOTION, spoken_prosody, voice_of
 from training.corpus.truth import Truth, write_truth
-from training.spaces.beat import told_motion
-from training.spaces.beat_skeleton import BEAT_SKELETON
+from training.spaces.beat import BEAT_SKELETON, told_motion
 
 Offset = tuple[float, float, float]
 

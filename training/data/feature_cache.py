@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError
-from training.data.feature import Feature
 from training.data.kept_files import KeptArray, content_sha256, hashes_of, open_array, write_array
-from training.data.take import LONGEST_DIFFERENCE, Take, TakeFolder
+from training.data.take import LONGEST_DIFFERENCE, Feature, Take, TakeFolder
 
 FloatArray = NDArray[np.float32]
 Show = Callable[[int, int, str], None]

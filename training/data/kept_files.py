@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from motion.errors import InputError
-from motion.files import replacing, write_text
+from motion.files import replacing, sha256_of, write_text
 
 
 class FileState(BaseModel, frozen=True):
@@ -45,9 +45,7 @@ class FileState(BaseModel, frozen=True):
         )
         if known is not None and same:
             return cls.model_validate(known.model_dump())
-        with path.open("rb") as file:
-            sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-        return cls(size=facts.st_size, mtime_ns=facts.st_mtime_ns, sha256=sha256)
+        return cls(size=facts.st_size, mtime_ns=facts.st_mtime_ns, sha256=sha256_of(path))
 
 
 _STATES = TypeAdapter(dict[str, FileState])

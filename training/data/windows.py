@@ -84,9 +84,13 @@ class Windows:
         """Return the take that window `row` is cut from."""
         return self.prepared.takes[self._place(row)[0]]
 
+    def takes(self, rows: NDArray[np.int64]) -> list[Take]:
+        """Return the takes that the windows of `rows` are cut from."""
+        return [self.take_of(int(row)) for row in rows]
+
     def speakers(self, rows: NDArray[np.int64]) -> list[str]:
         """Return who speaks in the windows of `rows`."""
-        return [self.take_of(int(row)).speaker for row in rows]
+        return [take.speaker for take in self.takes(rows)]
 
     def start_of(self, row: int) -> int:
         """Return the first frame of window `row` within its take."""

@@ -18,8 +18,8 @@ from torch import Tensor
 from transformers import ASTFeatureExtractor
 
 from motion.audio import SPEECH_RATE, Audio
+from motion.audio_analysis import load_librosa
 from motion.errors import InputError
-from motion.speech.audio_analysis import load_librosa
 
 ROWS_PER_SECOND: Final = 100
 

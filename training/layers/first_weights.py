@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import torch
 from torch import Tensor, nn
 
-LEAST_SPREAD: Final = 1e-3
+_LEAST_SPREAD: Final = 1e-3
 """Of a principal component, or of what is heard; smaller ones are rounding."""
 
 _SHARPNESS: Final = 3.0
@@ -31,16 +31,35 @@ def components_of(rows: Tensor, most: int) -> Components:
     """Return the largest principal components of `rows` (n, values)."""
     mean = rows.mean(dim=0)
     directions = torch.pca_lowrank(rows, q=min(most, *rows.shape), niter=4)[2]
-    spread = ((rows - mean) @ directions).std(dim=0).clamp_min(LEAST_SPREAD)
+    spread = ((rows - mean) @ directions).std(dim=0).clamp_min(_LEAST_SPREAD)
     return Components(mean, directions, spread)
 
 
-def tell_components(layer: nn.Linear | nn.Conv2d, found: Components, size: float = 1.0) -> None:
-    """Let the first channels of a layer tell components, all of one size."""
+@torch.no_grad()
+def hear_alike(layer: nn.Module, values: Tensor) -> None:
+    """Let a fresh linear layer hear all inputs alike, whose spread `values` (n, in) tell."""
+    weight, bias = layer.get_parameter("weight"), layer.get_parameter("bias")
+    weight.div_(values.std(dim=0).clamp_min(_LEAST_SPREAD))
+    bias.sub_(weight @ values.mean(dim=0))
+
+
+def tell_components(
+    layer: nn.Linear | nn.Conv2d, found: Components, size: float = 1.0, *, alone: bool = False
+) -> None:
+    """Let the first channels of a layer tell components, all of one size; alone, others nothing."""
+    for weight in layer.parameters() if alone else ():
+        weight.zero_()
     rows = size * (found.directions / found.spread).T
     layer.weight[: len(rows)] = rows.view(len(rows), *layer.weight.shape[1:])
     if layer.bias is not None:
         layer.bias[: len(rows)] = -layer.weight[: len(rows)].flatten(1) @ found.mean
+
+
+def show_components(layer: nn.Linear, found: Components) -> None:
+    """Let a layer make values of their components, which its first channels tell."""
+    layer.weight.zero_()
+    layer.weight[:, : len(found.spread)] = found.directions * found.spread
+    layer.bias.copy_(found.mean)
 
 
 def waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:

@@ -40,7 +40,7 @@ def write_checkpoint(
 ) -> None:
     """Save the state after `step` steps.
 
-    Order of examples and chance need no state: `training.run.batch_order` tells both from
+    Order of examples and chance need no state: `training.run.batches` tells both from
     the seed and the step.
     """
     facts = {

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.files import replacing
-from training.run.log import LogLine
+from training.run.records import LogLine
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,9 +1,9 @@
-"""Starting the processes that train one network together on one machine.
+"""Starting the processes that train one network together on one machine, and stopping them.
 
 Each runs the command that was given, and learns from its environment which one it is, in the words
 of torchrun: ``WORLD_SIZE``, ``RANK``, ``LOCAL_RANK`` and the address where they meet. Started by
 torchrun or ``accelerate launch`` instead, on one machine or several, a command finds the same
-words.
+words. Asked to stop while weights change, a process finishes the step under way first.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -152,3 +153,47 @@ def _free_port() -> int:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         return int(free.getsockname()[1])
+
+
+_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+
+
+class StopRequest:
+    """Whether somebody asked to stop."""
+
+    def __init__(self) -> None:
+        self.times = 0
+
+    def __bool__(self) -> bool:
+        """Tell whether the request was made."""
+        return self.times > 0
+
+
+@contextmanager
+def stop_request(*, heeded: int = 1) -> Iterator[StopRequest]:
+    """Note Ctrl-C, and a batch system's request to end, rather than break off at once.
+
+    Outside the main thread, where signals cannot be caught, nothing changes.
+
+    Parameters
+    ----------
+    heeded : int
+        How many requests are noted; one more breaks off. A launcher of several processes may hand
+        on a Ctrl-C that the terminal had sent to each of them already.
+    """
+    request = StopRequest()
+    if threading.current_thread() is not threading.main_thread():
+        yield request
+        return
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if request.times >= heeded:
+            raise KeyboardInterrupt
+        request.times += 1
+
+    before = {number: signal.signal(number, note) for number in _SIGNALS}
+    try:
+        yield request
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

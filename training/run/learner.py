@@ -26,13 +26,14 @@ from torch.optim.swa_utils import AveragedModel
 
 from motion.errors import InputError
 from training.config import TrainingConfig
-from training.run.batch_order import (
+from training.run.batches import (
+    StepStatistics,
+    batch_normed,
     batches_per_epoch,
     chance_of_part,
     parts_of_step,
     rows_of_step,
 )
-from training.run.batch_statistics import StepStatistics, batch_normed
 from training.run.group import Group
 from training.run.passes import Pass, Teaching
 from training.run.task import Network, Task, TaskInPasses

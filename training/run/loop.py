@@ -16,12 +16,10 @@ from training.config import TrainingConfig
 from training.device import check_device
 from training.run.checkpoint import Best, restore_checkpoint, write_checkpoint
 from training.run.curves import draw_curves
-from training.run.folder import RunFolder
 from training.run.group import Group
-from training.run.interruption import stop_request
+from training.run.launching import stop_request
 from training.run.learner import Learner
-from training.run.log import RunLog
-from training.run.stopwatch import Stopwatch
+from training.run.records import RunFolder, RunLog, Stopwatch
 from training.run.task import Network, Task
 from training.weights_file import read_weights, write_weights
 

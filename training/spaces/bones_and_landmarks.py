@@ -11,15 +11,17 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn import functional
 
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
 from motion.points.clip_from_points import clip_from_points
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
 FloatArray = NDArray[np.float64]
 
@@ -88,3 +90,29 @@ def joints_of(directions: FloatArray, lengths: FloatArray = BONE_LENGTHS) -> Flo
     """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
     units = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-9)
     return chain_bones(lengths[:, None] * units)
+
+
+def points_of(values: Tensor) -> Tensor:
+    """Return values (…, 3 N) as points (…, N, 3)."""
+    return values.reshape(*values.shape[:-1], -1, 3)
+
+
+def split_motion(values: Tensor) -> dict[str, Tensor]:
+    """Return the parts of values (B, T, 27 + 3 L)."""
+    pose, face = values[..., :BONE_VALUES], values[..., BONE_VALUES:]
+    return {"face": points_of(face), "pose": points_of(pose)}
+
+
+def joint_tensors_of(directions: Tensor) -> Tensor:
+    """Return the ten joints (B, T, 10, 3) of directions (B, T, 9, 3), equation 2."""
+    units = functional.normalize(directions, dim=-1)
+    joints = [torch.zeros_like(units[..., 0, :])] * (len(BONES) + 1)
+    for bone, (parent, child) in enumerate(BONES):
+        joints[child] = joints[parent] + float(BONE_LENGTHS[bone]) * units[..., bone, :]
+    return torch.stack(joints, dim=-2)
+
+
+def with_units(values: Tensor) -> Tensor:
+    """Return values whose directions have length 1 (equation 2)."""
+    bones = functional.normalize(points_of(values[:, :BONE_VALUES]), dim=-1)
+    return torch.cat([bones.flatten(-2), values[:, BONE_VALUES:]], dim=-1)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 from matplotlib.axes import Axes
@@ -12,18 +11,18 @@ from matplotlib.patches import Patch
 
 from analysis.report import wording
 from analysis.report.content import Picture
-from analysis.report.figures.ink import INK, PAPER, between_sides, on
-from analysis.report.figures.panels import (
+from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
+from analysis.report.figures.style import (
+    INK,
     LABEL_SIZE,
-    Hints,
-    Panel,
-    PanelFigure,
-    Row,
+    PAPER,
     Scale,
-    panel_pictures,
+    between_sides,
+    on,
     write_beside,
 )
 from analysis.report.figures.svg import About
+from analysis.stats.clustered_mean import Estimate
 
 _WORDS: Final = 0.76
 """Room for an estimate in words, in inches."""
@@ -54,19 +53,27 @@ class Bar:
         Where it begins, in percent.
     parts : tuple of Part
         In the order of the legend; () where there are no answers.
-    estimate, low, high : float
-        NaN where there is none.
-    words, below : str
-        The estimate in words, and its interval.
+    beside : Estimate
+        What stands beside it, with its interval.
+    written : callable
+        Writes numbers of `beside`.
     """
 
     start: float = 0.0
     parts: tuple[Part, ...] = ()
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
-    words: str = ""
-    below: str = ""
+    beside: Estimate = field(default_factory=Estimate)
+    written: Callable[[float], str] = wording.number
+
+    @property
+    def words(self) -> str:
+        """The estimate in words; '' without answers."""
+        return self.written(self.beside.estimate) if self.parts else ""
+
+    @property
+    def below(self) -> str:
+        """Its interval, or that it has none; '' without answers."""
+        inside = wording.interval(self.beside, self.written) or "no interval"
+        return inside if self.parts else ""
 
 
 def bar_pictures(
@@ -98,10 +105,11 @@ def bar_pictures(
         inches = (panel.inches - _WORDS) * _WIDTHS[0] - 0.1
         hints: Hints = {}
         for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
-            found = _draw_parts(left, number, bar, bars, f"bar{panel.prefix}-{number}", inches)
-            hints |= {gid: f"{row.name}, {hint}" for gid, hint in found.items()}
-            right.plot([bar.low, bar.high], [number] * 2, color=INK, linewidth=1.3)
-            right.plot([bar.estimate], [number], "o", markersize=4.2, color=INK, clip_on=False)
+            parts = _draw_parts(left, number, bar, bars, f"bar{panel.prefix}-{number}", inches)
+            hints |= {gid: f"{row.name}, {hint}" for gid, hint in parts.items()}
+            found = bar.beside
+            right.plot([found.low, found.high], [number] * 2, color=INK, linewidth=1.3)
+            right.plot([found.estimate], [number], "o", markersize=4.2, color=INK, clip_on=False)
             write_beside(right, number, bar.words, bar.below, bold=True)
         bars.dress(left, inches)
         estimates.dress(right, inches)

@@ -19,13 +19,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from analysis.report import wording
 from analysis.report.content import Picture
-from analysis.report.figures.fitting import fitted
-from analysis.report.figures.ink import MARK, SOFT, STYLE
+from analysis.report.figures.style import LABEL_SIZE, MARK, STYLE, TITLE_SIZE, fitted
 from analysis.report.figures.svg import WIDTH, About, Drawing, picture
-
-TITLE_SIZE: Final = 9.0
-LABEL_SIZE: Final = 8.0
-SMALL_SIZE: Final = 7.0
 
 _ROW_LINE: Final = 0.135
 """Height in inches of a line of a row's name."""
@@ -250,76 +245,3 @@ def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, wanted: float) 
 def _line_of(axes: Axes) -> int:
     place = axes.get_subplotspec()
     return 0 if place is None else place.rowspan.start
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scale:
-    """The axis of a panel.
-
-    Attributes
-    ----------
-    limits : (float, float) or None
-        How far it goes; None for as far as the panels of a sheet need.
-    ticks : mapping of float to str
-        Where its ticks are, and what they are called; {} for round numbers.
-    label : str
-        What it shows.
-    ends : (str, str)
-        What it shows towards its two ends, in place of `label`; ('', '') for neither.
-    line : float or None
-        Where a line goes through all rows.
-    """
-
-    limits: tuple[float, float] | None = None
-    ticks: Mapping[float, str] | None = None
-    label: str = ""
-    ends: tuple[str, str] = ("", "")
-    line: float | None = None
-
-    def dress(self, axes: Axes, inches: float) -> None:
-        """Give axes of so many inches their scale."""
-        if self.limits is not None:
-            axes.set_xlim(*self.limits)
-        if self.ticks is None:
-            axes.locator_params(axis="x", nbins=4, steps=(1, 2, 5, 10))
-        else:
-            axes.set_xticks(list(self.ticks), labels=list(self.ticks.values()))
-        axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
-        axes.set_xlabel(self.label, fontsize=SMALL_SIZE + 0.5, labelpad=2.0)
-        for where, end in zip((0.0, 1.0), self.ends, strict=True):
-            if not end:
-                continue
-            words = fitted(end, inches / 2 - 0.2, size=SMALL_SIZE + 0.5, lines=2)
-            axes.annotate(
-                f"{words} →" if where else f"← {words}",
-                (where, 0),
-                xycoords="axes fraction",
-                xytext=(0, -13),
-                textcoords="offset points",
-                ha="right" if where else "left",
-                va="top",
-                fontsize=SMALL_SIZE + 0.5,
-            )
-        if self.line is not None:
-            axes.axvline(self.line, color=SOFT, linewidth=0.7, zorder=0)
-
-
-def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = False) -> None:
-    """Write words, and smaller ones under them, at the right of a row of a panel."""
-    high = 4.4 if below else 0.0
-    size, weight = (8.5, "bold") if bold else (8.0, "normal")
-    for text, height, style in (
-        (words, high, {"fontsize": size, "fontweight": weight}),
-        (below, -5.2, {"fontsize": SMALL_SIZE - 0.5}),
-    ):
-        if text:
-            axes.annotate(
-                text,
-                (1, row),
-                xycoords=axes.get_yaxis_transform(),
-                xytext=(8, height),
-                textcoords="offset points",
-                va="center",
-                annotation_clip=False,
-                **style,
-            )

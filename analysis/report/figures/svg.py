@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
 from analysis.report.content import Picture
-from analysis.report.figures.ink import FOLLOWS_THE_PAGE, STYLE
+from analysis.report.figures.style import FOLLOWS_THE_PAGE, STYLE
 
 WIDTH: Final = 7.2
 """Width of every figure in inches: what A4 holds between its margins."""
@@ -63,7 +63,7 @@ def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing | None = 
     Parameters
     ----------
     wide : Drawing
-        Drawn under `analysis.report.figures.ink.STYLE`.
+        Drawn under `analysis.report.figures.style.STYLE`.
     about : About
         What stands around it.
     told : str

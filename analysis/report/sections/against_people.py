@@ -8,27 +8,32 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from analysis.measurement.paper_tables import PAPER_TABLES
 from analysis.report import wording
-from analysis.report.content import Cell, Picture, Section, Table, table_of
-from analysis.report.figures.agreement_figure import MOST, agreement_pictures
-from analysis.report.figures.dots import Dot, dot_pictures
-from analysis.report.figures.panels import Row, Scale
+from analysis.report.content import (
+    Cell,
+    Picture,
+    Section,
+    Table,
+    count_cell,
+    table_of,
+)
+from analysis.report.figures.dots import MOST, Dot, agreement_pictures, dot_pictures
+from analysis.report.figures.panels import Row
+from analysis.report.figures.style import Scale
 from analysis.report.figures.svg import About
-from analysis.report.headline.words import between, count_cell, each_question, question_name
-from analysis.report.sections.metric import PAPER_OF, is_detail
+from analysis.report.sections.metric import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.subject import Subject
-from analysis.results.against_people.over_conditions import FEWEST_FOR_INTERVAL
-from analysis.results.against_people.result import (
-    AgainstPeople,
-    MetricAgainstPeople,
+from analysis.report.wording import between, question_name
+from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
+from analysis.results.clip_correlations import WithinCorrelation
+from analysis.results.rank_correlations import (
+    FEWEST_FOR_INTERVAL,
     RankCorrelation,
     SamplingRange,
-    WithinCorrelation,
 )
 from analysis.results.report import TableReport
-from motion.listing import listed
+from motion.errors import listed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +92,7 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
                 if metric.conditions and not is_detail(metric.metric, report.protocol)
             ),
         )
-        for of, question, one in each_question(report.metrics_against_people, report.sets)
+        for of, question, one in report.metrics_against_people.rows()
     ]
     if not asked:
         return None

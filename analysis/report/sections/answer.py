@@ -6,10 +6,8 @@ import math
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.headline.heterogeneity import whole_effects
-from analysis.report.headline.words import each_question
-from analysis.report.sections.flow import is_half_finished, places_words
-from analysis.report.sections.looks import looks_sentence
+from analysis.report.sections.flow import is_half_finished, looks_sentence, places_words
+from analysis.report.sections.heterogeneity import whole_effects
 from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
 from analysis.report.subject import Subject
 from analysis.results.grouping import ByQuestion
@@ -18,7 +16,7 @@ from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import Results, TableReport
 from analysis.results.strengths import Standings
-from motion.listing import listed
+from motion.errors import listed
 
 MOST: Final = 4
 """How many results the first sentences name; the tables hold all of them."""
@@ -134,7 +132,7 @@ def _together(report: TableReport) -> str:
     parts = [
         f"{about(question, of)} (F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
         f"{wording.fixed(test.statistic, 2)}, {wording.p_is(test.p_value)})"
-        for of, question, model in each_question(models, report.sets)
+        for of, question, model in models.rows()
         for test in (model.omnibus,)
         if not math.isnan(test.p_value)
     ]
@@ -206,9 +204,10 @@ def _basis(report: TableReport, subject: Subject) -> str:
         f"{wording.count(participants.recruited, subject.people[:-1])}"
     )
     if subject.excerpts:
-        speakers = {one.speaker for one in subject.excerpts.values() if one.speaker}
         words += f" and {wording.count(len(subject.excerpts), 'segment')}"
-        words += f" of {wording.count(len(speakers), 'speaker')}" if speakers else ""
+        words += (
+            f" of {wording.count(len(subject.speakers), 'speaker')}" if subject.speakers else ""
+        )
     words += "; nobody was excluded" if not excluded else f"; {excluded} were excluded"
     if excluded == 1:
         words = words.replace("1 were excluded", "1 was excluded")

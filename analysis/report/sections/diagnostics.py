@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import Final, cast
+from typing import Final
 
 from analysis.answers.quality import Quality
 from analysis.report import wording
-from analysis.report.content import Column, Section, Table, table_of
-from analysis.report.headline.words import (
-    between,
+from analysis.report.content import (
+    Column,
+    Section,
+    Table,
     count_cell,
-    each_question,
     p_cell,
-    question_name,
     share_cell,
+    table_of,
 )
 from analysis.report.subject import Subject
+from analysis.report.wording import between, question_name
 from analysis.results.agreement import Agreement
 from analysis.results.grouping import ByQuestion
-from analysis.results.mismatch import MismatchResults, OwnSideBias
-from analysis.results.pairwise import PairwiseResults, SideBias
+from analysis.results.pairwise import MismatchResults, OwnSideBias, PairwiseResults, SideBias
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
+from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
+from analysis.stats.friedman import Concordance
 from analysis.stats.intraclass import Intraclass
-from analysis.stats.rankings.kendall_w import Concordance
-from analysis.stats.retest import Retest
 
 DESCRIBED = (
     "Nothing here excludes anybody or decides anything; low agreement does not rule out a real "
@@ -46,13 +46,13 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
     results = report.results
     tables = []
     if isinstance(results, PairwiseResults | MismatchResults):
-        tables.append(_sides(results, report.sets))
+        tables.append(_sides(results))
     if isinstance(results, RankingResults):
-        tables.append(_concordance(results.kendall_w, report.sets))
+        tables.append(_concordance(results.kendall_w))
     else:
         tables += [
-            _agreement(results.agreement, report.sets),
-            _retest(results.test_retest, report.sets),
+            _agreement(results.agreement),
+            _retest(results.test_retest),
         ]
     return Section(
         anchor="diagnostics",
@@ -62,10 +62,11 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
     )
 
 
-def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) -> Table:
+def _sides(results: PairwiseResults | MismatchResults) -> Table:
+    biases: ByQuestion[SideBias | OwnSideBias] = results.side_bias
     first = "own speech" if isinstance(results, MismatchResults) else "first condition"
     return table_of(
-        [*each_question(cast(ByQuestion[SideBias | OwnSideBias], results.side_bias), sets)],
+        [*biases.rows()],
         _QUESTION,
         ("left share", lambda row: share_cell(row[2].left_share.estimate)),
         (
@@ -91,9 +92,9 @@ def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) ->
     )
 
 
-def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
+def _agreement(found: ByQuestion[Agreement]) -> Table:
     return table_of(
-        each_question(found, sets),
+        found.rows(),
         _QUESTION,
         ("α", lambda row: share_cell(row[2].estimate)),
         ("95 % interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
@@ -115,9 +116,9 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
     )
 
 
-def _retest(found: ByQuestion[Retest], sets: tuple[str, ...]) -> Table:
+def _retest(found: ByQuestion[Retest]) -> Table:
     return table_of(
-        [row for row in each_question(found, sets) if row[2].n],
+        [row for row in found.rows() if row[2].n],
         _QUESTION,
         ("trials", lambda row: count_cell(row[2].n)),
         ("κ", lambda row: share_cell(row[2].kappa)),
@@ -132,8 +133,8 @@ def _retest(found: ByQuestion[Retest], sets: tuple[str, ...]) -> Table:
     )
 
 
-def _concordance(found: ByQuestion[Concordance], sets: tuple[str, ...]) -> Table:
-    rows = [*each_question(found, sets)]
+def _concordance(found: ByQuestion[Concordance]) -> Table:
+    rows = [*found.rows()]
     return table_of(
         rows,
         _QUESTION,

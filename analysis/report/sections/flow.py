@@ -1,16 +1,19 @@
-"""The section on participants: who is analysed, who is left out, and why."""
+"""How the study went: who is analysed, who is left out and why, and looks at results on the way."""
 
 from __future__ import annotations
 
+import math
 from functools import partial
+from typing import Final
 
 from analysis.answers.exclusion_rules import BY_HAND
 from analysis.report import wording
-from analysis.report.content import Cell, Section, Table, table_of
-from analysis.report.headline.words import count_cell
+from analysis.report.content import Cell, Section, Table, count_cell, table_of
 from analysis.report.subject import Subject
+from analysis.results.looks import LooksBefore
 from analysis.results.participants import Flow
 from analysis.results.report import TableReport
+from motion.errors import listed
 
 _STAGES = (
     ("places", "places"),
@@ -163,4 +166,84 @@ def flow_line(report: TableReport, subject: Subject) -> str:
     return (
         f"{subject.people.capitalize()}: {started}{report.participants.recruited} answered"
         f"{''.join(removed) or ' − 0 excluded'} = {report.participants.attentive} analysed."
+    )
+
+
+MOST_LOOKS: Final = 100
+"""Rows of the table; ``results.json`` has all."""
+
+MOST_NUMBERS: Final = 5
+"""Numbers of participants that a sentence names."""
+
+_WAYS: Final = {"page": "researchers' page", "report": "report", "export": "export"}
+
+
+def looks_section(report: TableReport) -> Section | None:
+    """Return what is logged of looks; None where there were none."""
+    found = report.looks
+    if not found.count:
+        return None
+    return Section(
+        anchor="looks",
+        heading="Looks at results before the end",
+        paragraphs=(
+            f"{_looks_words(found)} Whoever may stop, extend or change a study because of what a "
+            "look shows finds what is not there more often than a p value says: p values and "
+            "intervals here take the number of participants for settled beforehand.",
+            *_false_positives(found),
+        ),
+        tables=(_looks_table(found),),
+    )
+
+
+def looks_sentence(report: TableReport) -> str:
+    """Return in one sentence that there were looks; '' where there were none."""
+    return (
+        f"{_looks_words(report.looks)} The p values and intervals do not allow for that."
+        if report.looks.count
+        else ""
+    )
+
+
+def _looks_words(found: LooksBefore) -> str:
+    numbers = [str(number) for number in found.finished]
+    if len(numbers) > MOST_NUMBERS:
+        at = f"{len(numbers)} numbers of finished participants from {numbers[0]} to {numbers[-1]}"
+    else:
+        noun = "participant" if numbers == ["1"] else "participants"
+        at = f"{listed(numbers)} finished {noun}"
+    times = "once" if found.count == 1 else f"{found.count} times"
+    return f"Results were looked at {times} before these answers were complete, at {at}."
+
+
+def _false_positives(found: LooksBefore) -> tuple[str, ...]:
+    if math.isnan(found.false_positive_rate):
+        return (f"How much likelier cannot be told: {found.reason}.",)
+    return (
+        "A study that ends at the first of these looks, or of the answers reported here, that "
+        f"shows p < {found.level:g} finds what is not there in "
+        f"{100 * found.false_positive_rate:.1f} % of cases instead of {100 * found.level:g} %, "
+        "for a single test of a normal mean (Armitage, McPherson and Rowe 1969). Where looks could "
+        "change nothing, they did no harm; the reasons below are what was said at the time.",
+    )
+
+
+def _looks_table(found: LooksBefore) -> Table:
+    shown = found.looks[-MOST_LOOKS:]
+    notes = ["Days in UTC. Looks in a row that differ in nothing are one row."]
+    if len(shown) < len(found.looks):
+        notes.append(f"The last {MOST_LOOKS} rows of {len(found.looks)}; results.json has all.")
+    return table_of(
+        shown,
+        ("Day", lambda look: look.day),
+        ("Who", lambda look: look.by),
+        ("Where", lambda look: _WAYS.get(look.way, look.way)),
+        ("Why", lambda look: look.reason or "not said"),
+        ("Finished", lambda look: count_cell(look.finished)),
+        ("Planned", lambda look: count_cell(look.planned)),
+        ("Times", lambda look: count_cell(look.times)),
+        caption="Looks at results before the answers that are reported: who, why, and how many "
+        "participants had finished.",
+        notes=notes,
+        name="looks",
     )

@@ -10,12 +10,34 @@ from itertools import groupby
 from string import ascii_lowercase
 from typing import Final
 
-from analysis.measurement.paper_tables import TableColumn
 from analysis.measurement.scores import ConditionScore
 from analysis.metrics.result import Better
 from analysis.report import wording
 from analysis.report.content import Cell, Table
-from motion.listing import listed
+from motion.errors import listed
+
+
+@dataclass(frozen=True)
+class TableColumn:
+    """One column of a paper's table.
+
+    Attributes
+    ----------
+    metric : str
+        Name of the score.
+    label : str
+        How the paper heads the column.
+    better : {'lower', 'higher', 'near the reference', 'unsaid'}
+        Which scores the paper calls better.
+    block : str
+        Heading over several columns; empty where the table has none.
+    """
+
+    metric: str
+    label: str
+    better: Better
+    block: str = ""
+
 
 SCORES: Final = "metrics.csv"
 """File in the report's ``tables`` folder with all scores of conditions, settings and reasons."""

@@ -7,7 +7,7 @@ from markupsafe import Markup
 from analysis.report import wording
 from analysis.report.content import Picture, Section
 from analysis.report.subject import Still, Subject
-from motion.listing import listed
+from motion.errors import listed
 
 ANCHOR = "stills"
 HEADING = "What the conditions look like"

@@ -9,10 +9,9 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from analysis.report import wording
-from analysis.report.headline.words import between, number
+from analysis.report.wording import between, number
 from analysis.results.grouping import PairPlace
-from analysis.results.mismatch import MismatchResults
-from analysis.results.pairwise import PairwiseResults
+from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import Comparison, MatchedCondition
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults

@@ -11,8 +11,7 @@ import numpy as np
 from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.strengths.contrasts import difference_tests, rank_intervals
-from analysis.stats.strengths.two_way import TwoWayErrors
+from analysis.stats.strength_differences import TwoWayErrors, difference_tests, rank_intervals
 from benchmarks.validity.studies import Design
 
 Floats = np.typing.NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.results.family import EVERYTHING
+from analysis.results.grouping import EVERYTHING
 from analysis.results.strengths import (
     Standings,
     StrengthContrast,

@@ -11,13 +11,12 @@ import numpy as np
 
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.equivalence import equivalence
-from analysis.stats.heterogeneity import between_groups, between_segments
-from analysis.stats.min_f import min_f
+from analysis.stats.f_tests import between_groups, between_segments, min_f
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
-from analysis.stats.sign_test import sign_test
-from analysis.stats.values import group_means
-from analysis.stats.wilcoxon import (
+from analysis.stats.samples import group_means
+from analysis.stats.signed_rank import (
     pooled_tests,
+    sign_test,
     signed_rank,
 )
 from benchmarks.validity.conclusions.conclusion import (

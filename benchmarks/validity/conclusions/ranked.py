@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.stats.rankings.friedman import Blocks, friedman
-from analysis.stats.rankings.placements import placements, rank_summaries
-from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
-from analysis.stats.values import group_means
+from analysis.stats.friedman import friedman
+from analysis.stats.placements import Blocks, placements, rank_summaries
+from analysis.stats.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.samples import group_means
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

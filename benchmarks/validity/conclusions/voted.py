@@ -8,8 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.stats.strengths.bradley_terry import bradley_terry
-from analysis.stats.strengths.votes import Votes
+from analysis.stats.bradley_terry import Votes, bradley_terry
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

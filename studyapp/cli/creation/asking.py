@@ -1,14 +1,30 @@
-"""Asking one thing in a terminal: a sentence why, an answer that is checked at once."""
+"""Asking one thing in a terminal, and asking for the conditions of a new study."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
 from typing import Final, TypeVar
 
 import click
 
+from generators.registry import generator_names, needs_model, needs_source
 from motion.errors import InputError
+from motion.segment import check_name
+from studyapp.cli.creation.init_options import (
+    FILES,
+    VIDEOS,
+    generator_sources,
+    read_source,
+    source_of,
+    source_words,
+)
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.study import GROUND_TRUTH
+from studyapp.study.wanted_study import MOST_TOGETHER, WantedStudy
 
 T = TypeVar("T")
 
@@ -77,3 +93,166 @@ def agree(question: str, why: str, *, default: bool) -> bool:
     """Ask for a yes or a no."""
     explain(why)
     return click.confirm(question, default=default)
+
+
+STAND_INS: Final = "stand-ins"
+
+_SOURCES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        FILES: "motion files brought in with 'motionjury import': recordings, a system's output",
+        VIDEOS: "finished videos in videos/NAME/; nothing is rendered",
+        "rule_based": "made here from the speech: beat gestures by rule",
+        "static": "made here: stands still",
+        "mismatched": "another condition's motion for another speech: right in kind, wrong in time",
+    }
+)
+
+
+def _sources() -> dict[str, str]:
+    """Return where motion comes from, each with what it means; networks come last."""
+    networks = [name for name in generator_names() if needs_model(name)]
+    words = "made here by a network from its weights: type {}"
+    return {**_SOURCES, **{name: words.format(source_words(name)) for name in networks}}
+
+
+def ask_conditions(template: str, before: WantedStudy, folder: Path) -> WantedStudy:
+    """Ask what is compared, with what, and what catch trials can show.
+
+    Parameters
+    ----------
+    template : str
+        The template that was chosen.
+    before : WantedStudy
+        First answers.
+    folder : Path
+        The study's, from which files are named.
+    """
+    where = choose(
+        "Conditions",
+        "Conditions are the systems that are compared. Name your own; or begin with stand-ins that "
+        "are made here, to try everything before your motion is there.",
+        {
+            "own": "name them one after the other",
+            STAND_INS: "the template's: rule-based and mismatched motion; of ratings and rankings, "
+            "still and flawed motion too; of three-systems, the three networks too",
+        },
+        default="own" if before.conditions else STAND_INS,
+    )
+    if where == STAND_INS:
+        return replace(before, conditions=None, reference=None, catch_videos=False)
+    conditions = _named(before.conditions or {}, folder)
+    reference = None
+    if template in ("pairwise", "ranking"):
+        reference = _reference(template, conditions, before.reference)
+    catch_videos = bool(conditions) and all(made.videos for made in conditions.values())
+    if catch_videos:
+        catch_videos = agree(
+            "Will you bring videos of a broken motion",
+            "Catch trials show a visibly broken motion beside a good one, and tell who does not "
+            "watch. Of finished videos none can be made here: they would lie in "
+            "videos/broken/. Without them the study has attention checks instead.",
+            default=before.catch_videos,
+        )
+    return replace(before, conditions=conditions, reference=reference, catch_videos=catch_videos)
+
+
+def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition]:
+    """Ask for names and sources of conditions until there is no more."""
+    explain(
+        f"Name the conditions as files and tables will: 'ours', 'baseline', and the real recording "
+        f"'{GROUND_TRUTH}'. For each, say where its motion comes from: a number, or a name such as "
+        f"{', '.join(generator_sources())}."
+    )
+    for number, (source, words) in enumerate(_sources().items(), start=1):
+        click.echo(f"  {number}  {source:10}  {words}")
+    conditions: dict[str, Condition] = {}
+    offered = list(before)
+    while len(conditions) < MOST_TOGETHER:
+        place = len(conditions)
+        default = offered[place] if place < len(offered) else ""
+        name = _name(conditions, default)
+        if not name:
+            break
+        known = before.get(name)
+        source = source_of(known, folder) if known else FILES
+        conditions[name] = _source(name, list(conditions), source, folder)
+    return conditions
+
+
+def _name(conditions: Mapping[str, Condition], default: str) -> str:
+    """Ask for the next name; empty where there is none."""
+    place = len(conditions) + 1
+    enough = place > 2
+
+    def read(text: str) -> str:
+        if text in ("", "-"):
+            if enough:
+                return ""
+            raise InputError("two conditions at least are compared", remedy="Name another one")
+        if text in conditions:
+            raise InputError(f"there is a condition {text!r} already", remedy="Name another one")
+        if text == "broken":
+            raise InputError("'broken' is what catch trials show", remedy="Give it another name")
+        return check_name(text, "condition")
+
+    nothing = "'-'" if default else "empty"
+    end = f" ({nothing} when there are no more)" if enough else ""
+    return ask(f"Condition {place}{end}", default=default, read=read)
+
+
+def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condition:
+    """Ask where the motion of a condition comes from."""
+    names = list(_sources())
+
+    def read(text: str) -> Condition:
+        kind, colon, of = text.partition(":")
+        if kind.isdecimal() and 1 <= int(kind) <= len(names):
+            kind = names[int(kind) - 1]
+        starts = kind in generator_names() and needs_source(kind)
+        if starts and not colon:
+            if not earlier:
+                raise InputError(
+                    f"{kind!r} needs another condition to start from",
+                    remedy="Name that one first, and say where it comes from",
+                )
+            colon, of = ":", earlier[0]
+        if starts and of and of not in earlier:
+            raise InputError(
+                f"there is no condition {of!r} yet", remedy=f"Name one of {', '.join(earlier)}"
+            )
+        return read_source(f"{kind}{colon}{of}", folder)
+
+    return ask(f"  {name} comes from", default=default, read=read)
+
+
+def _reference(
+    template: str, conditions: Mapping[str, Condition], before: str | None
+) -> str | None:
+    """Ask with which condition the others are compared, or which one is shown apart."""
+    names = list(conditions)
+    first = next((name for name in (before, GROUND_TRUTH) if name in names), None)
+    if template == "pairwise":
+        why = "Every other condition is compared with the reference, each by people of its own."
+        default = first or names[0]
+    else:
+        why = (
+            "The reference is shown apart as a yardstick and not ranked: the real recording. '-' "
+            "for none."
+        )
+        default = first or "-"
+
+    def read(text: str) -> str | None:
+        if text == "-" and template == "ranking":
+            return None
+        if text not in names:
+            raise InputError(
+                f"{text!r} is none of the conditions", remedy=f"Use one of {', '.join(names)}"
+            )
+        if template == "ranking" and len(names) < 3:
+            raise InputError(
+                "without the reference there is nothing to be put in order",
+                remedy="Type '-', or leave with Ctrl-C and name more conditions",
+            )
+        return text
+
+    return ask("Reference", why, default=default, read=read)

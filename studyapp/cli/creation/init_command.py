@@ -10,19 +10,19 @@ import click
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.cli.creation.agreeing import agreed
 from studyapp.cli.creation.init_options import (
     LONGEST,
     RECRUITING_SITES,
     read_condition,
     read_pay,
 )
-from studyapp.study.creation.study_file import TEMPLATES, drafted, refuse_existing
-from studyapp.study.creation.wanted_study import WantedStudy
+from studyapp.cli.creation.interview import agreed
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.page import Language
+from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.recruitment import Channel
+from studyapp.study.study_file import TEMPLATES, drafted, refuse_existing
+from studyapp.study.wanted_study import WantedStudy
 
 INTERRUPTED: Final = 130
 """Exit status of who is interrupted (128 and the signal's number)."""

@@ -10,12 +10,11 @@ from typing import Final
 
 from generators.registry import generator_names, needs_source, settings_type
 from generators.settings import File, told
-from motion.errors import InputError
-from motion.listing import listed
+from motion.errors import InputError, listed
 from motion.segment import check_name
-from studyapp.cli.material.setting_options import condition_of
+from studyapp.cli.material.generate_command import condition_of
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.pay import MONEY, Pay
+from studyapp.study.settings.recruitment import MONEY, Pay
 
 FILES: Final = "files"
 VIDEOS: Final = "videos"

@@ -1,8 +1,9 @@
-"""What a study is to be, asked question by question in a terminal."""
+"""What a study is to be, asked in a terminal; nothing is written before it is agreed to."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -11,20 +12,18 @@ from typing import Final, cast
 import click
 
 from motion.errors import InputError
-from studyapp.cli.creation.asking import ask, choose
-from studyapp.cli.creation.asking_conditions import ask_conditions
+from studyapp.cli.creation.asking import ask, ask_conditions, choose
 from studyapp.cli.creation.init_options import (
     LONGEST,
     RECRUITING_SITES,
     read_count,
     read_pay,
 )
-from studyapp.study.creation.study_file import template_participants
-from studyapp.study.creation.wanted_study import WantedStudy
-from studyapp.study.settings.page import Language, reaches_somebody
-from studyapp.study.settings.pay import Pay
+from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.reading import ALIASES
-from studyapp.study.settings.recruitment import Channel
+from studyapp.study.settings.recruitment import Channel, Pay
+from studyapp.study.study_file import drafted, template_participants
+from studyapp.study.wanted_study import WantedStudy
 
 _TEMPLATES: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -188,3 +187,79 @@ def _address(text: str) -> str:
             remedy="Give an e-mail address, a page or a telephone number; or nothing for now",
         )
     return _text(text, 200)
+
+
+_WRITE, _LOOK, _CHANGE, _LEAVE = "write", "look", "change", "leave"
+
+_THEN: Final = {
+    _WRITE: "write it",
+    _LOOK: "show the whole file first",
+    _CHANGE: "go through the questions again, with these answers in [brackets]",
+    _LEAVE: "leave, and write nothing",
+}
+
+
+def agreed(wanted: WantedStudy, where: Path) -> str:
+    """Ask, show what would be written, and return the text of the study file once it is agreed to.
+
+    Parameters
+    ----------
+    wanted : WantedStudy
+        First answers.
+    where : Path
+        Where it would be written.
+
+    Raises
+    ------
+    click.exceptions.Exit
+        If it is not wanted after all.
+    """
+    while True:
+        wanted = interview(wanted, where.parent)
+        try:
+            text = drafted(wanted, where=where)
+        except InputError as wrong:
+            click.echo(f"\nThese answers make no study: {wrong}\nOnce more:\n")
+            continue
+        plain = WantedStudy(name=wanted.name, template=wanted.template, language=wanted.language)
+        click.echo(
+            f"\n{where} will be the template {wanted.template!r} in {LANGUAGES[wanted.language]}, "
+            "which explains every key, with:\n"
+        )
+        for line in decided(drafted(plain, where=where), text):
+            click.echo(f"  {line}")
+        while (then := choose("Then", "What now?", _THEN, default=_WRITE)) == _LOOK:
+            click.echo_via_pager(text)
+        if then == _WRITE:
+            return text
+        if then == _LEAVE:
+            click.echo("Nothing was written.")
+            raise click.exceptions.Exit(1)
+        click.echo()
+
+
+def decided(template: str, text: str) -> Iterator[str]:
+    """Yield the lines that answers have put into a study file, each under its table's heading.
+
+    Of a table that the template does not have, all lines are told.
+    """
+    old, new = template.splitlines(), text.splitlines()
+    added = {
+        line
+        for kind, _, _, first, last in difflib.SequenceMatcher(
+            None, old, new, autojunk=False
+        ).get_opcodes()
+        if kind in ("replace", "insert")
+        for line in range(first, last)
+    }
+    known = set(old)
+    heading, told, is_new = "", "", False
+    for number, line in enumerate(new):
+        if line.startswith("["):
+            heading, is_new = line, line not in known
+        if not line.strip() or line.startswith("#") or not (is_new or number in added):
+            continue
+        if heading != told and line != heading:
+            yield heading
+        told = heading
+        yield line

@@ -8,7 +8,7 @@ import click
 
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 
 
 @click.command("corpus")

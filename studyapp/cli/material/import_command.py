@@ -9,7 +9,7 @@ import click
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import existing_study, joints_option
-from studyapp.cli.progress import progress
+from studyapp.cli.output import progress
 from studyapp.stimuli.recordings import Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
 

@@ -1,19 +1,24 @@
-"""`motionjury render`."""
+"""`motionjury render` and `motionjury preview`."""
 
 from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from motion.errors import InputError
+from motion.formats.joint_maps import JointMap
+from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, Look
 from studyapp.cli.arguments import cluster as cluster_option
 from studyapp.cli.arguments import frames_cache as frames_cache_option
+from studyapp.cli.arguments import joints_option, study_folder
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.arguments import study_folder
-from studyapp.cli.printing import counted
-from studyapp.cli.progress import progress
-from studyapp.stimuli.render_record import RenderProgress
-from studyapp.stimuli.rendering import render
+from studyapp.cli.output import counted, progress
 from studyapp.study.folder import StudyFolder
+
+if TYPE_CHECKING:
+    from studyapp.stimuli.render_record import RenderProgress
 
 
 @click.command("render")
@@ -33,6 +38,9 @@ def command(
 
     What is finished is kept: interrupted and started again, it goes on where it was.
     """
+    # Imported here: drawing takes a second to load, and a wrong option should be told at once.
+    from studyapp.stimuli.rendering import render
+
     with progress("render", "frame") as show:
         count = render(
             folder,
@@ -67,3 +75,45 @@ def _videos(now: RenderProgress) -> str:
     """Return the videos dealt with in words, behind the frames."""
     failed = f", {now.failed} failed" if now.failed else ""
     return f"{now.videos} of {now.all_videos} videos{failed}"
+
+
+_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command("preview")
+@click.argument("motions", nargs=-1, required=True, type=_FILE, metavar="FILE...")
+@click.option("--speech", type=_FILE, help="What is heard.")
+@click.option("--fps", type=click.FloatRange(0, 1000, min_open=True), help="True frame rate.")
+@joints_option
+@click.option("--avatar", type=click.Choice(list(AVATARS)), default=FIRST_AVATAR, show_default=True)
+@click.option(
+    "--framing", type=click.Choice(list(FRAMINGS)), default="full_body", show_default=True
+)
+@click.option("--size", type=click.IntRange(64, 2160), default=720, show_default=True)
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("preview"),
+    show_default=True,
+    help="The folder to write into.",
+)
+def preview_command(
+    motions: tuple[Path, ...],
+    speech: Path | None,
+    fps: float | None,
+    joint_map: JointMap | None,
+    avatar: str,
+    framing: str,
+    size: int,
+    out: Path,
+) -> None:
+    """Show each motion FILE as a video and as a sheet of its frames; no study is needed."""
+    # Imported here: drawing takes a second to load, and a wrong option should be told at once.
+    from studyapp.stimuli.motion_preview import write_preview
+
+    look = Look(size=size + size % 2, framing=framing, avatar=avatar)
+    for motion in motions:
+        made = write_preview(motion, out, look, speech=speech, frame_rate=fps, joint_map=joint_map)
+        for note in made.notes:
+            click.echo(f"note: {note}")
+        click.echo(f"{made.video} and {made.sheet}")

@@ -8,14 +8,11 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from generators.registry import trainable_names
-from generators.trainable import run_of
+from generators.registry import run_of, trainable_names
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
-from studyapp.cli.material.train_generator_command import generator_command
-from studyapp.cli.material.training_run import run_into
-from studyapp.cli.printing import echo_skipped
-from studyapp.cli.progress import progress
+from studyapp.cli.material.train_generator_command import generator_command, run_into
+from studyapp.cli.output import echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.run.launching import is_leader
 
@@ -118,7 +115,7 @@ def evaluator(
     from analysis.evaluators.training import train_evaluator
     from motion.body.face_landmarks import FaceLandmarks
     from studyapp.stimuli.training_recordings import recordings_of
-    from training.run.folder import RunFolder
+    from training.run.records import RunFolder
 
     if channels is not None and kind != "motion":
         raise InputError(

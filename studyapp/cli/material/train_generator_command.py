@@ -3,17 +3,54 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final, get_args
 
 import click
 
-from generators.registry import trainable_of
-from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest
-from studyapp.cli.material.training_run import run_into
-from studyapp.cli.printing import echo_skipped
-from studyapp.cli.progress import progress
+from generators.registry import (
+    Device,
+    Trainable,
+    TrainingChoice,
+    TrainingRequest,
+    run_of,
+    trainable_of,
+)
+from motion.errors import InputError
+from studyapp.cli.output import echo_skipped, progress
 from training.data.take import KINDS
+from training.run.launching import is_leader
+
+
+@contextmanager
+def run_into(out: Path) -> Iterator[None]:
+    """Train the network of the file `out` during the block; an interruption says what was saved.
+
+    Raises
+    ------
+    InputError
+        If the file is there, and not the run that made it.
+    """
+    # Imported here: torch takes seconds to load, which --help need not wait for.
+    from training.run.loop import TrainingStopped
+
+    run = run_of(out)
+    if out.exists() and not (run / "checkpoint.safetensors").exists():
+        raise InputError(
+            "there is a file already, and not the run that would go on to make it",
+            where=out,
+            remedy="Name another --out, or move the file away",
+        )
+    try:
+        yield
+    except TrainingStopped as stopped:
+        if is_leader():
+            steps = f"step {stopped.step} of {stopped.steps}"
+            click.echo(f"\nStopped after {steps}; saved in {run}", err=True)
+        raise
+
 
 _CHANGES: Final = ("steps", "batch_size", "learning_rate", "precision", "accumulate")
 """Options that change a field of the training's config where they are given."""
@@ -120,7 +157,7 @@ def _paragraph(text: str) -> str:
 
 def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     # Imported here: torch takes seconds to load, which --help need not wait for.
-    from training.data.any_folder import read_takes
+    from training.data.folders import read_takes
     from training.run.launching import group_size, is_leader, run_in_processes
 
     out: Path = given["out"]

@@ -1,32 +1,30 @@
 """The database tables."""
 
-from studyapp.database.tables.audit import (
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.researchers import (
     Alarm,
     AuditLine,
     Event,
     ExclusionDecision,
     InterimFigures,
-    Look,
-)
-from studyapp.database.tables.base import Base
-from studyapp.database.tables.researchers import (
     LoginAttempt,
+    Look,
     Researcher,
     ResearcherLink,
     ResearcherLogin,
 )
 from studyapp.database.tables.study_session import (
     FormAnswer,
+    IntakeChange,
     Invitation,
     Newcomer,
     Place,
     RefusalLine,
     ScreenOut,
     StudySession,
+    StudyVersion,
 )
-from studyapp.database.tables.study_version import IntakeChange, StudyVersion
-from studyapp.database.tables.trial import Response, Trial, TrialStimulus
-from studyapp.database.tables.video import Video, WatchRecord
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 
 __all__ = [
     "Alarm",

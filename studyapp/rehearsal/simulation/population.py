@@ -1,20 +1,65 @@
-"""Whom a rehearsal simulates: how good each condition is to them, and how people differ."""
+"""Whom a rehearsal simulates: kinds of people, how good conditions are to them, their scales."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Final, Literal
 
-from studyapp.rehearsal.simulation.kinds import KINDS, Kind
+import numpy as np
+from scipy.special import logit
+
 from studyapp.study.settings.rehearsal import stated_for
-from studyapp.study.settings.study import GROUND_TRUTH
+from studyapp.study.settings.study import GROUND_TRUTH, Study
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+Kind = Literal[
+    "careless",
+    "hasty",
+    "side_biased",
+    "straight_lining",
+    "dropping_out",
+    "returning",
+    "double_clicking",
+    "attentive",
+]
 
-    from studyapp.study.settings.study import Study
+KINDS: Final[tuple[Kind, ...]] = (
+    *("careless", "hasty", "side_biased", "straight_lining"),
+    *("dropping_out", "returning", "double_clicking", "attentive"),
+)
+"""All of them, in the order in which shares of the participants are laid end to end; those who are
+left over are attentive."""
+
+UNSOUND: Final[frozenset[Kind]] = frozenset({"careless", "hasty", "side_biased", "straight_lining"})
+"""Kinds whose answers say less than those of the attentive, or nothing: an analysis is better off
+without them. All others judge as the attentive do."""
+
+DESCRIPTIONS: Final[Mapping[Kind, str]] = MappingProxyType(
+    {
+        "attentive": "watch, and answer what they prefer",
+        "hasty": "watch as little as they may, answer at once, see little",
+        "side_biased": "are drawn to one side",
+        "straight_lining": "give the same answer again and again",
+        "careless": "answer at random",
+        "dropping_out": "leave on the way, for good",
+        "returning": "leave on the way and come back",
+        "double_clicking": "press every button twice",
+    }
+)
+"""What each does, in words."""
+
+
+def kind_at(shares: Mapping[Kind, float], drawn: float) -> Kind:
+    """Return the kind of a rater for whom the number `drawn`, in [0, 1), was drawn."""
+    end = 0.0
+    for kind in KINDS[:-1]:
+        end += shares.get(kind, 0.0)
+        if drawn < end:
+            return kind
+    return KINDS[-1]
+
 
 QUALITY: Final[Mapping[str, float]] = MappingProxyType(
     {GROUND_TRUTH: 1.0, "rule_based": 0.5, "mismatched": 0.0, "static": -1.0, "broken": -6.0}
@@ -182,3 +227,44 @@ def _general_qualities(study: Study) -> dict[str, float]:
         name: max(0.0, FIRST_UNKNOWN - STEP_UNKNOWN * index) for index, name in enumerate(unknown)
     }
     return {name: guesses[name] if value is None else value for name, value in known.items()}
+
+
+def preference_thresholds(population: Population, levels: int) -> tuple[float, ...]:
+    """Return the borders between `levels` (2, 3 or 5) preferences from A to B, in logits."""
+    weak, strong = population.weak, population.strong
+    return {2: (0.0,), 3: (-weak, weak), 5: (-strong, -weak, weak, strong)}[levels]
+
+
+def rating_thresholds(population: Population, levels: int) -> tuple[float, ...]:
+    """Return the borders between `levels` equally wide steps of a rating scale, in logits.
+
+    A latent value of 0 lies in the middle of the scale. A slider is the same scale in finer
+    steps, so that its five bands hold what five labels would be given for.
+    """
+    shares = np.arange(1, levels) / levels
+    return tuple((population.rating_spread * logit(shares)).tolist())
+
+
+def step(values: Sequence[int], thresholds: Sequence[float], latent: float) -> int:
+    """Return the one of `values` that `latent` falls on; there is one threshold fewer."""
+    return values[int(np.searchsorted(thresholds, latent))]
+
+
+def ranks(utilities: Sequence[float], *, tie_within: float | None = None) -> tuple[int, ...]:
+    """Return the rank of each of `utilities`, the highest first, counted from 1 without gaps.
+
+    Parameters
+    ----------
+    utilities : sequence of float
+        With their noise, in logits.
+    tie_within : float, optional
+        What is at most so far below the best of a rank shares it; by default nothing does.
+    """
+    order = sorted(range(len(utilities)), key=lambda index: -utilities[index])
+    found = [0] * len(utilities)
+    rank, best = 0, 0.0
+    for index in order:
+        if not rank or tie_within is None or best - utilities[index] > tie_within:
+            rank, best = rank + 1, utilities[index]
+        found[index] = rank
+    return tuple(found)

@@ -1,27 +1,108 @@
-"""A simulated rater: how good each motion is to it, and what it answers."""
+"""A simulated rater: what it sees, how good each motion is to it, and what it answers."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from functools import cached_property, lru_cache
+from typing import Final
 
-from studyapp.rehearsal.simulation.chance import standard_normal, stream
-from studyapp.rehearsal.simulation.kinds import Kind, kind_at
-from studyapp.rehearsal.simulation.scales import (
+import numpy as np
+
+from studyapp.rehearsal.simulation.population import (
+    Kind,
+    Population,
+    kind_at,
     preference_thresholds,
     ranks,
     rating_thresholds,
     step,
 )
+from studyapp.study.design.trial import Ask, Stimulus
 
-if TYPE_CHECKING:
-    import numpy as np
 
-    from studyapp.rehearsal.simulation.population import Population
-    from studyapp.rehearsal.simulation.sight import SeenTrial
-    from studyapp.study.design.asking import Ask
-    from studyapp.study.design.stimulus import Stimulus
+def stream(seed: int, *event: str | int) -> np.random.Generator:
+    """Return the random stream of one named event.
+
+    The same seed and event always give the same stream, and no stream depends on which others
+    were drawn before. A rehearsal therefore gives the same answers in whatever order its
+    participants arrive, and whether or not it was interrupted.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the rehearsal.
+    *event : str or int
+        What happens: for example ``"taste", "static", "rhythm"``.
+    """
+    digest = hashlib.sha256(json.dumps([seed, *event]).encode()).digest()
+    return np.random.default_rng(int.from_bytes(digest, "big"))
+
+
+@lru_cache(maxsize=65_536)
+def standard_normal(seed: int, *event: str | int) -> float:
+    """Return the first draw of an event's stream from the standard normal distribution.
+
+    For traits, which every answer asks for again.
+    """
+    return float(stream(seed, *event).standard_normal())
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeenTrial:
+    """One presentation, with what its page hides.
+
+    Attributes
+    ----------
+    position : int
+        Which presentation of the study session it is.
+    kind, part : str
+        As they were planned.
+    segment : str
+        The speech it is about.
+    stimuli : tuple of Stimulus
+        What is judged, number 1 (A) first.
+    expected : int or None
+        Of a catch trial: the number of the plainly better stimulus.
+    instructed : int or None
+        The answer that the page asks for, on an attention check.
+    """
+
+    position: int
+    kind: str = "main"
+    part: str = ""
+    segment: str
+    stimuli: tuple[Stimulus, ...]
+    expected: int | None = None
+    instructed: int | None = None
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first."""
+        return tuple(stimulus.condition for stimulus in self.stimuli)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sight:
+    """What a page shows, and to whom.
+
+    Attributes
+    ----------
+    rater : str
+        Names the rater by its place, whoever holds it: a place's answers are the same in every
+        rehearsal with the same seed. Whoever replaces somebody who was excluded, or who left, is
+        another rater.
+    trial : SeenTrial
+        What is to be judged.
+    trials : int
+        How many there are in the whole study session.
+    """
+
+    rater: str
+    trial: SeenTrial
+    trials: int
+
 
 SIDE_PULL: Final = 2.5
 """Logits by which somebody side-biased prefers the side they are drawn to."""

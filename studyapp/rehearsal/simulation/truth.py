@@ -14,9 +14,8 @@ from scipy.special import expit
 from analysis.results.headline import Measure
 from analysis.results.known_values import KnownValue
 from motion.segment import Segment
-from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.population import Population, rating_thresholds
 from studyapp.rehearsal.simulation.raters import segment_fit, speech_fit
-from studyapp.rehearsal.simulation.scales import rating_thresholds
 from studyapp.study.protocols.mismatch import FIT, REALISM, MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.study.protocols.ranking import RankingStudy

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from studyapp.results.export.columns import Column, TableColumns
-from studyapp.results.export.labels import answer_labels, column_labels, form_labels
+from analysis.answers.exclusion_rules import excluded_by_hand
+from motion.files import sha256_of
+from studyapp.results.export.columns import Column, TableColumns, fixed_values, preference_values
+from studyapp.study.design.order import PREFERENCES
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.form import FormQuestion
-from studyapp.study.settings.questions import Question
+from studyapp.study.protocols.mismatch import MismatchStudy
+from studyapp.study.settings.questions import (
+    BAND,
+    SLIDER_END,
+    STEPS,
+    FormQuestion,
+    Question,
+    RatingQuestion,
+)
 from studyapp.study.settings.study import Study
 
 
@@ -38,7 +46,7 @@ def codebook(
             "title": study.title,
             "protocol": study.protocol,
             "seed": study.seed,
-            "sha256": hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
+            "sha256": sha256_of(folder.definition),
         },
         "motionjury": metadata.version("motionjury"),
         "tables": [_table(study, table, files) for table, files in tables],
@@ -127,3 +135,67 @@ def written_page(name: str, **values: object) -> str:
 def _plain(text: str) -> str:
     """Return text that stays within its line and its cell, and opens no markup of its own."""
     return " ".join(str(text).split()).replace("|", "\\|").replace("<", "&lt;")
+
+
+Labels = Mapping[str, str]
+"""Each value as text, and what it means."""
+
+
+def column_labels(study: Study, column: str) -> Labels:
+    """Return the values of a column and what they mean; nothing where it has no fixed ones."""
+    if (fixed := fixed_values(column)) is not None:
+        return fixed
+    if column == "arm":
+        return {arm.name: f"compares {', '.join(arm.conditions)}" for arm in study.arms}
+    if column == "part":
+        return dict.fromkeys(study.parts, "")
+    if column in ("condition", "left_condition", "right_condition", "reference", "other"):
+        return dict(_conditions(study))
+    if column == "exclusion_rule":
+        rules = [*(each.made() for each in study.settled_exclusions), excluded_by_hand()]
+        return {rule.name: rule.description for rule in rules}
+    if column == "question":
+        return {question.name: question.title for question in study.questions}
+    return {}
+
+
+def _conditions(study: Study) -> Iterator[tuple[str, str]]:
+    for name, condition in study.conditions.items():
+        if condition.generator is not None:
+            yield name, f"made by the generator {condition.generator}"
+        else:
+            yield name, "finished videos" if condition.videos else "motion files"
+    if study.catch.trials:
+        yield study.catch.condition, "visibly flawed motion, of catch trials alone"
+
+
+def answer_labels(study: Study, question: Question) -> Labels:
+    """Return the values that may be answered to a question of a trial, and what they mean."""
+    if isinstance(question, RatingQuestion):
+        if question.scale != "slider":
+            return {str(n): label for n, label in enumerate(question.labels, start=1)}
+        bands = [
+            (BAND * step, SLIDER_END if step == STEPS - 1 else BAND * (step + 1) - 1)
+            for step in range(STEPS)
+        ]
+        return {
+            f"{low} to {high}": label
+            for (low, high), label in zip(bands, question.labels, strict=True)
+        }
+    if study.is_ordered:
+        return {"1": "the best place", "2 and on": "the places after it; equal places are a tie"}
+    levels = 5
+    if isinstance(study, MismatchStudy):
+        levels = next(asked.levels for asked in study.questions if asked.name == question.name)
+    # With fewer than five answers there is no strength.
+    words = preference_values(strength=levels == 5)
+    return {str(value): words[str(value)] for value in PREFERENCES[levels]}
+
+
+def form_labels(question: FormQuestion) -> Labels:
+    """Return the values that may be answered to a question about the participant."""
+    if question.kind == "text":
+        return {}
+    if question.kind == "number":
+        return {f"{question.low} to {question.high}": "a whole number"}
+    return {answer: question.label(answer) for answer in question.offered}

@@ -16,7 +16,7 @@ from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Tria
 from studyapp.results.answer_table import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.results.stored_answers import StoredAnswers, whose_answers
-from studyapp.session.videos.watch_evidence import NOTHING_PLAYED, length, watched_so_far
+from studyapp.session.watch_evidence import NOTHING_PLAYED, length, watched_so_far
 
 
 def answers_table(stored: StoredAnswers) -> pd.DataFrame:

@@ -13,27 +13,26 @@ import pandas as pd
 from sqlalchemy import select
 
 from motion.errors import InputError
-from motion.files import write_text
+from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import answers_in, snapshot
-from studyapp.results.export.about_folder import environment, read_me
-from studyapp.results.export.bids_tables import (
+from studyapp.results.answers import answers_in, of_present_design, snapshot
+from studyapp.results.export.codebook import as_json, codebook, codebook_page, form_labels
+from studyapp.results.export.columns import Column, TableColumns
+from studyapp.results.export.shared_folder import (
     BIDS_VERSION,
     PARTICIPANT_ID,
     bids_table,
+    copy_study,
+    environment,
     folder_name,
+    read_me,
     write_descriptions,
+    write_stimuli_list,
     write_tsv,
 )
-from studyapp.results.export.codebook import as_json, codebook, codebook_page
-from studyapp.results.export.columns import Column, TableColumns
-from studyapp.results.export.exclusion import Judged, judge
-from studyapp.results.export.labels import form_labels
-from studyapp.results.export.study_copy import copy_study, sha256_of, write_stimuli_list
-from studyapp.results.export.tables import ExportedTable, exported_tables
-from studyapp.results.logged_looks import note_way_out, with_looks_before
-from studyapp.results.report_arms import of_present_design
+from studyapp.results.export.tables import ExportedTable, Judged, exported_tables, judge
+from studyapp.results.looks import note_way_out, with_looks_before
 from studyapp.results.shared_answers import write_shared_answers
 from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder

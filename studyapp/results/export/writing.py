@@ -22,16 +22,19 @@ from studyapp.results.export.columns import (
     RECRUITER_IDS,
     REFUSALS,
     WATCHING,
+    Format,
+    typed,
+    write_table,
 )
-from studyapp.results.export.exclusion import Judged, judge
 from studyapp.results.export.tables import (
     ExportedTable,
+    Judged,
     exported_tables,
+    judge,
     recruiter_ids,
     withdrawn_tables,
 )
-from studyapp.results.export.typed import Format, typed, write_table
-from studyapp.results.logged_looks import note_way_out
+from studyapp.results.looks import note_way_out
 from studyapp.results.stored_answers import NO_ANSWERS, Source
 from studyapp.study.folder import StudyFolder
 

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from studyapp.study.design.arm import Tally
+from studyapp.study.design.trial import Tally
 
 Pair = tuple[str, str]
 

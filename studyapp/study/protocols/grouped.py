@@ -12,9 +12,8 @@ from pydantic import Field
 from motion.segment import Segment
 from studyapp.study.design.allocation import shuffled
 from studyapp.study.design.order import numbered, scattered_by_part
-from studyapp.study.design.planned_trial import Kind, PlannedTrial
-from studyapp.study.design.stimulus import Stimulus
-from studyapp.study.settings.section import Name, Section
+from studyapp.study.design.trial import Kind, PlannedTrial, Stimulus
+from studyapp.study.settings.sections import Name, Section
 from studyapp.study.settings.study import Study
 
 

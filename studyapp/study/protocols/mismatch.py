@@ -22,18 +22,26 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, even_quotas, shuffled
-from studyapp.study.design.arm import NO_VOTES, Arm, Tally
-from studyapp.study.design.asking import Answers, Trial
-from studyapp.study.design.order import drawn_segments, numbered, scattered_by_part
-from studyapp.study.design.pair_trials import (
+from studyapp.study.design.order import (
     PREFERENCES,
     Levels,
     Shown,
+    drawn_segments,
+    numbered,
     pair_trials,
     prefer_side,
+    scattered_by_part,
 )
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.design.trial import (
+    NO_VOTES,
+    Answers,
+    Arm,
+    Content,
+    PlannedTrial,
+    Stimulus,
+    Tally,
+    Trial,
+)
 from studyapp.study.settings.conditions import Catch
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.study import Study

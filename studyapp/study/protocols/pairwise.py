@@ -26,20 +26,33 @@ from typing import Final, Literal
 import numpy as np
 from pydantic import Field
 
-from motion.listing import listed
+from motion.errors import listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.adaptive import Pair, worthiest_pairs
-from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.arm import NO_VOTES, Arm, Tally
-from studyapp.study.design.asking import Answers, Trial
-from studyapp.study.design.order import drawn_segments, numbered, scattered
-from studyapp.study.design.pair_trials import PREFERENCES, pair_trials, pair_videos, prefer_side
-from studyapp.study.design.planned_trial import Kind, PlannedTrial
-from studyapp.study.design.stimulus import Content, Stimulus
-from studyapp.study.design.trial_count import TrialCount, planned_trials
+from studyapp.study.design.allocation import TrialCount, allocate_segments, planned_trials, shuffled
+from studyapp.study.design.order import (
+    PREFERENCES,
+    drawn_segments,
+    numbered,
+    pair_trials,
+    pair_videos,
+    prefer_side,
+    scattered,
+)
+from studyapp.study.design.trial import (
+    NO_VOTES,
+    Answers,
+    Arm,
+    Content,
+    Kind,
+    PlannedTrial,
+    Stimulus,
+    Tally,
+    Trial,
+)
 from studyapp.study.settings.conditions import Condition, with_sources
 from studyapp.study.settings.questions import Question
-from studyapp.study.settings.section import Name
+from studyapp.study.settings.sections import Name
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 PUBLISHED_PAIRS: Final = 24

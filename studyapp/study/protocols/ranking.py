@@ -22,16 +22,22 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.arm import NO_VOTES, Arm, Tally
-from studyapp.study.design.asking import Answers, Trial
-from studyapp.study.design.message import Message
 from studyapp.study.design.order import drawn_segments
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.design.trial import (
+    NO_VOTES,
+    Answers,
+    Arm,
+    Content,
+    PlannedTrial,
+    Stimulus,
+    Tally,
+    Trial,
+)
 from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
 from studyapp.study.settings.conditions import Catch
+from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Question
-from studyapp.study.settings.section import Name
+from studyapp.study.settings.sections import Name
 
 
 class RankingBlock(Part):

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from generators.registry import generator_names, needs_model, needs_source, settings_type
 from generators.settings import Reader, Settings
-from studyapp.study.settings.section import Name, Section
+from studyapp.study.settings.sections import Name, Section
 
 
 class Condition(Section, extra="allow"):

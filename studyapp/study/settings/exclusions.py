@@ -17,9 +17,9 @@ from analysis.answers.exclusion_rules import (
     straight_lined,
     watched_less,
 )
-from motion.listing import listed
+from motion.errors import listed
 from studyapp.study.settings.conditions import Attention, Catch
-from studyapp.study.settings.section import Section
+from studyapp.study.settings.sections import Section
 
 
 class ExclusionSection(Section, ABC):

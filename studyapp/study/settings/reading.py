@@ -15,8 +15,8 @@ from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.sections import explain
 from studyapp.study.settings.study import Study
-from studyapp.study.settings.validation import explain
 
 PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
     {
@@ -71,11 +71,14 @@ def parse_text(text: str, *, where: object) -> Study:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"not valid TOML: {error}", where=where, remedy="Fix that line") from None
-    return parse_study(data, where=where)
+    return parse_study(data, where=where, text=text)
 
 
-def parse_study(data: Mapping[str, object], *, where: object) -> Study:
-    """Validate the contents of a study file; `InputError` names every key that is wrong."""
+def parse_study(data: Mapping[str, object], *, where: object, text: str = "") -> Study:
+    """Validate the contents of a study file; `InputError` names every key that is wrong.
+
+    Of an unknown key, it tells the line in `text`.
+    """
     named = data.get("protocol", DEFAULT_PROTOCOL)
     protocol = ALIASES.get(str(named), str(named))
     if protocol not in PROTOCOLS:
@@ -88,5 +91,7 @@ def parse_study(data: Mapping[str, object], *, where: object) -> Study:
         return PROTOCOLS[protocol].model_validate({**data, "protocol": protocol})
     except ValidationError as error:
         raise InputError(
-            explain(error), where=where, remedy="Correct these keys and run the command again"
+            explain(error, PROTOCOLS[protocol], text),
+            where=where,
+            remedy="Correct these keys and run the command again",
         ) from None

@@ -1,15 +1,114 @@
-"""`[recruitment]`: where participants come from, what their recruiter is told, and who is paid."""
+"""`[recruitment]`: where participants come from, the codes they get, who is paid how much."""
 
 from __future__ import annotations
 
+import re
+import secrets
 from decimal import Decimal
 from typing import Final, Literal
 
 from pydantic import Field
 
-from studyapp.study.completion_codes import guessable
-from studyapp.study.settings.pay import Pay
-from studyapp.study.settings.section import Section
+from studyapp.study.settings.sections import Section
+
+CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
+"""Letters and digits that are not taken for one another."""
+
+CODE_LENGTH: Final = 12
+
+SHORTEST: Final = 8
+FEWEST_DIFFERENT: Final = 5
+LONGEST_RUN: Final = 3
+ROWS: Final = ("abcdefghijklmnopqrstuvwxyz", "01234567890", "qwertyuiop", "asdfghjkl", "zxcvbnm")
+WORDS: Final = (
+    *("attention", "check", "code", "complete", "done", "finish", "motion", "pass", "prolific"),
+    *("screen", "secret", "study", "success", "survey", "test", "thank", "fail"),
+)
+
+
+def draw_code() -> str:
+    """Return a code that nobody can guess (58 random bits)."""
+    while True:
+        code = "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
+        if guessable(code) is None:
+            return code
+
+
+def guessable(code: str) -> str | None:
+    """Say why `code` could be guessed, None if it could not."""
+    plain = code.casefold()
+    if len(code) < SHORTEST:
+        return f"has fewer than {SHORTEST} characters"
+    if len(set(plain)) < FEWEST_DIFFERENT:
+        return f"has fewer than {FEWEST_DIFFERENT} different characters"
+    if word := next((word for word in WORDS if word in plain), None):
+        return f"holds the word {word!r}"
+    if _has_run(plain):
+        return f"holds more than {LONGEST_RUN} characters in a row that follow one another"
+    if re.fullmatch(r"(.+?)\1+", plain):
+        return "repeats itself"
+    return None
+
+
+def _has_run(plain: str) -> bool:
+    """Tell whether letters or digits stand together as in the alphabet or on a keyboard."""
+    pieces = (plain[at : at + LONGEST_RUN + 1] for at in range(len(plain) - LONGEST_RUN))
+    rows = (*ROWS, *(row[::-1] for row in ROWS))
+    return any(len(set(piece)) == 1 or any(piece in row for row in rows) for piece in pieces)
+
+
+MONEY: Final = r"^(\d{1,6}(\.\d{2})?)?$"
+"""An amount such as ``2.50``; empty where nothing is said."""
+
+CURRENCY: Final = r"^([A-Z]{3})?$"
+"""Three letters (ISO 4217)."""
+
+
+class Pay(Section):
+    """What a participant gets; what the page says of it is `Page.payment`.
+
+    Attributes
+    ----------
+    amount : str
+        What who finishes gets, such as ``"2.50"``. Recruiting sites are told it under their own
+        keys, which count there.
+    currency : str
+        Of the amount, three letters such as ``"EUR"``; on Prolific, of the account.
+    hourly_minimum : str
+        What an hour must pay at least, by your institution's rules or the law, in that currency.
+    """
+
+    amount: str = Field("", pattern=MONEY)
+    currency: str = Field("", pattern=CURRENCY)
+    hourly_minimum: str = Field("", pattern=MONEY)
+
+    @property
+    def each(self) -> Decimal | None:
+        """The amount as a number; None where it is not stated."""
+        return Decimal(self.amount) if self.amount else None
+
+    @property
+    def least(self) -> Decimal | None:
+        """The hourly minimum as a number; None where it is not stated."""
+        return Decimal(self.hourly_minimum) if self.hourly_minimum else None
+
+    def problems(self) -> list[str]:
+        """Return what does not fit together."""
+        stated = self.amount or self.hourly_minimum
+        return (
+            ["recruitment.pay: an amount needs a currency"] if stated and not self.currency else []
+        )
+
+
+def hourly(amount: Decimal, minutes: float) -> float:
+    """Return an amount for so many minutes as one for an hour."""
+    return float(amount) * 60 / minutes
+
+
+def money(amount: float | Decimal, currency: str) -> str:
+    """Return an amount as people read it."""
+    return f"{amount:.2f} {currency}".strip()
+
 
 Channel = Literal["link", "prolific", "mturk", "invitations"]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from studyapp.study.settings.section import Name, Section
+from studyapp.study.settings.sections import Name, Section
 
 EVERY_QUESTION: Final = "*"
 """Stands for all questions that are not named."""

@@ -8,15 +8,20 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from analysis.results.family import read_family
+from analysis.results.grouping import read_family
+from motion.clip import CHANNELS
 from motion.errors import InputError
-from motion.freeze import CHANNELS
-from motion.segment import Segment, check_name
-from studyapp.study.design.arm import NO_VOTES, Arm, Tally
-from studyapp.study.design.asking import Answers, Ask, Trial
-from studyapp.study.design.message import Message
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Content
+from motion.segment import Segment
+from studyapp.study.design.trial import (
+    NO_VOTES,
+    Answers,
+    Arm,
+    Ask,
+    Content,
+    PlannedTrial,
+    Tally,
+    Trial,
+)
 from studyapp.study.settings.conditions import (
     Attention,
     Catch,
@@ -31,13 +36,11 @@ from studyapp.study.settings.exclusions import (
     exclusion_problems,
     settled,
 )
-from studyapp.study.settings.form import Form
-from studyapp.study.settings.page import Page
-from studyapp.study.settings.questions import Question, question_problems
+from studyapp.study.settings.presentation import Message, Page, Video, Watching
+from studyapp.study.settings.questions import Form, Question, question_problems
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.rehearsal import Rehearsal
-from studyapp.study.settings.section import Name, Section
-from studyapp.study.settings.video import Video, Watching
+from studyapp.study.settings.sections import Name, Section
 
 GROUND_TRUTH: Final = "ground_truth"
 
@@ -353,14 +356,3 @@ class Study(Section, ABC):
                 generator=self.catch.generator, source=self.catch_against
             )
         return made
-
-
-def check_condition(study: Study, name: str, where: object) -> str:
-    """Return `name` if the study has such a condition (the catch condition included)."""
-    check_name(name, "condition", where)
-    known = (*study.conditions, study.catch.condition)
-    if name not in known:
-        raise InputError(
-            f"unknown condition {name!r}", where=where, remedy=f"Use one of {', '.join(known)}"
-        )
-    return name

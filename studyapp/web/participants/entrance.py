@@ -13,18 +13,17 @@ from dataclasses import dataclass
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
-from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled, require_welcome
-from studyapp.session.arrival.screen_outs import note_screen_out, was_screened_out
-from studyapp.session.departure import leaving_at_once, way_back
+from studyapp.session.arrivals import Arrival, note_screen_out, was_screened_out
+from studyapp.session.ending import leaving_at_once, way_back
+from studyapp.session.enrolment import enrol, enrolled, require_welcome
 from studyapp.session.form_answers import check_eligibility
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
-from studyapp.study.settings.form import Stage
+from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say
-from studyapp.web.participants.about_participant import form_fields, problems_of
-from studyapp.web.participants.participant import to_where_they_stand
-from studyapp.web.participants.sent_by import VISIT, arrival_of, is_preview, names_in, send_cookie
+from studyapp.web.participants.participant import form_fields, problems_of, to_where_they_stand
+from studyapp.web.participants.sent_by import COOKIE, VISIT, arrival_of, is_preview, names_in
 from studyapp.web.running import running
 
 pages = Blueprint("entrance", __name__)
@@ -170,7 +169,7 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
 def _to_their_page(token: str) -> Response:
     """Lead to where the participant stands, and have the browser know it again."""
     response = make_response(to_where_they_stand(token))
-    send_cookie(response, running().study.name, token)
+    COOKIE.send(response, running().study.name, token)
     return response
 
 

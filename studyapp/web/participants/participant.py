@@ -2,68 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Self
+from collections.abc import Mapping
+from typing import Final
 
 from flask import Blueprint, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import ValidationError
 
 from studyapp.session.answers import Fields, answer, skip_unplayable
-from studyapp.session.breaks import leave_break
+from studyapp.session.ending import promise_made, withdraw
 from studyapp.session.form_answers import answer_form
-from studyapp.session.participation import ShownTrial, begin, look
+from studyapp.session.participation import TRIES_BEFORE_LEAVING, begin, leave_break, look
 from studyapp.session.refusal import UnacceptableError
-from studyapp.session.sound_check import TRIES_BEFORE_LEAVING
-from studyapp.session.videos.watch_evidence import MOST_INTERVALS, MOST_REPORTS, Playback
-from studyapp.session.videos.watch_reports import record_watched
-from studyapp.session.withdrawal import promise_made, withdraw
-from studyapp.study.settings.form import Stage
+from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.watch_evidence import read_report
+from studyapp.session.watch_reports import record_watched
+from studyapp.study.settings.questions import Stage
 from studyapp.web.errors import note, told, wants_json
-from studyapp.web.participants.about_participant import form_fields, form_page
-from studyapp.web.participants.trial_page import trial_page
-from studyapp.web.participants.wording import frozen_words
+from studyapp.web.language import say
+from studyapp.web.participants.trial_page import frozen_words, trial_page
 from studyapp.web.running import running
-
-Second = Annotated[float, Field(ge=0, le=86_400, allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=0, le=10_000_000, strict=True)]
-
-
-class WatchReport(BaseModel):
-    """One numbered report.
-
-    Attributes
-    ----------
-    batch : int
-        Counts the reports of a video from 0.
-    intervals : tuple of (float, float)
-        Played parts of the video, from and to, in seconds.
-
-    The others are those of `studyapp.session.videos.watch_evidence.Playback`.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    batch: int = Field(ge=0, lt=MOST_REPORTS, strict=True)
-    intervals: tuple[tuple[Second, Second], ...] = Field(max_length=MOST_INTERVALS)
-    rate: float = Field(default=1.0, gt=0, le=100, allow_inf_nan=False)
-    hidden_seconds: Second = 0.0
-    silent_seconds: Second = 0.0
-    stalls: Count = 0
-    stalled_seconds: Second = 0.0
-    frames: Count | None = None
-    dropped_frames: Count | None = None
-
-    @model_validator(mode="after")
-    def _intervals_run_forward(self) -> Self:
-        if any(start > end for start, end in self.intervals):
-            raise ValueError("an interval ends before it begins")
-        return self
-
-    @property
-    def playback(self) -> Playback:
-        """How the intervals were played."""
-        return Playback(**self.model_dump(exclude={"batch", "intervals"}))
-
 
 pages = Blueprint("participant", __name__)
 
@@ -157,7 +115,7 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
     """Store a report of played intervals."""
     here = running()
     try:
-        report = WatchReport.model_validate_json(request.get_data())
+        report = read_report(request.get_data())
     except ValidationError:
         raise UnacceptableError(
             "This is not a report of played intervals.", "Please reload the page."
@@ -167,10 +125,8 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
         here.served,
         token,
         video_token,
-        batch=report.batch,
-        intervals=report.intervals,
-        clock=here.clock,
-        playback=report.playback,
+        report,
+        here.clock,
     )
     return jsonify(vars(known))
 
@@ -239,3 +195,42 @@ def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> s
         problem=problem,
         given=given,
     )
+
+
+FORM_FIELD: Final = "form:"
+"""Stands before the names of questions about the participant; no question's name holds a colon."""
+
+
+def form_page(
+    token: str, stage: Stage, *, problem: str = "", given: Mapping[str, str] | None = None
+) -> str:
+    """Return the page that asks the questions of `stage`."""
+    study = running().study
+    return render_template(
+        "form.html",
+        study=study,
+        token=token,
+        stage=stage,
+        questions=study.form.asked(stage),
+        problem=problem,
+        problems=problems_of(stage, given or {}) if problem else {},
+        given=given or {},
+    )
+
+
+def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
+    """Return what cannot be accepted of the answers to the questions of `stage`, by question."""
+    found = {
+        question.name: question.problem(given.get(question.name, "").strip(), number)
+        for number, question in enumerate(running().study.form.asked(stage), start=1)
+    }
+    return {name: say(problem) for name, problem in found.items() if problem is not None}
+
+
+def form_fields() -> dict[str, str]:
+    """Return the answers about the participant that were sent, under their questions' names."""
+    return {
+        name.removeprefix(FORM_FIELD): value.replace("\r\n", "\n")  # as the browser counts it
+        for name, value in request.form.items()
+        if name.startswith(FORM_FIELD)
+    }

@@ -1,5 +1,9 @@
 """By what participants are named in the address that brings them, channel by channel.
 
+Where the researcher turns it on, Prolific adds a token (a JWT, RS256) to the study's address. It
+says by what the participant is named, for which host, and until when. The keys are public. Nobody
+else can make up who comes.
+
 Who comes again by the same name shows by a cookie to have been here before. It holds the token of
 their study session, as the addresses of their pages do, and goes to the entrance alone. Nothing
 else needs it: a study in a frame of another site, or a browser without cookies, works without.
@@ -7,25 +11,116 @@ else needs it: a study in a frame of another site, or a browser without cookies,
 
 from __future__ import annotations
 
-import hashlib
+import logging
 import re
+import threading
+import time
 from collections.abc import Mapping
 from datetime import timedelta
-from functools import partial
+from functools import cache, partial
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
+from urllib.parse import urlsplit
 
-from flask import Response, request
+import jwt
 
 from studyapp.recruitment.invitations import invited
-from studyapp.recruitment.signed_links import SIGNED, signed_names
-from studyapp.researchers.tokens import token_hash
-from studyapp.session.arrival.enrolment import Arrival
-from studyapp.session.departure import MTURK_SITES
+from studyapp.researchers.credentials import token_hash
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import MTURK_SITES
 from studyapp.session.refusal import UnacceptableError, UninvitedError
 from studyapp.study.settings.recruitment import Channel
-from studyapp.web.address import newcomers_address
-from studyapp.web.running import running
+from studyapp.web.running import TokenCookie, newcomers_address, running
+
+SIGNED: Final = "prolific_token"
+KEYS: Final = "https://api.prolific.com/.well-known/study/jwks.json"
+KEYS_LAST: Final = 24 * 3600
+ASKED_AGAIN: Final = 60.0
+"""Seconds after which keys may be fetched anew for a token whose key is unknown."""
+
+READING: Final = 3600
+"""Seconds for which a token still counts after its end: its holder is reading the first pages."""
+
+LONGEST: Final = 4096
+LOG: Final = logging.getLogger(__name__)
+
+
+class ProlificKeys:
+    """The keys that Prolific signs with, kept for a day."""
+
+    def __init__(self) -> None:
+        self._client = jwt.PyJWKClient(KEYS, lifespan=KEYS_LAST, timeout=5)
+        self._lock = threading.Lock()
+        self._fetched = float("-inf")
+
+    def find(self, kid: str) -> jwt.PyJWK | None:
+        """Return the key of this name, None where Prolific has no such key."""
+        with self._lock:
+            found = self._named(kid, refresh=False)
+            if found is None and time.monotonic() - self._fetched > ASKED_AGAIN:
+                self._fetched = time.monotonic()
+                found = self._named(kid, refresh=True)
+        return found
+
+    def _named(self, kid: str, *, refresh: bool) -> jwt.PyJWK | None:
+        keys = self._client.get_jwk_set(refresh=refresh).keys
+        return next((key for key in keys if key.key_id == kid), None)
+
+
+@cache
+def prolific_keys() -> ProlificKeys:
+    """Return the keys that Prolific signs with."""
+    return ProlificKeys()
+
+
+def signed_names(token: str, host: str) -> dict[str, str] | None:
+    """Return by what Prolific names the holder of `token`, None where Prolific did not sign it.
+
+    Parameters
+    ----------
+    host : str
+        Whom the token must be made for.
+
+    Raises
+    ------
+    UnacceptableError
+        If the keys cannot be fetched.
+    """
+    if not token or len(token) > LONGEST:
+        return None
+    try:
+        kid = str(jwt.get_unverified_header(token).get("kid"))
+        key = prolific_keys().find(kid)
+        if key is None:
+            return None
+        claims = jwt.decode(
+            token,
+            key,
+            algorithms=["RS256"],
+            leeway=READING,
+            options={"require": ["exp", "aud"], "verify_aud": False},
+        )
+    except jwt.PyJWKClientError:
+        LOG.warning("The keys that Prolific signs with could not be fetched")
+        raise UnacceptableError(
+            "At the moment we cannot verify that Prolific sent you.",
+            "Please open the study from Prolific again in a few minutes.",
+        ) from None
+    except jwt.InvalidTokenError:
+        return None
+    named = claims.get("prolific")
+    if not _is_for(claims["aud"], host) or not isinstance(named, dict):
+        return None
+    names = {name: named.get(name) for name in ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")}
+    whole = {name: value for name, value in names.items() if isinstance(value, str) and value}
+    return whole if "PROLIFIC_PID" in whole else None
+
+
+def _is_for(audience: Any, host: str) -> bool:
+    """Tell whether a token is made for `host`, which it names alone or in an address."""
+    named = audience if isinstance(audience, list) else [audience]
+    return any((urlsplit(str(one)).hostname or str(one)) == host for one in named)
+
 
 PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
 NAMES: Final[Mapping[Channel, tuple[str, ...]]] = MappingProxyType(
@@ -121,7 +216,7 @@ def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]
     arriving = partial(
         Arrival,
         form=given,
-        token=read_cookie(study.name),
+        token=COOKIE.read(study.name),
         is_signed=SIGNED in names,
         address=None if study.recruitment.is_proven else newcomers_address(),
     )
@@ -162,27 +257,4 @@ def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
     return "PROLIFIC_PID" in names
 
 
-KEPT: Final = timedelta(days=7)
-
-
-def cookie_name(study: str) -> str:
-    """Return the cookie's name: two studies on one host, which ports tell apart, have two."""
-    return f"participant-{hashlib.sha256(study.encode()).hexdigest()[:8]}"
-
-
-def read_cookie(study: str) -> str | None:
-    """Return the token that the browser sent, None where it sent none."""
-    return request.cookies.get(cookie_name(study))
-
-
-def send_cookie(response: Response, study: str, token: str) -> None:
-    """Have the browser keep `token`."""
-    response.set_cookie(
-        cookie_name(study),
-        token,
-        max_age=KEPT,
-        path=f"{request.script_root}/",
-        secure=request.is_secure,
-        httponly=True,
-        samesite="Lax",
-    )
+COOKIE: Final = TokenCookie("participant", path="/", kept=timedelta(days=7))

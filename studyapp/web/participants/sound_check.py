@@ -11,9 +11,9 @@ from typing import Final
 from flask import Blueprint, request, send_file
 from flask.typing import ResponseReturnValue
 
+from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.refusal import UnacceptableError
-from studyapp.session.sound_check import check_sound, digits_to_speak, leave_unheard
-from studyapp.study.settings.page import Language
+from studyapp.study.settings.presentation import Language
 from studyapp.web.errors import note, told
 from studyapp.web.language import _
 from studyapp.web.participants.participant import to_where_they_stand, where_they_stand

@@ -1,14 +1,212 @@
-"""What the page of a trial shows: its layout, its players, and the questions beside them."""
+"""What the page of a trial shows: layout, players, and the questions in the words of the study."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from types import MappingProxyType
+from typing import Final, Literal
 
-from studyapp.session.participation import ShownTrial, ShownVideo
+from studyapp.session.shown_trials import ShownTrial, ShownVideo
+from studyapp.study.design.trial import Ask
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.presentation import Message
+from studyapp.study.settings.questions import BAND, STEPS, Question, RatingQuestion
 from studyapp.study.settings.study import Study
-from studyapp.web.language import _
-from studyapp.web.participants.wording import AskedQuestion, asked_questions, letter
+from studyapp.web.language import _, say, spoken
+
+Labels = tuple[tuple[int, str], ...]
+"""Values, each with the words that stand for it on the page."""
+
+Widget = Literal["choices", "slider", "ranking"]
+"""How a question is answered: one of a few labels, a number on a line, or an order."""
+
+NO_DIFFERENCE: Final = Message("no difference")
+SCALE: Final = (
+    (-2, Message("clearly A")),
+    (-1, Message("slightly A")),
+    (0, NO_DIFFERENCE),
+    (1, Message("slightly B")),
+    (2, Message("clearly B")),
+)
+"""The five answers in the order of the videos, from left to right."""
+
+PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = MappingProxyType(
+    {
+        2: ((-1, Message("A")), (1, Message("B"))),
+        3: ((-1, Message("A")), (0, NO_DIFFERENCE), (1, Message("B"))),
+        5: SCALE,
+    }
+)
+"""By how many answers there are, in the order of the videos."""
+
+CATEGORY_LABELS: Final = (
+    Message("bad"),
+    Message("poor"),
+    Message("fair"),
+    Message("good"),
+    Message("excellent"),
+)
+"""The words of `studyapp.study.settings.questions.QUALITY_CATEGORIES`."""
+
+CHANNEL_WORDS: Final = {
+    "face": Message("the face"),
+    "hands": Message("the fingers"),
+    "lower_body": Message("the legs"),
+    "root": Message("whole-body movement through space"),
+}
+
+EMOTION_WORDS: Final = {
+    "neutral": Message("neutral"),
+    "happiness": Message("happiness"),
+    "anger": Message("anger"),
+    "sadness": Message("sadness"),
+    "contempt": Message("contempt"),
+    "surprise": Message("surprise"),
+    "fear": Message("fear"),
+    "disgust": Message("disgust"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedQuestion:
+    """A question as a trial asks it.
+
+    Attributes
+    ----------
+    number : int
+        Its number on the page, the same for every video it is asked about.
+    stimulus : int or None
+        The one that it is about; None where it is about the whole trial.
+    parts : tuple of (str, bool)
+        The text in pieces; True marks the emotion, which the page emphasises.
+    widget : {'choices', 'slider', 'ranking'}
+        How it is answered.
+    asks : tuple of Ask
+        Its answers: one, or in a ranking one for each stimulus.
+    labels : tuple of (int, str)
+        The choices, the upper ends of a slider's bands, or the ranks, with their words.
+    reasons : tuple of (str, str)
+        Names and words of what may be ticked beside the answer.
+    """
+
+    name: str
+    number: int
+    stimulus: int | None
+    parts: tuple[tuple[str, bool], ...]
+    widget: Widget
+    asks: tuple[Ask, ...]
+    labels: Labels
+    reasons: tuple[tuple[str, str], ...]
+
+    @property
+    def needed(self) -> str:
+        """What a checklist calls it."""
+        if self.stimulus is None:
+            return str(self.number)
+        return _("%(number)s for %(letter)s", number=self.number, letter=self.letter)
+
+    @property
+    def letter(self) -> str:
+        """The label of the stimulus it is about; empty where it is about the whole trial."""
+        return "" if self.stimulus is None else letter(self.stimulus)
+
+
+def letter(number: int) -> str:
+    """Return the label of stimulus `number`: A for 1."""
+    return chr(ord("A") + number - 1)
+
+
+def emphasised(text: str, place: str, words: str) -> tuple[tuple[str, bool], ...]:
+    """Return `text` in pieces, with emphasised `words` wherever it holds `place`."""
+    pieces = text.split(place)
+    parts: list[tuple[str, bool]] = [(pieces[0], False)]
+    for piece in pieces[1:]:
+        parts += [(words, True), (piece, False)]
+    return tuple(part for part in parts if part[0])
+
+
+def asked_questions(study: Study, trial: ShownTrial) -> list[AskedQuestion]:
+    """Return the questions of `trial`; those of an attention check say what to answer."""
+    by_name = {question.name: question for question in study.questions}
+    numbers = {name: n for n, name in enumerate(dict.fromkeys(a.question for a in trial.asks), 1)}
+    asked: dict[tuple[str, int | None], list[Ask]] = {}
+    ranking = isinstance(study, RankingStudy)
+    for ask in trial.asks:
+        asked.setdefault((ask.question, None if ranking else ask.stimulus), []).append(ask)
+    return [
+        _asked(by_name[name], trial, tuple(asks), numbers[name], ranking=ranking, first=n == 0)
+        for n, ((name, _stimulus), asks) in enumerate(asked.items())
+    ]
+
+
+def _asked(
+    question: Question,
+    trial: ShownTrial,
+    asks: tuple[Ask, ...],
+    number: int,
+    *,
+    ranking: bool,
+    first: bool,
+) -> AskedQuestion:
+    widget: Widget = "ranking" if ranking else "choices"
+    labels = ranks(asks[0].values) if ranking else _labels(question, asks[0].values)
+    if isinstance(question, RatingQuestion) and question.scale == "slider":
+        widget = "slider"
+    if trial.instructed is None:
+        parts = emphasised(question.text, "{emotion}", say(EMOTION_WORDS[trial.emotion]))
+    else:
+        parts = _instruction(widget, labels, trial.instructed, first=first)
+    return AskedQuestion(
+        name=question.name,
+        number=number,
+        stimulus=None if ranking else asks[0].stimulus,
+        parts=parts,
+        widget=widget,
+        asks=asks,
+        labels=labels,
+        reasons=tuple((reason.name, reason.text) for reason in question.reasons),
+    )
+
+
+def ranks(values: Sequence[int]) -> Labels:
+    """Return the ranks `values` with their words, 1st for 1."""
+    words = {1: _("1st"), 2: _("2nd"), 3: _("3rd")}
+    return tuple((rank, words.get(rank) or _("%(rank)sth", rank=rank)) for rank in values)
+
+
+def _labels(question: Question, values: Sequence[int]) -> Labels:
+    if not isinstance(question, RatingQuestion):
+        return tuple((value, say(label)) for value, label in PREFERENCE_LABELS[len(values)])
+    own = "labels" in question.model_fields_set
+    labels = question.labels if own else tuple(say(label) for label in CATEGORY_LABELS)
+    if question.scale == "slider":
+        values = range(BAND, STEPS * BAND + 1, BAND)
+    return tuple(zip(values, labels, strict=True))
+
+
+def _instruction(
+    widget: Widget, labels: Labels, instructed: int, *, first: bool
+) -> tuple[tuple[str, bool], ...]:
+    """Return what an attention check asks for in place of its question; why stands in the first."""
+    if widget == "ranking":
+        why = _("To show that you read each question, please put {answer} first here.")
+        text, answer = why if first else _("And {answer} first here."), letter(instructed)
+    elif widget == "slider":
+        why = _("To show that you read each question, please move this slider to {answer}.")
+        text = why if first else _("And this slider to {answer}.")
+        answer = labels[instructed - 1][1]
+    else:
+        why = _("To show that you read each question, please answer this one with {answer}.")
+        text = why if first else _("And this one with {answer}.")
+        answer = dict(labels)[instructed]
+    return emphasised(text, "{answer}", answer)
+
+
+def frozen_words(study: Study) -> str:
+    """Return what the videos hold still, as a list in words; empty where nothing is."""
+    return spoken().listed([say(CHANNEL_WORDS[channel]) for channel in study.freeze])
+
 
 Layout = Literal["composed", "pair", "rating", "ranking"]
 """One video with both sides; two players; players with questions under each; cards to order."""

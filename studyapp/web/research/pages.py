@@ -12,23 +12,16 @@ from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
 from studyapp.researchers.account import Right
-from studyapp.web.research import (
-    entering,
-    newcomers,
-    own_account,
-    previewing,
-    researchers,
-    unblinding,
-    watching,
-)
-from studyapp.web.research.looking import PREFIXES
-from studyapp.web.research.page import problem_page, refusal_page
-from studyapp.web.research.visitor import (
+from studyapp.web.research import own_account, preview, progress, researchers, results
+from studyapp.web.research.page import (
     PREFIX,
+    PREFIXES,
     asked_page,
     came_from_our_page,
     keep_visitor,
+    problem_page,
     recognise,
+    refusal_page,
     visitor,
     visitor_cookie,
 )
@@ -112,11 +105,11 @@ ROW: Final = "<int(max=2147483647)"
 TRIAL: Final = f"/preview/{ROW}:arm>/{ROW}:place>/{ROW}:position>"
 
 PAGES: Final = (
-    Page("GET", "/log-in", entering.login, None),
-    Page("POST", "/log-in", entering.enter, None),
-    Page("GET", "/join/<token>", entering.link, None),
-    Page("POST", "/join/<token>", entering.use_link, None),
-    Page("POST", "/log-out", entering.log_out, Right.KEEP_ACCOUNT),
+    Page("GET", "/log-in", own_account.login, None),
+    Page("POST", "/log-in", own_account.enter, None),
+    Page("GET", "/join/<token>", own_account.link, None),
+    Page("POST", "/join/<token>", own_account.use_link, None),
+    Page("POST", "/log-out", own_account.log_out, Right.KEEP_ACCOUNT),
     Page("GET", "/account", own_account.own_account, Right.KEEP_ACCOUNT),
     Page("POST", "/account", own_account.change_own_password, Right.KEEP_ACCOUNT),
     Page("GET", "/account/second-factor", own_account.second_factor, Right.KEEP_ACCOUNT),
@@ -132,47 +125,47 @@ PAGES: Final = (
         own_account.turn_off_second_factor,
         Right.KEEP_ACCOUNT,
     ),
-    Page("GET", "/", watching.overview, Right.WATCH, rehearsed=True),
-    Page("GET", "/study-sessions", watching.study_sessions, Right.WATCH, rehearsed=True),
+    Page("GET", "/", progress.overview, Right.WATCH, rehearsed=True),
+    Page("GET", "/study-sessions", progress.study_sessions, Right.WATCH, rehearsed=True),
     Page(
         "GET",
         f"/study-sessions/{ROW}:number>",
-        watching.study_session,
+        progress.study_session,
         Right.WATCH,
         rehearsed=True,
     ),
     Page(
         "POST",
         f"/study-sessions/{ROW}:number>/exclusion",
-        watching.decide_about,
+        progress.decide_about,
         Right.STEER,
     ),
-    Page("GET", "/changes", watching.changes, Right.READ),
-    Page("GET", "/preview", previewing.preview, Right.WATCH),
-    Page("GET", f"{TRIAL}/", previewing.previewed_page, Right.WATCH),
-    Page("GET", f"{TRIAL}/media/{ROW}:number>.mp4", previewing.previewed_video, Right.WATCH),
-    Page("GET", f"{TRIAL}/static/<path:filename>", previewing.previewed_file, Right.WATCH),
+    Page("GET", "/changes", progress.changes, Right.READ),
+    Page("GET", "/preview", preview.preview, Right.WATCH),
+    Page("GET", f"{TRIAL}/", preview.previewed_page, Right.WATCH),
+    Page("GET", f"{TRIAL}/media/{ROW}:number>.mp4", preview.previewed_video, Right.WATCH),
+    Page("GET", f"{TRIAL}/static/<path:filename>", preview.previewed_file, Right.WATCH),
     Page(
         "POST",
         f"{TRIAL}/take/preview/watched/{ROW}:number>",
-        previewing.previewed_report,
+        preview.previewed_report,
         Right.WATCH,
         changes_nothing=True,
     ),
     Page(
         "POST",
         f"{TRIAL}/take/preview/<any(answers, unplayable):what>",
-        previewing.previewed_answers,
+        preview.previewed_answers,
         Right.WATCH,
         changes_nothing=True,
     ),
-    Page("POST", "/try", previewing.try_study, Right.WATCH),
-    Page("POST", "/try/erase", previewing.erase_tries, Right.STEER),
-    Page("GET", "/newcomers", newcomers.newcomers, Right.STEER),
-    Page("POST", "/newcomers/state", newcomers.steer_newcomers, Right.STEER),
-    Page("POST", "/newcomers/more", newcomers.want_more, Right.STEER),
-    Page("GET", "/results", unblinding.results, Right.UNBLIND),
-    Page("POST", "/results", unblinding.ask_for_results, Right.UNBLIND),
+    Page("POST", "/try", preview.try_study, Right.WATCH),
+    Page("POST", "/try/erase", preview.erase_tries, Right.STEER),
+    Page("GET", "/newcomers", progress.newcomers, Right.STEER),
+    Page("POST", "/newcomers/state", progress.steer_newcomers, Right.STEER),
+    Page("POST", "/newcomers/more", progress.want_more, Right.STEER),
+    Page("GET", "/results", results.results, Right.UNBLIND),
+    Page("POST", "/results", results.ask_for_results, Right.UNBLIND),
     Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
     Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
     Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),
@@ -195,7 +188,7 @@ PAGES: Final = (
         researchers.let_researcher_in,
         Right.MANAGE,
     ),
-    Page("GET", "/<path:rest>", watching.nowhere, Right.KEEP_ACCOUNT),
+    Page("GET", "/<path:rest>", progress.nowhere, Right.KEEP_ACCOUNT),
 )
 
 

@@ -8,21 +8,22 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.researchers.account import RIGHTS, ROLES, Role
+from studyapp.researchers.account import (
+    RIGHTS,
+    ROLES,
+    Role,
+    accounts,
+    change_role,
+    let_in_again,
+    shut_out,
+)
 from studyapp.researchers.links import (
     invite,
     offer_new_password,
     take_back_link,
     usable_links,
 )
-from studyapp.researchers.membership import (
-    accounts,
-    change_role,
-    let_in_again,
-    shut_out,
-)
-from studyapp.web.research.page import page
-from studyapp.web.research.visitor import researcher
+from studyapp.web.research.page import page, researcher
 from studyapp.web.running import running
 
 

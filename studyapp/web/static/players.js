@@ -21,7 +21,30 @@ export function makePlayers(videos, slider) {
   }
   if (slider) keepVolume(videos, slider);
   addKey(videos, playbacks);
+  addEnlarging(document.getElementById("larger"), videos);
   loadInOrder(videos);
+}
+
+// All videos become larger together, so that none is larger than another; what plays stays in view.
+function addEnlarging(button, videos) {
+  if (!button) return;
+  const { classList } = document.body;
+  const show = () => {
+    const larger = classList.contains("larger");
+    button.textContent = larger ? say("Smaller videos") : say("Larger videos");
+    if (larger) videos.find((video) => !video.paused)?.scrollIntoView({ block: "nearest" });
+  };
+  const turn = () => {
+    remember("larger", classList.toggle("larger"));
+    show();
+  };
+  button.addEventListener("click", turn);
+  document.addEventListener("keydown", (event) => {
+    if (isPressed(event, "l")) turn();
+  });
+  for (const video of videos) video.addEventListener("play", show);
+  classList.toggle("larger", recall("larger") === "true");
+  show();
 }
 
 function keepVolume(videos, slider) {
@@ -42,12 +65,15 @@ function addKey(videos, playbacks) {
   let [last] = videos;
   for (const video of videos) video.addEventListener("play", () => { last = video; });
   document.addEventListener("keydown", (event) => {
-    const { key, target, ctrlKey, metaKey, altKey, repeat } = event;
-    if (key.toLowerCase() !== "k" || ctrlKey || metaKey || altKey || repeat) return;
-    if (target.matches(TYPED_INTO)) return;
-    const focused = target.closest(".player")?.querySelector("video");
+    if (!isPressed(event, "k")) return;
+    const focused = event.target.closest(".player")?.querySelector("video");
     playbacks.get(focused ?? last).toggle();
   });
+}
+
+function isPressed({ key, target, ctrlKey, metaKey, altKey, repeat }, letter) {
+  if (ctrlKey || metaKey || altKey || repeat || target.matches(TYPED_INTO)) return false;
+  return key.toLowerCase() === letter;
 }
 
 // Whether there is enough to begin with. Trouble is told elsewhere.

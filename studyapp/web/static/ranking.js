@@ -144,8 +144,9 @@ export function addRankings(form) {
   help.after(told);
   const rankings = [...form.querySelectorAll(".ranks")].map((part) => new Ranking(part, told));
   const choice = help.querySelector("button");
-  const show = (menus) => {
-    choice.setAttribute("aria-pressed", menus);
+  let menus = recall("menus") === "true";
+  const show = () => {
+    choice.textContent = menus ? say("Use letters instead") : say("Use menus instead");
     help.querySelector("p").hidden = menus;
     for (const { part, places, tray } of rankings) {
       part.hidden = !menus;
@@ -153,10 +154,10 @@ export function addRankings(form) {
     }
   };
   choice.addEventListener("click", () => {
-    const menus = choice.getAttribute("aria-pressed") !== "true";
+    menus = !menus;
     remember("menus", menus);
-    show(menus);
+    show();
   });
-  show(recall("menus") === "true");
+  show();
   help.hidden = false;
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,11 +23,11 @@ from analysis.answers.exclusion_rules import (
 from analysis.answers.participant_facts import ParticipantFacts, SameAnswer
 
 
-def someone(name: str = "a", **facts: object) -> ParticipantFacts:
-    return ParticipantFacts(participant=name, **facts)  # type: ignore[arg-type]
+def someone(name: str = "a", **facts: Any) -> ParticipantFacts:
+    return ParticipantFacts(participant=name, **facts)
 
 
-def reason(rule: ExclusionRule, **facts: object) -> str | None:
+def reason(rule: ExclusionRule, **facts: Any) -> str | None:
     return rule.judge(someone(**facts))
 
 

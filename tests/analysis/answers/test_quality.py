@@ -1,11 +1,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from analysis.answers.quality import response_times, straight_lining
+from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
+from analysis.answers.quality import facts_of, response_times, straight_lining
+from analysis.answers.reading import read_answers
+from analysis.answers.table import LAYOUTS
+from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
 
 SECONDS = np.array([20.0, 30, 40, 20, 22, 24, 30, 30, np.nan, 2, 3, 30])
 PEOPLE = list("aaabbbcccddd")
@@ -29,7 +35,7 @@ def test_no_times_give_a_reason() -> None:
     assert math.isnan(found.median)
 
 
-def table(**answers):
+def answer_rows(**answers: dict[str, list[float]]) -> pd.DataFrame:
     """Return answers: participant to question to values, shuffled between participants."""
     rows = [
         (turn, participant, question, value)
@@ -43,18 +49,167 @@ def table(**answers):
 
 def test_everybody_is_looked_at_alone() -> None:
     found = straight_lining(
-        table(p={"a": [1, 1, 1, 2], "b": [1, 2, 2, 1]}, q={"a": [2, 2], "b": [2]})
+        answer_rows(p={"a": [1, 1, 1, 2], "b": [1, 2, 2, 1]}, q={"a": [2, 2], "b": [2]})
     )
-    assert [(one.participant, one.answers, one.share) for one in found] == [
-        ("p", 8, 5 / 8),
-        ("q", 3, 1),
-    ]
+    assert {who: (one.answers, one.share) for who, one in found.items()} == {
+        "p": (8, 5 / 8),
+        "q": (3, 1),
+    }
 
 
-def test_no_answers_give_nothing():
-    assert straight_lining(table()) == ()
+def test_no_answers_give_nothing() -> None:
+    assert straight_lining(answer_rows()) == {}
 
 
-def test_categories_and_order_of_appearance_are_kept():
-    answers = table(z={"a": [0, 0]}, b={"a": [1, -1]}).astype({"participant": "category"})
-    assert [f.participant for f in straight_lining(answers)] == ["z", "b"]
+def test_categories_and_order_of_appearance_are_kept() -> None:
+    answers = answer_rows(z={"a": [0, 0]}, b={"a": [1, -1]}).astype({"participant": "category"})
+    assert list(straight_lining(answers)) == ["z", "b"]
+
+
+@pytest.fixture
+def table() -> pd.DataFrame:
+    return pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=3, segments=4)
+
+
+def facts(
+    folder: Path,
+    table: pd.DataFrame,
+    protocol: str = "pairwise",
+    known: dict[str, KnownFacts] | None = None,
+) -> dict[str, ParticipantFacts]:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    answers = read_answers(path, LAYOUTS[protocol])
+    return {one.participant: one for one in facts_of(answers, known or {})}
+
+
+def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
+    """One attention check a pair of digits: the answer, and what is asked for."""
+    return pd.DataFrame(
+        {
+            "participant": participant,
+            "segment": "s0",
+            "question": "emotion",
+            "trial": [f"a{number}" for number in range(len(answers))],
+            "kind": "attention",
+            "left": "ours",
+            "right": "other",
+            "response": [int(answer) for answer in answers],
+            "instructed": [int(answer) for answer in asked],
+        }
+    )
+
+
+def test_a_table_with_nothing_beside_the_answers_leaves_the_rest_unknown(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    found = facts(tmp_path, table)["p01"]
+    assert (found.trials, found.settled) == (None, None)
+    assert (found.failed_catch, found.failed_attention) == (None, None)
+    assert math.isnan(found.watched)
+    assert len(found.seconds) == 0
+
+
+def test_catch_trials_of_some_are_none_failed_for_the_others(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    found = facts(tmp_path, pd.concat([table, catch_rows("p01", "lrl", (3, 5, 1))]))
+    assert {name: one.failed_catch for name, one in found.items()} == {
+        "p00": 0,
+        "p01": 1,
+        "p02": 0,
+    }
+
+
+def test_an_attention_check_is_failed_by_any_other_answer_than_the_one_asked_for(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    both = pd.concat([table, attention_rows("p01", "125", "224")])
+    assert facts(tmp_path, both)["p01"].failed_attention == 2
+
+
+def test_one_wrong_question_fails_an_attention_check_once(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    checks = attention_rows("p01", "12", "22")
+    again = attention_rows("p01", "12", "12").assign(question="rhythm")
+    found = facts(tmp_path, pd.concat([table, checks, again]))
+    assert found["p01"].failed_attention == 1
+
+
+def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    pd.concat([table, attention_rows("p01", "12", "22")]).to_csv(path, index=False)
+    answers = read_answers(path, LAYOUTS["pairwise"])
+    assert set(answers.shown["kind"]) == {"practice", "main", "repeat"}
+    assert not any("attention" in note for note in answers.notes)
+
+
+def test_attention_checks_that_ask_for_nothing_are_noted(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    path = tmp_path / "answers.csv"
+    checks = attention_rows("p01", "12", "22").drop(columns="instructed")
+    pd.concat([table, checks]).to_csv(path, index=False)
+    answers = read_answers(path, LAYOUTS["pairwise"])
+    assert answers.notes == (
+        "2 rows are of attention checks left out; the table does not say what they ask for, so "
+        "that they exclude nobody by themselves.",
+    )
+
+
+def test_a_ranking_may_be_asked_to_put_one_condition_first_several_times(tmp_path: Path) -> None:
+    ranking = TABLES["ranking"](participants=2, segments=3)
+    own = ranking[(ranking["participant"] == "p00") & (ranking["segment"] == "s0")]
+    first = np.where(own["condition"] == "static", 1.0, np.nan)
+    checks = own.assign(kind="attention", instructed=first)
+    obeyed = checks.assign(rank=[2, 3, 1])
+    found = facts(tmp_path, pd.concat([ranking, checks.assign(rank=[1, 2, 3]), obeyed]), "ranking")
+    assert (found["p00"].failed_attention, found["p01"].failed_attention) == (1, 0)
+
+
+def test_watching_and_times_are_those_of_analysed_answers(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    counts = table["kind"].isin(["main", "repeat"])
+    timed = table.assign(
+        watched=np.where(counts, 0.75, 0.0), response_seconds=np.where(counts, 4.0, 0.1)
+    )
+    timed.loc[timed.index[-1], "response_seconds"] = 2.5
+    timed.loc[timed["participant"] == "p00", "response_seconds"] = np.nan
+    found = facts(tmp_path, timed)
+    assert found["p01"].watched == pytest.approx(0.75)
+    assert found["p02"].seconds.tolist() == [2.5, 4.0, 4.0, 4.0]
+    assert len(found["p00"].seconds) == 0
+
+
+def test_a_share_watched_above_one_is_refused_with_its_row(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    with pytest.raises(Exception, match=r"row 2, column watched: '1.5' is not a share from 0 to 1"):
+        facts(tmp_path, table.assign(watched=1.5))
+
+
+def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), ("a", "b"), participants=1, effects=(0.5, 0))
+    table["response"] = np.where(table["question"] == "a", 1, table["response"])
+    [found] = facts(tmp_path, table).values()
+    assert found.same_answers is not None
+    assert found.same_answers[0] == SameAnswer(question="a", answers=6, share=1.0)
+    assert found.same_answers[1].share < 1
+
+
+def test_ranks_are_never_alike(tmp_path: Path) -> None:
+    found = facts(tmp_path, TABLES["ranking"](participants=2), "ranking")
+    assert {one.same_answers for one in found.values()} == {None}
+
+
+def test_what_a_study_knows_replaces_the_tables_judgement(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    known = KnownFacts(trials=30, settled=12, failed_catch=0, failed_attention=2)
+    both = pd.concat([table, catch_rows("p01", "ll", (5, 5))])
+    found = facts(tmp_path, both, known={"p01": known})
+    one = found["p01"]
+    assert (one.trials, one.settled, one.failed_catch, one.failed_attention) == (30, 12, 0, 2)
+    assert found["p02"].trials is None

@@ -7,10 +7,9 @@ import pandas as pd
 import pytest
 
 from analysis.answers.cells import read_cells
-from analysis.answers.columns import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, Layout
 from analysis.answers.reading import MARKED, read_answers
-from analysis.answers.table import AnswerTable
-from analysis.report.writing import write_frame
+from analysis.answers.table import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, AnswerTable, Layout
+from analysis.report.tables import write_frame
 from analysis.results.ranking import placements_of
 from motion.errors import InputError
 

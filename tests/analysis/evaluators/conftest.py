@@ -1,20 +1,24 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from analysis.evaluators.design import TRAINING, EvaluatorRequest
+from analysis.evaluators.clip_views import Channels
+from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
 from analysis.evaluators.training import train_evaluator
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
-from renderer.avatars import default_body
+from renderer.look import default_body
+from tests.analysis.evaluators.published_weights import write_checkpoint
 from tests.analysis.evaluators.swinging import sources
 from tests.support.short_training import short_training
-from training.run.folder import RunFolder
+from training.run.records import RunFolder
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -23,7 +27,7 @@ def _short_training() -> Iterator[None]:
         yield
 
 
-def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: object) -> Path:
+def trained(folder: Path, kind: Kind, channels: Channels, *, steps: int, **options: Any) -> Path:
     """Train a tiny network for a few steps and return its file."""
     training = replace(TRAINING[kind, "tiny"], steps=steps)
     request = EvaluatorRequest(
@@ -66,3 +70,18 @@ def emotion(emotion_file: Path) -> Evaluator:
 @pytest.fixture
 def gesture(gesture_file: Path) -> Evaluator:
     return load_evaluator(gesture_file)
+
+
+@pytest.fixture(scope="session")
+def reference(shared_data: Path) -> Path:
+    """Return the folder of the published networks' outputs, or skip the test."""
+    folder = shared_data.parent / "reference" / "evaluators"
+    if not folder.is_dir():
+        pytest.skip("the published networks' outputs (../shared/reference/evaluators) are not here")
+    return folder
+
+
+@pytest.fixture
+def checkpoint(tmp_path: Path) -> Callable[..., Path]:
+    """Return `write_checkpoint` into the test's own folder."""
+    return partial(write_checkpoint, tmp_path)

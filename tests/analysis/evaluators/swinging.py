@@ -24,10 +24,15 @@ def swinging(
     poses = chance.normal(0, 0.001, (frames, 55, 3))
     for joint, part in (("left_shoulder", 1.0), ("right_shoulder", -1.0), ("left_elbow", 0.5)):
         poses[:, joint_index(joint), 2] += part * reach * np.sin(turn)
-    arkit = np.zeros((frames, 52))
+    arkit = np.zeros((frames, 52), np.float32)
     arkit[:, 24] = 0.5 + 0.4 * np.sin(3 * turn)
     arkit[:, 43] = arkit[:, 44] = 0.5 + 0.4 * np.sin(turn)
-    return MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate, arkit=arkit)
+    return MotionClip(
+        poses=poses.astype(np.float32),
+        trans=np.zeros((frames, 3), np.float32),
+        frame_rate=frame_rate,
+        arkit=arkit,
+    )
 
 
 def source(emotion: str, seed: int, **options: float) -> ClipSource:

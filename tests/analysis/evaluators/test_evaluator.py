@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
+from motion.clip import freeze
 from motion.errors import InputError
-from motion.freeze import freeze
 from motion.resample import resample
 from tests.analysis.evaluators.swinging import SWINGS, swinging
 from training.weights_file import read_weights, write_weights
@@ -107,7 +107,7 @@ def test_asking_for_a_network_loads_no_torch_before_there_is_one() -> None:
 
 def changed(facts: dict[str, Any], *keys: str, value: object) -> dict[str, Any]:
     """Return a copy of nested facts in which one value is another."""
-    copy = json.loads(json.dumps(facts))
+    copy: dict[str, Any] = json.loads(json.dumps(facts))
     place = copy
     for key in keys[:-1]:
         place = place[key]

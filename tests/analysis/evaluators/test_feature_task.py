@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import torch
 
-from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.examples import FeatureTask, split
+from analysis.evaluators.networks import AutoencoderConfig, AutoencoderNetwork
 from training.config import TrainingConfig
-from training.run.folder import RunFolder
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import train
+from training.run.records import RunFolder
 
 CONFIG = AutoencoderConfig(window=12, stride=4, features=8)
 

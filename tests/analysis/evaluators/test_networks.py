@@ -1,25 +1,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import pytest
 import torch
 from torch import nn
 
-from analysis.evaluators import emotion_network
-from analysis.evaluators.autoencoder_network import (
+from analysis.evaluators.networks import (
+    AUTOENCODER_TINY,
+    EMOTION_FULL,
+    EMOTION_TINY,
     MOTION_FULL,
-    SMALL,
     AutoencoderConfig,
     AutoencoderNetwork,
+    EmotionConfig,
+    EmotionNetwork,
+    sinusoids,
 )
-from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork, sinusoids
 from motion.errors import InputError
 
 
 def test_the_full_emotion_network_has_the_sizes_that_amuse_states() -> None:
     with torch.device("meta"):
-        network = EmotionNetwork(emotion_network.FULL, 47 * 6, 8)
+        network = EmotionNetwork(EMOTION_FULL, 47 * 6, 8)
     assert (len(network.encoder.layers), network.entry.out_features) == (8, 256)
     assert network.encoder.layers[0].self_attn.num_heads == 4
     assert network.encoder.layers[0].linear1.out_features == 1024
@@ -29,12 +33,12 @@ def test_the_full_emotion_network_has_the_sizes_that_amuse_states() -> None:
         (128, 64),
         (64, 8),
     ]
-    assert emotion_network.FULL.seconds == 10
+    assert EMOTION_FULL.seconds == 10
 
 
 def test_an_embedding_of_the_emotion_network_is_the_mean_over_its_frames() -> None:
     torch.manual_seed(0)
-    network = EmotionNetwork(emotion_network.TINY, 12, 3).eval()
+    network = EmotionNetwork(EMOTION_TINY, 12, 3).eval()
     windows = torch.randn(2, 60, 12)
     frames = network.encoder(network.entry(windows) + network.positions)
     torch.testing.assert_close(network.embed(windows), frames.mean(dim=1))
@@ -43,7 +47,7 @@ def test_an_embedding_of_the_emotion_network_is_the_mean_over_its_frames() -> No
 
 def test_the_order_of_frames_matters_to_the_emotion_network() -> None:
     torch.manual_seed(0)
-    network = EmotionNetwork(emotion_network.TINY, 12, 3).eval()
+    network = EmotionNetwork(EMOTION_TINY, 12, 3).eval()
     windows = torch.randn(1, 60, 12)
     assert not torch.allclose(network.embed(windows), network.embed(windows.flip(1)), atol=1e-4)
 
@@ -64,7 +68,7 @@ def test_windows_of_any_length_are_rebuilt_in_their_shape(window: int) -> None:
 
 def test_the_full_autoencoder_has_the_features_of_beat() -> None:
     assert (MOTION_FULL.features, MOTION_FULL.window, MOTION_FULL.frame_rate) == (300, 34, 15)
-    assert SMALL.features == 32
+    assert AUTOENCODER_TINY.features == 32
 
 
 @pytest.mark.parametrize(
@@ -80,6 +84,6 @@ def test_the_full_autoencoder_has_the_features_of_beat() -> None:
         (lambda: EmotionConfig(layers=0), "layers"),
     ],
 )
-def test_sizes_out_of_range_are_named(make, said: str) -> None:
+def test_sizes_out_of_range_are_named(make: Callable[[], object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         make()

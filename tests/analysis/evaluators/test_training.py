@@ -2,22 +2,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 
-from analysis.evaluators.design import TRAINING, EvaluatorRequest
+from analysis.evaluators.clip_views import Channels
+from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
 from analysis.evaluators.evaluator import load_evaluator
 from analysis.evaluators.examples import Split, split
 from analysis.evaluators.training import train_evaluator
+from analysis.evaluators.training_clips import ClipSource
+from motion.clip import MotionClip
 from motion.errors import InputError
 from tests.analysis.evaluators.conftest import trained
 from tests.analysis.evaluators.swinging import source, sources, swinging
-from training.run.folder import RunFolder
+from training.run.records import RunFolder
 
 
-def request(kind: str = "motion", channels: str = "gesture", **options: object) -> EvaluatorRequest:
+def request(
+    kind: Kind = "motion", channels: Channels = "gesture", **options: Any
+) -> EvaluatorRequest:
     training = replace(TRAINING[kind, "tiny"], steps=1)
     return EvaluatorRequest(kind=kind, size="tiny", channels=channels, training=training, **options)
 
@@ -35,7 +42,7 @@ def test_recordings_are_kept_back_whole(gesture_file: Path) -> None:
 
 
 def test_clips_that_cannot_be_used_are_named_and_left_out(tmp_path: Path) -> None:
-    def damaged() -> None:
+    def damaged() -> MotionClip:
         raise InputError("the file is cut off", where="c.npz", remedy="Record it again")
 
     given = (
@@ -51,7 +58,7 @@ def test_clips_that_cannot_be_used_are_named_and_left_out(tmp_path: Path) -> Non
 
 def test_the_face_of_the_first_clip_decides_and_others_are_left_out(tmp_path: Path) -> None:
     clip = swinging("anger", 52)
-    expressive = replace(clip, arkit=None, expressions=np.zeros((len(clip), 100)))
+    expressive = replace(clip, arkit=None, expressions=np.zeros((len(clip), 100), np.float32))
     given = (*sources(), replace(source("anger", 52), name="zz", read=lambda: expressive))
     found = train_evaluator(
         request(channels="expression"), given, tmp_path / "m.safetensors", RunFolder(tmp_path)
@@ -83,7 +90,7 @@ def test_the_face_of_the_first_clip_decides_and_others_are_left_out(tmp_path: Pa
     ],
 )
 def test_too_little_to_learn_from_is_refused_with_a_remedy(
-    asked: EvaluatorRequest, given: tuple, said: str, tmp_path: Path
+    asked: EvaluatorRequest, given: tuple[ClipSource, ...], said: str, tmp_path: Path
 ) -> None:
     out = tmp_path / "m.safetensors"
     with pytest.raises(InputError, match=said) as refused:
@@ -127,12 +134,12 @@ def parts(recordings: list[str], labels: list[str], frames: int = 50) -> Split:
     )
 
 
-def places(found: Split, rows: np.ndarray, *, held_out: bool = False) -> np.ndarray:
+def places(found: Split, rows: NDArray[np.int64], *, held_out: bool = False) -> NDArray[np.float32]:
     """Return the frames of windows as they were counted."""
     examples = found.held_out if held_out else found.training
     windows, _ = examples.batch(rows)
     norm = found.normalisation
-    return np.rint(windows[:, :, 0].numpy() * norm.deviation + norm.mean)
+    return np.asarray(np.rint(windows[:, :, 0].numpy() * norm.deviation + norm.mean))
 
 
 def test_no_window_crosses_from_one_clip_into_the_next() -> None:

@@ -1,26 +1,39 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.evaluators import network_names as names
-from analysis.evaluators.feature_networks import Network
-from analysis.measurement.clip_features import ClipFeatures
-from analysis.measurement.feature_scores import feature_scores, scores_without_network
+from analysis.evaluators.feature_networks import ClipFeatures, Network
+from analysis.measurement.feature_scores import (
+    FeatureScores,
+    feature_scores,
+    scores_without_network,
+)
+from analysis.measurement.scores import ConditionScore
 
 LABELS = ("neutral", "anger", "fear")
 
 
-def network(name=names.GESTURE, labels=()):
+def network(name: str = names.GESTURE, labels: tuple[str, ...] = ()) -> Network:
     return Network(
         source=Path("n"), sha256="ab" * 32, name=name, settings={"a": "b"}, labels=labels
     )
 
 
-def clips(count, *, shift=0.0, dimensions=3, seed=0, windows=2, named=None):
+def clips(
+    count: int,
+    *,
+    shift: float = 0.0,
+    dimensions: int = 3,
+    seed: int = 0,
+    windows: int = 2,
+    named: Sequence[int] | None = None,
+) -> dict[str, ClipFeatures]:
     chance = np.random.default_rng(seed)
     found = {}
     for number in range(count):
@@ -32,11 +45,11 @@ def clips(count, *, shift=0.0, dimensions=3, seed=0, windows=2, named=None):
     return found
 
 
-def of(scores, condition, name):
+def of(scores: FeatureScores, condition: str, name: str) -> ConditionScore:
     return next(s for s in scores.conditions if (s.condition, s.name) == (condition, name))
 
 
-def test_what_is_further_from_the_recordings_scores_worse_in_all_distances():
+def test_what_is_further_from_the_recordings_scores_worse_in_all_distances() -> None:
     recorded = clips(30)
     conditions = {"near": clips(30, seed=1), "far": clips(30, seed=2, shift=2.0)}
     found = feature_scores(network(), conditions, recorded)
@@ -45,10 +58,12 @@ def test_what_is_further_from_the_recordings_scores_worse_in_all_distances():
         assert near.value < far.value
         assert near.better == "lower"
         assert near.settings["a"] == "b"
-    assert of(found, "far", names.FGD).interval[0] > of(found, "near", names.FGD).value
+    interval = of(found, "far", names.FGD).interval
+    assert interval is not None
+    assert interval[0] > of(found, "near", names.FGD).value
 
 
-def test_every_condition_is_compared_over_equally_many_windows():
+def test_every_condition_is_compared_over_equally_many_windows() -> None:
     conditions = {"all": clips(30, seed=1), "fewer": clips(20, seed=2)}
     found = feature_scores(network(), conditions, clips(40))
     for condition in conditions:
@@ -56,7 +71,7 @@ def test_every_condition_is_compared_over_equally_many_windows():
         assert settings["samples"] == "40 windows of recorded motion and of every condition"
 
 
-def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others():
+def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others() -> None:
     conditions = {"all": clips(30, seed=1), "catch": clips(3, seed=2)}
     found = feature_scores(network(), conditions, clips(30))
     few = of(found, "catch", names.FGD)
@@ -66,7 +81,7 @@ def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others
     assert not math.isnan(of(found, "catch", names.kernel_of(names.GESTURE)).value)
 
 
-def test_recorded_motion_has_a_variance_but_no_distance_from_itself():
+def test_recorded_motion_has_a_variance_but_no_distance_from_itself() -> None:
     recorded = clips(10)
     found = feature_scores(
         network(), {"recorded": recorded}, recorded, recordings=frozenset({"recorded"})
@@ -76,13 +91,13 @@ def test_recorded_motion_has_a_variance_but_no_distance_from_itself():
     ]
 
 
-def test_without_recordings_the_distances_say_so():
+def test_without_recordings_the_distances_say_so() -> None:
     found = feature_scores(network(), {"ours": clips(10)}, {})
     assert of(found, "ours", names.FGD).reason == "there is no recorded motion to compare with"
     assert of(found, "ours", "variance of features (gesture autoencoder)").value > 0
 
 
-def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason():
+def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason() -> None:
     own = clips(10, seed=1) | {"short": ClipFeatures(reason="the clip is too short")}
     found = feature_scores(network(), {"ours": own}, clips(10))
     score = of(found, "ours", names.FGD)
@@ -92,7 +107,7 @@ def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason():
     assert "the clip is too short (1 of 1 clips)" in of(none, "ours", names.FGD).reason
 
 
-def test_named_emotions_are_counted_by_clip_and_in_a_confusion():
+def test_named_emotions_are_counted_by_clip_and_in_a_confusion() -> None:
     emotions = {"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"}
     found = feature_scores(
         network(names.EMOTION, LABELS),
@@ -106,7 +121,7 @@ def test_named_emotions_are_counted_by_clip_and_in_a_confusion():
     assert found.confusions[0].counts == ((0, 1, 1), (0, 0, 1))
 
 
-def test_a_missing_network_names_the_command_that_trains_one():
+def test_a_missing_network_names_the_command_that_trains_one() -> None:
     scores = list(scores_without_network(names.EMOTION, "train it", "ours", 5, recorded=False))
     assert [score.name for score in scores] == [
         names.FGD_OF_EMOTION,

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.measurement.kept_arrays import KeptArrays, Kind, forget_unused
-from analysis.measurement.measured_clips import Bench, Reader, SeenMotion
+from analysis.measurement.measured_clips import Reader, SeenMotion, Setup
 from analysis.measurement.presets import Preset
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -106,13 +106,13 @@ def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(
     tmp_path: Path, waving: Callable[..., MotionClip]
 ) -> None:
     def place(rate: float, *frozen: str) -> Path:
-        bench = Bench(
+        setup = Setup(
             frame_rate=rate,
             motion=SeenMotion(frozen=frozen),
             preset=Preset(),
             kept=tmp_path / "kept",
         )
-        reader = Reader(bench)
+        reader = Reader(setup)
         assert reader.clip(path) is not None
         return next(iter(reader.kept.used))
 

@@ -15,21 +15,21 @@ from analysis.evaluators.evaluator_file import (
     TrainingFacts,
 )
 from analysis.evaluators.examples import Normalisation
-from analysis.measurement.clip_features import FEATURES as FEATURES_KIND
-from analysis.measurement.joint_motion import JOINTS as JOINTS_KIND
-from analysis.measurement.joint_motion import joint_motion
 from analysis.measurement.measured_clips import DEPTHS as DEPTHS_KIND
+from analysis.measurement.measured_clips import FEATURES as FEATURES_KIND
+from analysis.measurement.measured_clips import JOINTS as JOINTS_KIND
 from analysis.measurement.measured_clips import LANDMARKS as LANDMARKS_KIND
 from analysis.measurement.measured_clips import ONSETS as ONSETS_KIND
+from analysis.metrics.joint_motion import joint_motion
 from analysis.metrics.self_penetration import PenetrableBody
+from motion.audio_analysis import speech_onsets
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS
 from motion.skeleton import joint_index
-from motion.speech.onsets import speech_onsets
-from renderer.avatars import default_body
-from tests.analysis.evaluators.published.conftest import seeded_weights
+from renderer.look import default_body
+from tests.analysis.evaluators.published_weights import seeded_weights
 from tests.fingerprint import fingerprint
 from tests.generators.conftest import syllables
 
@@ -41,10 +41,12 @@ LANDMARKS = {"1": [0.006724]}
 DEPTHS = {"1": [-0.041798]}
 
 
-def moving() -> MotionClip:
-    frames = np.arange(120)
-    waves = np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
-    arkit = np.abs(np.sin(frames[:, None] / 7 + np.arange(52))) / 2
+def moving(count: int = 120) -> MotionClip:
+    frames = np.arange(count)
+    waves = (np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5).astype(
+        np.float32
+    )
+    arkit = (np.abs(np.sin(frames[:, None] / 7 + np.arange(52))) / 2).astype(np.float32)
     return MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25, arkit=arkit)
 
 
@@ -82,9 +84,7 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
 
 
 def test_joints_that_lie_elsewhere_have_another_version() -> None:
-    waves = np.sin(np.arange(40)[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
-    clip = MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25)
-    found = joint_motion(clip, 30)
+    found = joint_motion(moving(40), 30)
     assert fingerprint(found.relative, found.pelvis) == pytest.approx(
         JOINTS[JOINTS_KIND.version], abs=1e-5
     )
@@ -112,9 +112,9 @@ def test_landmarks_that_lie_elsewhere_have_another_version() -> None:
 
 
 def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
-    poses = np.zeros((40, 55, 3))
+    poses = np.zeros((40, 55, 3), np.float32)
     poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
-    clip = MotionClip(poses=poses, trans=np.zeros((40, 3)), frame_rate=10)
+    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)
     depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
     assert depths.max() > 0.01
     assert fingerprint(depths) == pytest.approx(DEPTHS[DEPTHS_KIND.version], abs=1e-5)

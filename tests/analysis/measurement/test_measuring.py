@@ -1,20 +1,30 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.measurement import measured_clips
+from analysis.measurement.measured_clips import Excerpt
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import write_clip
 
+Clips = dict[str, dict[str, Path]]
+Speech = dict[str, Excerpt]
+Study = tuple[Clips, Speech]
+RecordedStudy = tuple[Clips, Speech, dict[str, Path]]
+
 
 @pytest.fixture
-def clicks(tmp_path):
+def clicks(tmp_path: Path) -> Path:
     """Return a recording with a click at each half second."""
     samples = np.zeros(16000 * 4, np.float32)
     for start in range(4000, len(samples), 8000):
@@ -24,9 +34,9 @@ def clicks(tmp_path):
 
 
 @pytest.fixture
-def study(tmp_path, clicks, waving):
+def study(tmp_path: Path, clicks: Path, waving: Callable[..., MotionClip]) -> Study:
     """Return motion files of a waving and of a static condition, and their speech."""
-    clips = {"waving": {}, "static": {}}
+    clips: Clips = {"waving": {}, "static": {}}
     for segment, amplitude in (("a", 0.4), ("b", 0.8)):
         for condition, size in (("waving", amplitude), ("static", 0.0)):
             path = tmp_path / condition / f"{segment}.npz"
@@ -35,11 +45,11 @@ def study(tmp_path, clicks, waving):
     return clips, dict.fromkeys("ab", (clicks, 0.0, 4.0))
 
 
-def of(metrics, condition, name):
+def of(metrics: StudyMetrics, condition: str, name: str) -> ConditionScore:
     return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
 
 
-def test_every_condition_gets_every_metric(study):
+def test_every_condition_gets_every_metric(study: Study) -> None:
     metrics = study_metrics(*study)
     names = {s.name for s in metrics.conditions}
     assert len(metrics.conditions) == 2 * len(names)
@@ -49,7 +59,7 @@ def test_every_condition_gets_every_metric(study):
     assert all(s.settings["frame rate"] == "30 fps" for s in metrics.conditions)
 
 
-def test_a_condition_is_the_mean_over_its_clips(study):
+def test_a_condition_is_the_mean_over_its_clips(study: Study) -> None:
     metrics = study_metrics(*study)
     values = [
         s.result.value
@@ -63,24 +73,26 @@ def test_a_condition_is_the_mean_over_its_clips(study):
     assert (found.scored, found.clips) == (2, 2)
 
 
-def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clips(study):
+def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clips(
+    study: Study,
+) -> None:
     found = of(study_metrics(*study), "static", "beat alignment above chance (amuse)")
     assert math.isnan(found.value)
     assert found.scored == 0
     assert found.reason == "the motion has no beat (2 of 2 clips)"
 
 
-def test_without_speech_there_is_no_beat_alignment(study):
+def test_without_speech_there_is_no_beat_alignment(study: Study) -> None:
     metrics = study_metrics(study[0], {})
     assert not any("beat" in s.name for s in metrics.conditions)
     assert of(metrics, "waving", "jerk (hands)").scored == 2
 
 
-def test_no_clips_are_no_metrics():
+def test_no_clips_are_no_metrics() -> None:
     assert study_metrics({}, {}).conditions == ()
 
 
-def test_a_missing_motion_is_named(study, tmp_path):
+def test_a_missing_motion_is_named(study: Study, tmp_path: Path) -> None:
     clips, speech = study
     clips["static"]["c"] = tmp_path / "nowhere.npz"
     with pytest.raises(InputError, match=r"nowhere\.npz"):
@@ -88,7 +100,9 @@ def test_a_missing_motion_is_named(study, tmp_path):
 
 
 @pytest.fixture
-def recorded_study(tmp_path, study, waving):
+def recorded_study(
+    tmp_path: Path, study: Study, waving: Callable[..., MotionClip]
+) -> RecordedStudy:
     """Return a study of which the motion of 'still' is the recording itself."""
     clips, speech = study
     recorded = {}
@@ -112,7 +126,9 @@ ERRORS = {
 }
 
 
-def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(recorded_study):
+def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(
+    recorded_study: RecordedStudy,
+) -> None:
     clips, _, recorded = recorded_study
     metrics = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
     for name in ERRORS:
@@ -129,14 +145,16 @@ def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(recorded_st
     assert all(s.settings["frame rate"] for s in metrics.conditions if not s.reason)
 
 
-def test_without_recordings_nothing_is_compared_with_them(study):
+def test_without_recordings_nothing_is_compared_with_them(study: Study) -> None:
     metrics = study_metrics(*study, presets=PRESETS)
     names = {s.name for s in metrics.conditions}
     assert not names & ERRORS
     assert {"jerk (genea)", "foot sliding", "beat alignment (talkshow)"} <= names
 
 
-def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(study, tmp_path):
+def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
+    study: Study, tmp_path: Path
+) -> None:
     clips, speech = study
     bad = tmp_path / "waving" / "c.npz"
     bad.write_bytes(b"PK no archive")
@@ -153,7 +171,7 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(study, tmp
     assert of(metrics, "waving", "beat alignment (amuse)").clips == 1
 
 
-def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path):
+def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path: Path) -> None:
     bad = tmp_path / "a.npz"
     bad.write_bytes(b"")
     metrics = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
@@ -161,7 +179,7 @@ def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path):
     assert [file.where for file in metrics.skipped] == [str(bad)]
 
 
-def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
+def test_what_is_kept_from_an_earlier_run_changes_no_number(study: Study, tmp_path: Path) -> None:
     folder = tmp_path / "kept"
     alone = study_metrics(*study)
     first = study_metrics(*study, kept=folder)
@@ -179,7 +197,9 @@ def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
     assert len(list(folder.glob("joints-*"))) == 2
 
 
-def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeypatch):
+def test_clips_of_an_unchanged_store_are_not_read_again(
+    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = tmp_path / "kept"
     study_metrics(*study, kept=folder)
     monkeypatch.setattr(measured_clips, "packed_joints", pytest.fail)
@@ -188,7 +208,7 @@ def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeyp
 
 
 @pytest.mark.slow
-def test_several_processes_find_what_one_finds(recorded_study):
+def test_several_processes_find_what_one_finds(recorded_study: RecordedStudy) -> None:
     clips, _, recorded = recorded_study
     progress = []
     alone = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
@@ -207,7 +227,9 @@ def test_several_processes_find_what_one_finds(recorded_study):
     )
 
 
-def test_clips_of_many_rates_are_compared_at_the_slowest(study, tmp_path, waving):
+def test_clips_of_many_rates_are_compared_at_the_slowest(
+    study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
+) -> None:
     clips, speech = study
     clips["slow"] = {"a": tmp_path / "slow.npz"}
     write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
@@ -216,7 +238,7 @@ def test_clips_of_many_rates_are_compared_at_the_slowest(study, tmp_path, waving
     assert of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
 
 
-def test_what_metrics_lack_is_said(recorded_study):
+def test_what_metrics_lack_is_said(recorded_study: RecordedStudy) -> None:
     clips, speech, recorded = recorded_study
     speech.pop("a")
     recorded.pop("b")
@@ -229,7 +251,7 @@ def test_what_metrics_lack_is_said(recorded_study):
     assert alone == ("no recordings are given, so nothing is compared with them",)
 
 
-def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
+def test_files_are_taken_to_have_the_frame_rate_that_is_given(study: Study, tmp_path: Path) -> None:
     folder = tmp_path / "kept"
     fast = study_metrics(*study, file_rate=30.0, kept=folder)
     slow = study_metrics(*study, file_rate=15.0, kept=folder)
@@ -238,7 +260,9 @@ def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
     assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)
 
 
-def test_semantic_scores_choose_which_frames_are_recalled(recorded_study, tmp_path):
+def test_semantic_scores_choose_which_frames_are_recalled(
+    recorded_study: RecordedStudy, tmp_path: Path
+) -> None:
     clips, _, recorded = recorded_study
     spans = {"a": "beat\t0\t4\t4\t0.3\t", "b": "none\t0\t4\t4\t0\t"}
     semantics = {segment: tmp_path / f"{segment}.txt" for segment in spans}
@@ -263,7 +287,9 @@ def test_semantic_scores_choose_which_frames_are_recalled(recorded_study, tmp_pa
     assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
 
 
-def test_semantic_scores_that_cannot_be_read_are_named(recorded_study, tmp_path):
+def test_semantic_scores_that_cannot_be_read_are_named(
+    recorded_study: RecordedStudy, tmp_path: Path
+) -> None:
     clips, _, recorded = recorded_study
     damaged = tmp_path / "a.txt"
     damaged.write_text("no annotation", encoding="utf-8")

@@ -1,19 +1,25 @@
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.evaluators import feature_networks
 from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import networks
-from analysis.measurement import clip_features
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics
-from motion.clip import MotionClip
+from analysis.measurement.scores import ConditionScore, StudyMetrics
+from motion.clip import MotionClip, arkit_index
 from motion.errors import InputError
-from motion.face import arkit_index
 from motion.formats import write_clip
-from renderer.avatars import default_body
+from renderer.look import default_body
+
+Clips = dict[str, dict[str, Path]]
 
 
 class MeanPose:
@@ -23,14 +29,14 @@ class MeanPose:
     name = names.GESTURE
     rule = None
 
-    def __init__(self, path):
+    def __init__(self, path: Path) -> None:
         self.sha256 = path.read_text()
-        self.seen = []
+        self.seen: list[MotionClip] = []
 
-    def describe(self):
+    def describe(self) -> Mapping[str, str]:
         return {"network sha256": self.sha256}
 
-    def embed(self, clip):
+    def embed(self, clip: MotionClip) -> NDArray[np.float32]:
         self.seen.append(clip)
         if len(clip) < 60:
             raise InputError("the clip is shorter than a window")
@@ -38,26 +44,28 @@ class MeanPose:
         return np.array([[h.mean(0)[2], h.std(0)[2]] for h in halves], np.float32)
 
 
-@pytest.fixture
-def network_file(tmp_path, monkeypatch):
-    """Return the file of a stand-in network, and what it was shown."""
-    opened = {}
+NetworkFile = tuple[Path, dict[Path, MeanPose]]
 
-    def opening(path):
+
+@pytest.fixture
+def network_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[NetworkFile]:
+    """Return the file of a stand-in network, and what it was shown."""
+    opened: dict[Path, MeanPose] = {}
+
+    def opening(path: Path) -> MeanPose:
         return opened.setdefault(path, MeanPose(path))
 
     monkeypatch.setattr(feature_networks, "open_network", opening)
-    monkeypatch.setattr(clip_features, "open_network", opening)
-    clip_features._opened.cache_clear()
+    feature_networks._opened.cache_clear()
     path = tmp_path / "network"
     path.write_text("c0ffee" * 11)
     yield path, opened
-    clip_features._opened.cache_clear()
+    feature_networks._opened.cache_clear()
 
 
 @pytest.fixture
-def study(tmp_path, waving):
-    clips = {"truth": {}, "ours": {}}
+def study(tmp_path: Path, waving: Callable[..., MotionClip]) -> Clips:
+    clips: Clips = {"truth": {}, "ours": {}}
     for condition, size in (("truth", 0.5), ("ours", 0.8)):
         for number in range(6):
             path = tmp_path / condition / f"{number}.npz"
@@ -66,11 +74,13 @@ def study(tmp_path, waving):
     return clips
 
 
-def of(metrics, condition, name):
+def of(metrics: StudyMetrics, condition: str, name: str) -> ConditionScore:
     return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
 
 
-def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(study, network_file, tmp_path):
+def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
+    study: Clips, network_file: NetworkFile, tmp_path: Path
+) -> None:
     path, opened = network_file
     kept = tmp_path / "kept"
     first, second = (
@@ -87,20 +97,26 @@ def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(study, netw
     assert of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
 
 
-def test_what_a_study_holds_still_is_still_for_the_network(study, network_file):
+def test_what_a_study_holds_still_is_still_for_the_network(
+    study: Clips, network_file: NetworkFile
+) -> None:
     path, opened = network_file
     study_metrics(study, {}, frozen=("hands", "root"), evaluators=[path])
     assert all(np.ptp(clip.trans) == 0 for clip in opened[path].seen)
 
 
-def test_a_clip_that_is_too_short_is_left_out_with_its_reason(study, network_file, waving):
+def test_a_clip_that_is_too_short_is_left_out_with_its_reason(
+    study: Clips, network_file: NetworkFile, waving: Callable[..., MotionClip]
+) -> None:
     path, _ = network_file
     write_clip(study["ours"]["s0"], waving(seconds=1.0))
     found = study_metrics(study, {}, recorded=study["truth"], evaluators=[path])
     assert "shorter than a window (1 of 6 clips)" in of(found, "ours", names.FGD).remark
 
 
-def test_two_networks_of_one_kind_are_told_apart_by_their_hash(network_file, tmp_path):
+def test_two_networks_of_one_kind_are_told_apart_by_their_hash(
+    network_file: NetworkFile, tmp_path: Path
+) -> None:
     path, _ = network_file
     other, same = tmp_path / "other", tmp_path / "same"
     other.write_text("beef" * 16)
@@ -113,7 +129,7 @@ def test_two_networks_of_one_kind_are_told_apart_by_their_hash(network_file, tmp
     assert names.distance_of(found[1].name) == "FGD (gesture autoencoder, beefbeef)"
 
 
-def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study):
+def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study: Clips) -> None:
     found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue"])
     missing = of(found, "ours", names.FLD)
     assert "'motionjury train evaluator face' trains one" in missing.reason
@@ -121,18 +137,18 @@ def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study):
 
 
 @pytest.fixture
-def talking(tmp_path):
+def talking(tmp_path: Path) -> Clips:
     """Return recorded faces, and generated ones: a copy, and one that opens the mouth less."""
-    clips = {"truth": {}, "copied": {}, "shy": {}}
+    clips: Clips = {"truth": {}, "copied": {}, "shy": {}}
     for number in range(2):
         opening = np.abs(np.sin(np.arange(60) / (5 + number)))
         for condition, share in (("truth", 1.0), ("copied", 1.0), ("shy", 0.5)):
-            arkit = np.zeros((60, 52))
+            arkit = np.zeros((60, 52), np.float32)
             arkit[:, arkit_index("jawOpen")] = share * opening
             path = tmp_path / condition / f"{number}.npz"
             clip = MotionClip(
-                poses=0.01 * np.random.default_rng(number).normal(size=(60, 55, 3)),
-                trans=np.zeros((60, 3)),
+                poses=np.random.default_rng(number).normal(0, 0.01, (60, 55, 3)).astype(np.float32),
+                trans=np.zeros((60, 3), np.float32),
                 frame_rate=30,
                 arkit=arkit,
             )
@@ -147,7 +163,9 @@ LANDMARK_ERRORS = (
 )
 
 
-def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres(talking):
+def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres(
+    talking: Clips,
+) -> None:
     found = study_metrics(
         talking,
         {},
@@ -168,7 +186,9 @@ def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres
         ((), None, "no body is given"),
     ],
 )
-def test_where_there_are_no_landmarks_the_errors_say_why(talking, frozen, face, said):
+def test_where_there_are_no_landmarks_the_errors_say_why(
+    talking: Clips, frozen: tuple[str, ...], face: LandmarkBody | None, said: str
+) -> None:
     found = study_metrics(
         talking, {}, recorded=talking["truth"], presets=["s2ue"], face=face, frozen=frozen
     )
@@ -176,7 +196,9 @@ def test_where_there_are_no_landmarks_the_errors_say_why(talking, frozen, face, 
         assert said in of(found, "shy", name).reason
 
 
-def test_a_face_that_is_told_in_other_terms_has_no_landmarks(talking, waving):
+def test_a_face_that_is_told_in_other_terms_has_no_landmarks(
+    talking: Clips, waving: Callable[..., MotionClip]
+) -> None:
     write_clip(talking["shy"]["0"], waving(seconds=2.0))
     found = study_metrics(
         talking,
@@ -190,7 +212,7 @@ def test_a_face_that_is_told_in_other_terms_has_no_landmarks(talking, waving):
     assert "tells no face" in score.reason
 
 
-def test_faces_differ_between_clips_unless_they_are_held_still(talking):
+def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -> None:
     name = "mean distance between clips (expressions)"
     moving = of(study_metrics(talking, {}, presets=["diffsheg"]), "truth", name)
     assert moving.value > 0
@@ -199,8 +221,10 @@ def test_faces_differ_between_clips_unless_they_are_held_still(talking):
     assert still.reason == "the study holds the face still"
 
 
-def test_penetration_is_measured_where_a_body_is_given_and_kept(talking, tmp_path, monkeypatch):
-    wanted = {
+def test_penetration_is_measured_where_a_body_is_given_and_kept(
+    talking: Clips, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted: dict[str, Any] = {
         "penetrable": default_body("mannequin"),
         "presets": ["genea"],
         "kept": tmp_path / "kept",

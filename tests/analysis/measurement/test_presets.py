@@ -2,16 +2,17 @@ from __future__ import annotations
 
 import pytest
 
-from analysis.measurement.paper_tables import PAPER_TABLES
 from analysis.measurement.presets import PRESETS, combined
+from analysis.metrics.result import Better
+from analysis.report.sections.metric import PAPER_TABLES
 from motion.errors import InputError
 
 
-def test_every_paper_has_its_preset():
+def test_every_paper_has_its_preset() -> None:
     assert {"amuse", "beat", "diffsheg", "genea", "s2ue", "talkshow"} <= set(PRESETS)
 
 
-def test_what_two_presets_share_is_measured_once():
+def test_what_two_presets_share_is_measured_once() -> None:
     together = combined(["beat", "diffsheg", "beat"])
     assert together.beats == PRESETS["beat"].beats == PRESETS["diffsheg"].beats
     assert [settings.name for settings in together.correct] == ["beat", "diffsheg"]
@@ -20,12 +21,12 @@ def test_what_two_presets_share_is_measured_once():
     assert not together.foot_sliding
 
 
-def test_an_unknown_preset_is_refused_with_those_there_are():
+def test_an_unknown_preset_is_refused_with_those_there_are() -> None:
     with pytest.raises(InputError, match=r"'amuze'.*amuse, beat"):
         combined(["amuze"])
 
 
-def test_without_recordings_nothing_is_left_that_needs_them():
+def test_without_recordings_nothing_is_left_that_needs_them() -> None:
     alone = combined(PRESETS).without_recordings()
     assert alone.beats
     assert alone.derivatives
@@ -34,18 +35,18 @@ def test_without_recordings_nothing_is_left_that_needs_them():
     assert combined(["s2ue"]).needs_recorded_spread
 
 
-def test_every_table_is_of_a_preset():
+def test_every_table_is_of_a_preset() -> None:
     assert set(PAPER_TABLES) <= set(PRESETS)
 
 
-def test_each_paper_calls_diversity_better_in_its_own_way():
-    def of(preset):
+def test_each_paper_calls_diversity_better_in_its_own_way() -> None:
+    def of(preset: str) -> list[Better]:
         return [c.better for c in PAPER_TABLES[preset] if c.label == "Div"]
 
     assert of("amuse") == ["near the reference"]
     assert of("diffsheg") == ["higher", "higher"]
 
 
-def test_no_table_shows_one_score_twice():
+def test_no_table_shows_one_score_twice() -> None:
     for columns in PAPER_TABLES.values():
         assert len({column.metric for column in columns}) == len(columns)

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -22,7 +23,7 @@ from motion.errors import InputError
 
 
 @pytest.fixture
-def metrics():
+def metrics() -> StudyMetrics:
     """Return scores of one condition, of which one is missing."""
     settings = {"joints": "left_wrist, right_wrist"}
     found = MetricResult(
@@ -60,7 +61,7 @@ def metrics():
     )
 
 
-def test_conditions_come_first_and_have_no_segment(metrics):
+def test_conditions_come_first_and_have_no_segment(metrics: StudyMetrics) -> None:
     table = score_table(metrics)
     assert tuple(table.columns) == COLUMNS
     assert table["segment"].tolist() == ["", "a", "a"]
@@ -69,17 +70,19 @@ def test_conditions_come_first_and_have_no_segment(metrics):
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_tables_are_read_back_as_they_were(metrics, tmp_path, ending):
+def test_tables_are_read_back_as_they_were(
+    metrics: StudyMetrics, tmp_path: Path, ending: str
+) -> None:
     path = tmp_path / f"scores.{ending}"
     write_scores(metrics, path)
-    read = {"csv": pd.read_csv, "parquet": pd.read_parquet}[ending](path)
+    read = pd.read_csv(path) if ending == "csv" else pd.read_parquet(path)
     assert read["value"].tolist()[:2] == [1.5, 1.5]
     assert math.isnan(read["value"][2])
     assert read["reason"][2] == "no beat"
     assert read["unit"][0] == "m/s³"
 
 
-def test_json_holds_no_nan_and_names_skipped_files(metrics, tmp_path):
+def test_json_holds_no_nan_and_names_skipped_files(metrics: StudyMetrics, tmp_path: Path) -> None:
     path = tmp_path / "scores.json"
     write_scores(metrics, path)
     found = json.loads(path.read_text(encoding="utf-8"), parse_constant=pytest.fail)
@@ -96,7 +99,7 @@ def test_json_holds_no_nan_and_names_skipped_files(metrics, tmp_path):
     assert found["skipped"][0]["file"] == "b.npz"
 
 
-def test_two_writings_are_the_same_bytes(metrics, tmp_path):
+def test_two_writings_are_the_same_bytes(metrics: StudyMetrics, tmp_path: Path) -> None:
     for ending in ("csv", "json", "parquet"):
         paths = [tmp_path / f"{number}.{ending}" for number in (1, 2)]
         for path in paths:
@@ -105,14 +108,19 @@ def test_two_writings_are_the_same_bytes(metrics, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["scores.xlsx", "scores"])
-def test_an_unknown_ending_is_refused_before_anything_is_measured(tmp_path, name):
+def test_an_unknown_ending_is_refused_before_anything_is_measured(
+    tmp_path: Path, name: str
+) -> None:
     with pytest.raises(InputError, match=r"\.csv, \.json, \.parquet"):
         check_ending(tmp_path / name)
 
 
-def test_the_document_for_results_is_plain_and_says_why_a_number_is_missing(metrics):
-    document = metrics_document(metrics)
-    assert json.loads(json.dumps(document, allow_nan=False)) == document
+def test_the_document_for_results_is_plain_and_says_why_a_number_is_missing(
+    metrics: StudyMetrics,
+) -> None:
+    found = metrics_document(metrics)
+    document = json.loads(json.dumps(found, allow_nan=False))
+    assert document == found
     score = document["conditions"][0]
     assert (score["metric"], score["value"], score["spread_between_clips"]) == ("jerk", 1.5, None)
     assert score["settings"] == {"joints": "left_wrist, right_wrist"}
@@ -120,7 +128,9 @@ def test_the_document_for_results_is_plain_and_says_why_a_number_is_missing(metr
     assert document["emotions"][0]["counts"] == [[2, 1]]
 
 
-def test_parquet_has_types_and_tells_units_and_directions(metrics, tmp_path):
+def test_parquet_has_types_and_tells_units_and_directions(
+    metrics: StudyMetrics, tmp_path: Path
+) -> None:
     write_scores(metrics, tmp_path / "scores.parquet")
     schema = parquet.read_schema(tmp_path / "scores.parquet")
     assert [str(schema.field(name).type) for name in ("value", "n")] == ["double", "int64"]
@@ -130,7 +140,9 @@ def test_parquet_has_types_and_tells_units_and_directions(metrics, tmp_path):
     assert schema.metadata[b"frame_rate"] == b"30"
 
 
-def test_the_document_names_files_from_the_study_s_folder(metrics, tmp_path):
+def test_the_document_names_files_from_the_study_s_folder(
+    metrics: StudyMetrics, tmp_path: Path
+) -> None:
     skipped = SkippedFile(what="damaged", where=str(tmp_path / "motion" / "b.npz"), remedy="-")
     document = metrics_document(replace(metrics, skipped=(skipped,)), tmp_path)
-    assert document["skipped"][0]["file"] == "motion/b.npz"
+    assert document["skipped"] == [{"file": "motion/b.npz", "what": "damaged", "remedy": "-"}]

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
 from analysis.metrics.diversity import (
@@ -14,17 +17,18 @@ from analysis.metrics.diversity import (
     mean_pair_distance,
     motion_features,
 )
-from analysis.metrics.speed_histogram import speed_counts, speed_distance
+
+FloatArray = NDArray[np.float64]
 
 
-def test_two_points_agree_with_their_closed_form(closed_form):
+def test_two_points_agree_with_their_closed_form(closed_form: Mapping[str, Any]) -> None:
     expected = closed_form["diversity"]
     half = expected["n"] // 2
     features = np.array([[0.0]] * half + [[float(expected["D"])]] * half)
     assert mean_pair_distance(features).value == pytest.approx(expected["value"])
 
 
-def test_gaussian_samples_agree_with_their_closed_form(closed_form):
+def test_gaussian_samples_agree_with_their_closed_form(closed_form: Mapping[str, Any]) -> None:
     expected = closed_form["diversity"]
     sample = np.random.default_rng(0).normal(0, expected["s"], (2000, expected["d"]))
     assert mean_pair_distance(sample).value == pytest.approx(expected["value_gauss"], rel=0.01)
@@ -32,24 +36,24 @@ def test_gaussian_samples_agree_with_their_closed_form(closed_form):
     assert l1_deviation(sample).value == pytest.approx(l1, rel=0.02)
 
 
-def test_deviation_worked_by_hand():
+def test_deviation_worked_by_hand() -> None:
     # Mean pose (1, 2); deviations 1 + 2 and 1 + 2.
     assert l1_deviation(np.array([[0.0, 0.0], [2.0, 4.0]])).value == 3.0
 
 
-def test_deviation_does_not_see_where_the_clip_is():
+def test_deviation_does_not_see_where_the_clip_is() -> None:
     clip = np.random.default_rng(0).normal(size=(30, 4, 3))
     assert l1_deviation(clip + 5).value == pytest.approx(l1_deviation(clip).value)
     assert l1_deviation(np.ones((30, 4, 3))).value == 0
 
 
-def test_one_clip_has_no_distance_but_a_reason():
+def test_one_clip_has_no_distance_but_a_reason() -> None:
     found = mean_pair_distance(np.zeros((1, 3)))
     assert math.isnan(found.value)
     assert found.reason
 
 
-def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres():
+def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres() -> None:
     still = np.zeros((20, 5, 3))
     apart = np.zeros((25, 5, 3))
     apart[..., 1] = 0.3
@@ -58,19 +62,19 @@ def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres():
     assert mean_pair_distance(features).value == pytest.approx(0.3)
 
 
-def test_many_clips_are_measured_as_few_are():
+def test_many_clips_are_measured_as_few_are() -> None:
     features = np.random.default_rng(1).standard_normal((700, 9)) + 50
     assert mean_pair_distance(features).value == pytest.approx(pdist(features).mean())
     assert mean_pair_distance(features).n == 700 * 699 // 2
 
 
-def test_the_variance_of_features_is_the_variance_of_a_normal_sample():
+def test_the_variance_of_features_is_the_variance_of_a_normal_sample() -> None:
     features = np.random.default_rng(2).normal(3, 1.5, (4000, 6))
     assert feature_variance(features).value == pytest.approx(1.5**2, rel=0.03)
     assert math.isnan(feature_variance(features[:1]).value)
 
 
-def test_all_three_are_called_by_different_names():
+def test_all_three_are_called_by_different_names() -> None:
     sample = np.random.default_rng(3).standard_normal((5, 2))
     found = [measure(sample) for measure in (l1_deviation, mean_pair_distance, feature_variance)]
     assert len({result.name for result in found}) == 3
@@ -78,44 +82,9 @@ def test_all_three_are_called_by_different_names():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 10))
-def test_diversities_do_not_see_a_shift_and_grow_with_the_scale(seed, scale):
+def test_diversities_do_not_see_a_shift_and_grow_with_the_scale(seed: int, scale: float) -> None:
     sample = np.random.default_rng(seed).standard_normal((6, 4))
     for measure, power in ((l1_deviation, 1), (mean_pair_distance, 1), (feature_variance, 2)):
         value = measure(sample).value
         assert measure(sample + 3).value == pytest.approx(value)
         assert measure(scale * sample).value == pytest.approx(scale**power * value)
-
-
-def at_speed(speed, *, frames=31, joints=2, frame_rate=30.0):
-    """Return joints that all move along x at one speed."""
-    x = np.arange(frames)[:, None] * speed / frame_rate
-    return np.stack([np.broadcast_to(x, (frames, joints))] + [np.zeros((frames, joints))] * 2, 2)
-
-
-def test_every_frame_is_in_the_bin_of_its_speed_and_the_last_bin_is_open():
-    counts = speed_counts(np.concatenate([at_speed(0.12), at_speed(99.0)], axis=1), 30.0)
-    assert counts.shape == (4, 80)
-    assert counts[0, 2] == counts[2, 79] == 30
-    assert counts.sum() == 4 * 30
-
-
-def test_equal_histograms_are_at_distance_0_and_disjoint_ones_at_1():
-    slow, fast = (np.stack([speed_counts(at_speed(v), 30.0)] * 6) for v in (0.12, 0.52))
-    same = speed_distance(slow, slow, frame_rate=30.0)
-    assert (same.value, same.interval) == (0, (0, 0))
-    assert speed_distance(slow, fast, frame_rate=30.0).value == 1
-
-
-def test_the_distance_is_hellingers():
-    one, other = np.zeros((2, 1, 1, 80), int)
-    one[0, 0, :2], other[0, 0, :2] = (1, 3), (3, 1)
-    found = speed_distance(one, other, frame_rate=30.0)
-    assert found.value == pytest.approx(math.sqrt(1 - math.sqrt(3) / 2))
-    assert found.interval is None
-
-
-def test_single_frames_have_no_speed():
-    none = speed_counts(at_speed(1.0, frames=1), 30.0)[None]
-    found = speed_distance(none, none, frame_rate=30.0)
-    assert math.isnan(found.value)
-    assert "two frames" in found.reason

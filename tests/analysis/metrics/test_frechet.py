@@ -1,34 +1,45 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import sqrtm
 from scipy.stats import ortho_group
 
 from analysis.metrics.frechet import (
+    FAILED,
+    RULES,
+    Rule,
     frechet,
     frechet_extrapolated,
     frechet_of_samples,
+    published_distance,
 )
-from analysis.metrics.samples import embeddings, of_equal_size, resampled_clips
+from analysis.metrics.samples import Embeddings, embeddings, of_equal_size, resampled_clips
 from motion.errors import InputError
+from tests.analysis.metrics.test_kernel_distance import width_of
+
+FloatArray = NDArray[np.float64]
 
 
-def normal(mean, covariance, *, least=0):
+def normal(mean: ArrayLike, covariance: ArrayLike, *, least: int = 0) -> FloatArray:
     """Return samples with exactly this mean and covariance, `least` or more of them."""
     values, axes = np.linalg.eigh(np.array(covariance, float))
     arms = (axes * np.sqrt(np.maximum(values, 0))).T
     copies = 1 + least // (2 * len(arms))
     both = np.tile(np.concatenate([arms, -arms]), (copies, 1))
-    return np.array(mean, float) + both * np.sqrt((len(both) - 1) / (2 * copies))
+    return np.asarray(np.array(mean, float) + both * np.sqrt((len(both) - 1) / (2 * copies)))
 
 
 @pytest.mark.parametrize("least", [0, 100])
-def test_every_closed_form_is_met(closed_form, least):
+def test_every_closed_form_is_met(closed_form: Mapping[str, Any], least: int) -> None:
     for case in closed_form["frechet"]["cases"]:
         one = normal(case["mu1"], case["S1"], least=least)
         other = normal(case["mu2"], case["S2"], least=least)
@@ -42,23 +53,23 @@ def test_every_closed_form_is_met(closed_form, least):
     st.sampled_from([(8, 3), (5, 5), (6, 12), (30, 4)]),
     st.floats(0.1, 10),
 )
-def test_the_distance_has_the_invariances_of_a_distance(seed, shape, scale):
+def test_the_distance_has_the_invariances_of_a_distance(
+    seed: int, shape: tuple[int, int], scale: float
+) -> None:
     chance = np.random.default_rng(seed)
     one = chance.standard_normal(shape)
     other = 1.5 * chance.standard_normal(shape) + 0.3
     distance = frechet_of_samples(one, other)
-    close = {"rel": 1e-8, "abs": 1e-9}
+    close = partial(pytest.approx, rel=1e-8, abs=1e-9)
     assert frechet_of_samples(one, one) == pytest.approx(0, abs=1e-9)
-    assert frechet_of_samples(other, one) == pytest.approx(distance, **close)
-    assert frechet_of_samples(one + 7, other + 7) == pytest.approx(distance, **close)
+    assert frechet_of_samples(other, one) == close(distance)
+    assert frechet_of_samples(one + 7, other + 7) == close(distance)
     turned = ortho_group.rvs(shape[1], random_state=seed)
-    assert frechet_of_samples(one @ turned, other @ turned) == pytest.approx(distance, **close)
-    assert frechet_of_samples(scale * one, scale * other) == pytest.approx(
-        scale**2 * distance, **close
-    )
+    assert frechet_of_samples(one @ turned, other @ turned) == close(distance)
+    assert frechet_of_samples(scale * one, scale * other) == close(scale**2 * distance)
 
 
-def test_the_matrix_square_root_says_the_same_where_samples_abound():
+def test_the_matrix_square_root_says_the_same_where_samples_abound() -> None:
     one, other = np.random.default_rng(0).standard_normal((2, 400, 10))
     first, second = np.cov(one, rowvar=False), np.cov(2 * other, rowvar=False)
     shift = one.mean(axis=0) - 2 * other.mean(axis=0)
@@ -67,7 +78,7 @@ def test_the_matrix_square_root_says_the_same_where_samples_abound():
     assert frechet_of_samples(one, 2 * other) == pytest.approx(textbook, rel=1e-9)
 
 
-def test_few_samples_are_flagged_with_what_equal_laws_would_score():
+def test_few_samples_are_flagged_with_what_equal_laws_would_score() -> None:
     one, other = np.random.default_rng(2).standard_normal((2, 72, 240))
     found = frechet(embeddings(one), embeddings(other), name="FGD", resamples=0)
     assert found.value == pytest.approx(273, rel=0.05)
@@ -76,14 +87,14 @@ def test_few_samples_are_flagged_with_what_equal_laws_would_score():
     assert found.better == "lower"
 
 
-def test_enough_samples_are_not_flagged_and_their_bias_is_the_known_one():
+def test_enough_samples_are_not_flagged_and_their_bias_is_the_known_one() -> None:
     one, other = np.random.default_rng(3).standard_normal((2, 500, 32))
     found = frechet(embeddings(one), embeddings(other), resamples=0)
     assert not found.remark
     assert found.value == pytest.approx(32 * 37 / 1000, rel=0.2)
 
 
-def test_unequal_samples_are_cut_to_equal_ones_and_it_is_said():
+def test_unequal_samples_are_cut_to_equal_ones_and_it_is_said() -> None:
     chance = np.random.default_rng(4)
     found = frechet(
         embeddings(chance.standard_normal((40, 3))), embeddings(chance.standard_normal((25, 3)))
@@ -92,53 +103,53 @@ def test_unequal_samples_are_cut_to_equal_ones_and_it_is_said():
     assert found.settings["samples"] == "25 of each (40 generated, 25 recorded)"
 
 
-def test_the_interval_is_as_wide_as_the_score_varies_between_samples():
+def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
     chance = np.random.default_rng(5)
 
-    def drawn():
+    def drawn() -> tuple[Embeddings, Embeddings]:
         one, other = chance.standard_normal((2, 100, 5))
         return embeddings(one + np.array([1.0, 0, 0, 0, 0])), embeddings(other)
 
     scores = [frechet(*drawn(), resamples=0).value for _ in range(200)]
-    found = [frechet(*drawn(), resamples=50).interval for _ in range(10)]
-    reach = np.mean([(high - low) / 2 for low, high in found])
+    found = [width_of(frechet(*drawn(), resamples=50)) for _ in range(10)]
+    reach = np.mean(found) / 2
     assert 1 < reach / (1.96 * np.std(scores)) < 1.4
 
 
-def test_windows_of_one_clip_are_no_independent_samples():
+def test_windows_of_one_clip_are_no_independent_samples() -> None:
     chance = np.random.default_rng(6)
     clip_level = chance.standard_normal((2, 20, 3))
     windows = np.repeat(clip_level, 10, axis=1)
     names = np.repeat(np.arange(20), 10).tolist()
-    apart = frechet(*map(embeddings, windows)).interval
-    together = frechet(*(embeddings(rows, names) for rows in windows)).interval
-    assert together[1] - together[0] > 2 * (apart[1] - apart[0])
+    apart = frechet(*map(embeddings, windows))
+    together = frechet(*(embeddings(rows, names) for rows in windows))
+    assert width_of(together) > 2 * width_of(apart)
 
 
-def test_one_sample_is_no_distance_with_the_reason():
+def test_one_sample_is_no_distance_with_the_reason() -> None:
     found = frechet(embeddings(np.zeros((1, 3))), embeddings(np.zeros((9, 3))))
     assert math.isnan(found.value)
     assert found.reason == "a covariance needs two samples"
 
 
-def test_samples_of_different_networks_do_not_compare():
+def test_samples_of_different_networks_do_not_compare() -> None:
     with pytest.raises(InputError, match="3 and 4 dimensions"):
         frechet(embeddings(np.zeros((5, 3))), embeddings(np.zeros((5, 4))))
 
 
-def test_most_of_the_bias_is_gone():
+def test_most_of_the_bias_is_gone() -> None:
     one, other = np.random.default_rng(0).standard_normal((2, 1000, 16))
     found = frechet_extrapolated(embeddings(one), embeddings(other)).value
     assert abs(found) < 0.25 * frechet_of_samples(one, other)
 
 
-def test_a_real_distance_stays():
+def test_a_real_distance_stays() -> None:
     one, other = np.random.default_rng(1).standard_normal((2, 1000, 8))
     found = frechet_extrapolated(embeddings(one), embeddings(other + 1.0)).value
     assert found == pytest.approx(8, rel=0.1)
 
 
-def test_too_few_samples_have_no_line_to_extend():
+def test_too_few_samples_have_no_line_to_extend() -> None:
     one, other = np.random.default_rng(2).standard_normal((2, 63, 16))
     found = frechet_extrapolated(embeddings(one), embeddings(other))
     assert math.isnan(found.value)
@@ -146,24 +157,24 @@ def test_too_few_samples_have_no_line_to_extend():
 
 
 @pytest.mark.parametrize("values", [np.zeros(3), np.zeros((3, 0)), np.zeros((2, 3, 4))])
-def test_embeddings_are_a_table(values):
+def test_embeddings_are_a_table(values: FloatArray) -> None:
     with pytest.raises(InputError, match="shape"):
         embeddings(values)
 
 
-def test_a_value_that_is_not_finite_is_named_by_its_row():
+def test_a_value_that_is_not_finite_is_named_by_its_row() -> None:
     values = np.zeros((4, 2))
     values[2, 1] = np.nan
     with pytest.raises(InputError, match="row 2"):
         embeddings(values)
 
 
-def test_every_row_needs_the_name_of_its_clip():
+def test_every_row_needs_the_name_of_its_clip() -> None:
     with pytest.raises(InputError, match="1 clips are named for 2"):
         embeddings(np.zeros((2, 2)), ["a"])
 
 
-def test_samples_are_cut_to_the_smaller_one_and_the_same_every_time():
+def test_samples_are_cut_to_the_smaller_one_and_the_same_every_time() -> None:
     one, other = embeddings(np.arange(20.0)[:, None]), embeddings(np.zeros((8, 1)))
     cut, kept = of_equal_size(one, other)
     assert (len(cut), len(kept)) == (8, 8)
@@ -171,10 +182,50 @@ def test_samples_are_cut_to_the_smaller_one_and_the_same_every_time():
     np.testing.assert_array_equal(cut.values, of_equal_size(one, other)[0].values)
 
 
-def test_windows_of_a_clip_are_drawn_together():
+def test_windows_of_a_clip_are_drawn_together() -> None:
     sample = embeddings(np.zeros((6, 1)), ["a", "b", "a", "c", "b", "a"])
     for rows in resampled_clips(sample, 20, seed=1):
         drawn = np.bincount(rows, minlength=6)
         assert drawn[0] == drawn[2] == drawn[5]
         assert drawn[1] == drawn[4]
         assert drawn[0] + drawn[1] + drawn[3] == 3
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_with_enough_samples_every_rule_gives_our_distance(rule: Rule) -> None:
+    random = np.random.default_rng(0)
+    one, other = random.standard_normal((300, 8)), 0.5 + 2 * random.standard_normal((200, 8))
+    ours = frechet_of_samples(one, other)
+    assert published_distance(one, other, rule) == pytest.approx(ours, rel=1e-5)
+
+
+def test_the_offset_takes_from_small_features_what_the_exact_distance_leaves() -> None:
+    random = np.random.default_rng(0)
+    one, other = 1e-3 * random.standard_normal((2, 300, 8))
+    # Each of 8 dimensions loses 2 (√(s² + 1e-6) - s) with a spread near 1e-3: about 1.6e-5 in all.
+    lost = frechet_of_samples(one, other) - published_distance(one, other, "offset")
+    assert 1e-5 < lost < 2.5e-5
+    assert published_distance(one, other, "pytorch-fid") == pytest.approx(
+        frechet_of_samples(one, other), rel=1e-3
+    )
+
+
+def test_a_root_that_is_not_real_is_a_failure_for_pytorch_fid_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    one, other = np.random.default_rng(0).standard_normal((2, 20, 3))
+    monkeypatch.setattr(
+        "analysis.metrics.frechet.sqrtm",
+        lambda product: product + 0.01j * np.eye(3),
+    )
+    assert published_distance(one, other, "pytorch-fid") == FAILED
+    assert published_distance(one, other, "offset") < 100
+
+
+def test_a_root_that_is_not_finite_is_taken_again_with_the_offset(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    one, other = np.random.default_rng(0).standard_normal((2, 20, 3))
+    roots = iter([np.full((3, 3), np.nan), np.eye(3)])
+    monkeypatch.setattr("analysis.metrics.frechet.sqrtm", lambda product: next(roots))
+    assert np.isfinite(published_distance(one, other, "pytorch-fid"))

@@ -1,39 +1,51 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.stats import ortho_group
 
 from analysis.metrics.kernel_distance import kernel_distance
+from analysis.metrics.result import MetricResult
 from analysis.metrics.samples import embeddings
 
+FloatArray = NDArray[np.float64]
 
-def distance(one, other):
+
+def distance(one: FloatArray, other: FloatArray) -> float:
     return kernel_distance(embeddings(one), embeddings(other)).value
 
 
-def test_point_masses_agree_with_their_closed_form(closed_form):
+def width_of(found: MetricResult) -> float:
+    """Return how wide a score's interval is."""
+    assert found.interval is not None
+    return found.interval[1] - found.interval[0]
+
+
+def test_point_masses_agree_with_their_closed_form(closed_form: Mapping[str, Any]) -> None:
     expected = closed_form["kid"]
     one, other = (np.tile(expected[key], (count, 1)) for key, count in (("x", 4), ("y", 7)))
     assert distance(one, other) == pytest.approx(expected["value"])
 
 
-def test_equal_laws_score_zero_on_average_and_below_it_half_of_the_time():
+def test_equal_laws_score_zero_on_average_and_below_it_half_of_the_time() -> None:
     chance = np.random.default_rng(0)
     scores = np.array([distance(*chance.standard_normal((2, 20, 30))) for _ in range(400)])
     assert abs(scores.mean()) < 4 * scores.std() / 20
     assert 0.3 < (scores < 0).mean() < 0.7
 
 
-def test_it_is_the_mean_over_pairs_of_the_definition():
+def test_it_is_the_mean_over_pairs_of_the_definition() -> None:
     one, other = np.random.default_rng(1).standard_normal((2, 6, 3))
 
-    def kernel(x, y):
-        return (x @ y / 3 + 1) ** 3
+    def kernel(x: FloatArray, y: FloatArray) -> float:
+        return float((x @ y / 3 + 1) ** 3)
 
     within = [
         np.mean([kernel(a, b) for i, a in enumerate(s) for j, b in enumerate(s) if i != j])
@@ -44,7 +56,7 @@ def test_it_is_the_mean_over_pairs_of_the_definition():
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_sides_and_axes_may_be_exchanged(seed):
+def test_sides_and_axes_may_be_exchanged(seed: int) -> None:
     one, other = np.random.default_rng(seed).standard_normal((2, 7, 4))
     turned = ortho_group.rvs(4, random_state=seed)
     expected = pytest.approx(distance(one, other), rel=1e-8, abs=1e-9)
@@ -52,17 +64,17 @@ def test_sides_and_axes_may_be_exchanged(seed):
     assert distance(one @ turned, other @ turned) == expected
 
 
-def test_the_interval_is_as_wide_as_the_score_varies_between_samples():
+def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
     chance = np.random.default_rng(2)
     found = [
         kernel_distance(embeddings(one + 0.5), embeddings(other))
         for one, other in (chance.standard_normal((2, 60, 4)) for _ in range(150))
     ]
-    reach = np.mean([(f.interval[1] - f.interval[0]) / 2 for f in found])
+    reach = np.mean([width_of(f) / 2 for f in found])
     assert reach / (1.96 * np.std([f.value for f in found])) == pytest.approx(1, abs=0.25)
 
 
-def test_leaving_out_a_clip_leaves_out_all_its_windows():
+def test_leaving_out_a_clip_leaves_out_all_its_windows() -> None:
     chance = np.random.default_rng(3)
     clips = chance.standard_normal((2, 12, 3))
     names = np.repeat(np.arange(12), 4).tolist()
@@ -70,11 +82,11 @@ def test_leaving_out_a_clip_leaves_out_all_its_windows():
     together = kernel_distance(*(embeddings(rows, names) for rows in windows))
     apart = kernel_distance(*map(embeddings, windows))
     assert together.value == pytest.approx(apart.value)
-    width, narrow = (f.interval[1] - f.interval[0] for f in (together, apart))
+    width, narrow = map(width_of, (together, apart))
     assert width > 1.7 * narrow
 
 
-def test_one_sample_is_no_distance_with_the_reason():
+def test_one_sample_is_no_distance_with_the_reason() -> None:
     found = kernel_distance(embeddings(np.zeros((1, 2))), embeddings(np.zeros((5, 2))))
     assert math.isnan(found.value)
     assert "two samples" in found.reason

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,7 +15,7 @@ from analysis.metrics.self_penetration import (
 from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
-from renderer.avatars import default_body
+from renderer.look import default_body
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 FACES = np.array(
@@ -26,35 +27,35 @@ FACES = np.array(
 
 
 @cache
-def body():
+def body() -> PenetrableBody:
     return PenetrableBody.of(read_body(default_body("mannequin")))
 
 
-def posed(**turned):
-    poses = np.zeros((30, JOINT_COUNT, 3))
+def posed(**turned: tuple[float, float, float]) -> MotionClip:
+    poses = np.zeros((30, JOINT_COUNT, 3), np.float32)
     for joint, turn in turned.items():
         poses[:, joint_index(joint)] = turn
-    return MotionClip(poses=poses, trans=np.zeros((30, 3)), frame_rate=30.0)
+    return MotionClip(poses=poses, trans=np.zeros((30, 3), np.float32), frame_rate=30.0)
 
 
-def test_a_closed_surface_winds_once_around_what_is_inside():
+def test_a_closed_surface_winds_once_around_what_is_inside() -> None:
     points = np.array([[0.5, 0.5, 0.5], [0.01, 0.9, 0.1], [1.5, 0.5, 0.5], [-3.0, 0, 2]])
     found = winding_numbers(points, CUBE, FACES)
     assert found == pytest.approx([1, 1, 0, 0], abs=1e-9)
 
 
-def test_a_hole_takes_away_its_share_of_the_view():
+def test_a_hole_takes_away_its_share_of_the_view() -> None:
     found = winding_numbers(np.full((1, 3), 0.5), CUBE, FACES[2:])
     assert found == pytest.approx(5 / 6)
 
 
-def test_arms_at_rest_and_stretched_out_are_outside():
+def test_arms_at_rest_and_stretched_out_are_outside() -> None:
     assert not body().depths(posed()).any()
     hanging = posed(left_shoulder=(0, 0, -1.2), right_shoulder=(0, 0, 1.2))
     assert not body().depths(hanging).any()
 
 
-def test_a_hand_in_the_chest_is_centimetres_deep_and_deeper_further_in():
+def test_a_hand_in_the_chest_is_centimetres_deep_and_deeper_further_in() -> None:
     near, far = (
         body().depths(posed(left_shoulder=(0, turn, 0), left_elbow=(0, -3.1 - turn, 0)))
         for turn in (-0.6, -0.3)
@@ -63,20 +64,18 @@ def test_a_hand_in_the_chest_is_centimetres_deep_and_deeper_further_in():
     assert 0.01 < near[0] < far[0] < 0.12
 
 
-def test_where_a_clip_stands_and_how_it_is_shaped_changes_nothing():
+def test_where_a_clip_stands_and_how_it_is_shaped_changes_nothing() -> None:
     inside = posed(left_shoulder=(0, -0.3, 0), left_elbow=(0, -2.8, 0))
-    moved = MotionClip(
-        poses=inside.poses, trans=inside.trans + 5, frame_rate=30.0, betas=np.ones(10)
-    )
+    moved = replace(inside, trans=inside.trans + 5, betas=np.ones(10, np.float32))
     assert body().depths(moved) == pytest.approx(body().depths(inside), abs=1e-5)
 
 
-def test_the_middle_frame_of_each_half_second_is_looked_at():
+def test_the_middle_frame_of_each_half_second_is_looked_at() -> None:
     assert sampled_frames(60, 30.0).tolist() == [7, 22, 37, 52]
     assert sampled_frames(1, 30.0).tolist() == [0]
 
 
-def test_depth_is_a_mean_in_millimetres_and_shallow_frames_are_not_counted():
+def test_depth_is_a_mean_in_millimetres_and_shallow_frames_are_not_counted() -> None:
     depth, share = self_penetration(np.array([0, 0.004, 0.02, 0], np.float32), body="some body")
     assert depth.value == pytest.approx(6)
     assert (depth.unit, depth.n) == ("mm", 4)

@@ -10,7 +10,7 @@ from statsmodels.regression.mixed_linear_model import MixedLM
 from analysis.planning.deciding_tests import Company, Findings, decided_by_holm, right
 from analysis.planning.many_studies import clustered_tests, crossed_models
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.holm import holm
+from analysis.stats.multiple_testing import holm
 
 
 def drawn(participant_sd: float, item_sd: float, seed: int) -> np.ndarray:

@@ -1,17 +1,18 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.planning.part import Opinions
+from analysis.answers.table import LAYOUTS
+from analysis.planning.part import THRESHOLDS, Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.participants import leave_out
-from benchmarks.validity.studies import THRESHOLDS, Design, judgements, preferences, ranks, ratings
+from benchmarks.validity.studies import Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
 
 DESIGN = Design(participants=40, items=25, effect=0.4, participant_sd=0.8, item_sd=0.6)
@@ -19,7 +20,7 @@ NAMES = np.array(["a", "b", "c"])
 
 
 def estimated(
-    rows: dict[str, object], protocol: str, folder: Path
+    rows: Mapping[str, object], protocol: str, folder: Path
 ) -> tuple[float, float, Opinions]:
     path = folder / "pilot.csv"
     pd.DataFrame({"question": "realism", **rows}).to_csv(path, index=False)

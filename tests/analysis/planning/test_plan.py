@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.planning.cell import Task
-from analysis.planning.grid import Runner, minutes_of, within
+from analysis.planning.grid import Runner, Task, minutes_of, within
 from analysis.planning.part import Opinions, Sketch
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.power import Effort
@@ -51,7 +50,7 @@ def task(effect: float = 0.5, seed: int = 1) -> Task:
 
 
 def test_what_was_simulated_is_not_simulated_again(tmp_path: Path) -> None:
-    first = Runner(folder=tmp_path).cells([task()])
+    (first,) = Runner(folder=tmp_path).cells([task()])
     kept = next(tmp_path.iterdir())
     rows = json.loads(kept.read_text("utf-8"))
     rows[0]["power"] = 0.123
@@ -61,7 +60,8 @@ def test_what_was_simulated_is_not_simulated_again(tmp_path: Path) -> None:
 
     assert again.powers[0].power == 0.123
     kept.write_text("{broken", "utf-8")
-    assert Runner(folder=tmp_path).cells([task()]) == first
+    (simulated,) = Runner(folder=tmp_path).cells([task()])
+    assert simulated.powers == first.powers
 
 
 def test_another_seed_effect_or_design_is_another_cell() -> None:
@@ -106,8 +106,8 @@ def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
 
 def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
     assert len(made.cells) == 3 * 2 * 2
-    assert {cell.recruited for cell in made.cells} == {30, 60, 240}
-    assert {cell.analysed for cell in made.cells} == {9, 18, 72}
+    assert {cell.size.recruited for cell in made.cells} == {30, 60, 240}
+    assert {cell.size.analysed for cell in made.cells} == {9, 18, 72}
     assert made.tests == {"": 3}
 
 
@@ -128,8 +128,7 @@ def with_powers(made: Plan, powers: dict[tuple[int, int], float]) -> Plan:
         replace(
             cell,
             powers=tuple(
-                replace(one, power=powers[cell.participants, cell.items], error=0.01)
-                for one in cell.powers
+                replace(one, power=powers[cell.size.numbers], error=0.01) for one in cell.powers
             ),
         )
         for cell in made.cells

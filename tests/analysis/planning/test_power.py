@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.planning import cell
-from analysis.planning.cell import Task, simulated
+from analysis.planning import grid
 from analysis.planning.deciding_tests import DecidingTests
-from analysis.planning.drawn_answers import drawn_answers
+from analysis.planning.grid import Task, simulated
+from analysis.planning.many_studies import drawn_answers
 from analysis.planning.part import Opinions, Part, Sketch
 from analysis.planning.power import Effort, Power, power_of
 from analysis.results.net_preference import (
@@ -16,7 +16,7 @@ from analysis.results.net_preference import (
     net_preference,
 )
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.holm import holm_rows
+from analysis.stats.multiple_testing import holm_rows
 
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
 QUICK = Effort(quick=400, exact=40)
@@ -178,7 +178,7 @@ def test_a_study_that_is_simulated_otherwise_has_another_version(sketch: Sketch)
         effort=Effort(quick=100, exact=20),
         seed=3,
     )
-    (found,) = simulated(task).powers
+    (found,) = simulated(task)
     assert [found.power, found.alone, found.uncorrected, found.error] == pytest.approx(
-        POWERS_OF_VERSION[cell.VERSION][sketch.kind], abs=1e-6
+        POWERS_OF_VERSION[grid.VERSION][sketch.kind], abs=1e-6
     )

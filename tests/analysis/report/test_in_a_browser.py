@@ -9,8 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from analysis.report import write_report
-from analysis.report.figures import ink
-from tests.analysis.report.made_reports import subject_of
+from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import pairwise_table, report_of
 from tests.functional.browsing import IN_A_BROWSER, launched
 
@@ -21,9 +20,7 @@ pytestmark = IN_A_BROWSER
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     report = report_of(pairwise_table(participants=6, segments=5), "pairwise", folder)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(ink.STYLE, "pdf.fonttype", 3)
-        return write_report(report, subject_of(report, origin="rehearsal"), folder)
+    return write_report(report, subject_of(report, origin="rehearsal"), folder)
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +35,19 @@ def page(browser: Browser, written: Path) -> Iterator[Page]:
     page.goto(written.as_uri())
     yield page
     page.close()
+
+
+HIDDEN = """[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth > e.clientWidth)
+  .map(e => [e.textContent, getComputedStyle(e).backgroundAttachment.includes('local')])"""
+
+
+def test_tables_fit_a_laptop_and_show_a_shade_where_they_go_on(page: Page) -> None:
+    page.set_viewport_size({"width": 1366, "height": 768})
+    assert page.evaluate(HIDDEN) == []
+    page.set_viewport_size({"width": 390, "height": 844})
+    found = page.evaluate(HIDDEN)
+    assert found
+    assert all(shaded for _, shaded in found)
 
 
 @pytest.mark.parametrize("width", [1280, 390])
@@ -99,7 +109,7 @@ def test_numbers_are_sorted_as_numbers(page: Page) -> None:
 def test_the_page_follows_light_and_dark(page: Page) -> None:
     seen = []
     for scheme in ("light", "dark"):
-        page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+        page.emulate_media(color_scheme=scheme)
         seen.append(page.evaluate("getComputedStyle(document.body).backgroundColor"))
 
     assert seen[0] != seen[1]

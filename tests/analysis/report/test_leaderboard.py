@@ -12,7 +12,7 @@ from analysis.report.sections.answer import answer
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import Strengths
-from tests.analysis.report.made_reports import subject_of
+from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import THRESHOLDS, report_of
 
 SYSTEMS = 8
@@ -68,7 +68,7 @@ def test_the_headline_names_what_is_decided(report: TableReport) -> None:
 def test_the_best_and_the_worst_have_no_rank_in_common(report: TableReport) -> None:
     found = report.results
     assert isinstance(found, PairwiseResults)
-    fitted = found.bradley_terry["quality"]
+    fitted = found.bradley_terry.of_set(None)["quality"]
     assert isinstance(fitted, Strengths)
     ranks = fitted.ranks
 

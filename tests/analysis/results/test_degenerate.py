@@ -77,8 +77,8 @@ def separated(table: pd.DataFrame) -> pd.DataFrame:
 
 def few_conditions(table: pd.DataFrame) -> pd.DataFrame:
     if "left" in table:
-        return table[table[["left", "right"]].isin(["ours", "other"]).all(axis=1)]
-    return table[table["condition"] == table["condition"].iloc[0]]
+        return table[table["left"].isin(["ours", "other"]) & table["right"].isin(["ours", "other"])]
+    return table[table["condition"].isin(table["condition"].iloc[:1])]
 
 
 def same_side(table: pd.DataFrame) -> pd.DataFrame:

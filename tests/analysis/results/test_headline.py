@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.answers.table import AnswerTable
-from analysis.results.headline import agreed_so_far, headline_numbers
+from analysis.answers.table import LAYOUTS, AnswerTable
+from analysis.results.agreement import agreed_so_far
+from analysis.results.headline import headline_numbers
 from analysis.results.participants import LeftOut, leave_out, table_rules
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES
@@ -54,11 +54,11 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
         protocol, results
     )
     if protocol == "ranking":
-        [whole] = results.kendall_w.values()
+        [whole] = results.kendall_w.found.values()
         assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
         assert (agreed.n, agreed.participants, agreed.retest) == (72, 12, None)
         return
-    [whole], [again] = results.agreement.values(), results.test_retest.values()
+    [whole], [again] = results.agreement.found.values(), results.test_retest.found.values()
     assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
     assert agreed.retest is not None
     assert repr(agreed.retest) == repr(again)
@@ -100,4 +100,5 @@ def test_without_anybody_who_is_analysed_there_is_nothing(protocol: str, tmp_pat
     table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=2))
     nobody = replace(left_out, kept=left_out.kept.iloc[:0], analysed=left_out.analysed.iloc[:0])
 
-    assert agreed_so_far(table, nobody) == headline_numbers(table, nobody.analysed) == ()
+    assert agreed_so_far(table, nobody) == ()
+    assert headline_numbers(table, nobody.analysed) == ()

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis.results.agreement import retest_of
-from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import MismatchResults
 from tests.analysis.results.made_tables import mismatch_table, report_of
 
 
@@ -24,8 +24,8 @@ def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> No
     assert truth.clmm.estimate > static.clmm.estimate
     assert truth.decision.p_holm == pytest.approx(min(1, 2 * truth.decision.p_value))
     assert set(truth.share) == {"own", "other", "equal"}
-    bias = found.side_bias["fits"]
-    assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())  # type: ignore[union-attr]
+    bias = found.side_bias.of_set(None)["fits"]
+    assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())
 
 
 def test_practice_trials_meet_their_own_repeats() -> None:
@@ -40,9 +40,9 @@ def test_practice_trials_meet_their_own_repeats() -> None:
         ("p2", "practice", "s1", 0, 0),
         ("p2", "repeat", "s1", 1, 0),
     ]
-    answers = pd.DataFrame(rows, columns=["participant", "kind", "segment", "shown", "value"])
-    named = answers.astype({"participant": "category", "segment": "category"})
+    answers = pd.DataFrame(rows, columns=["participant", "kind", "segment", "condition", "value"])
+    named = answers.astype(dict.fromkeys(("participant", "segment", "condition"), "category"))
 
-    found = retest_of(named, answers["value"].to_numpy(), {"shown": np.array(answers["shown"])})
+    found = retest_of(named)
 
     assert (found.n, found.participants, found.equal_share) == (2, 1, 0.5)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.planning.part import THRESHOLDS
 from analysis.results.net_preference import SidedAnswers, expected, net_preference
 from analysis.stats.ordinal.mixed_model import RandomEffect, beginning_of
-from benchmarks.validity.studies import THRESHOLDS, Design, preferences
+from benchmarks.validity.studies import Design, preferences
 
 DESIGN = Design(participants=15, items=12, effect=0.4, participant_sd=0.6, item_sd=0.45)
 

@@ -9,9 +9,8 @@ import pandas as pd
 import pytest
 
 from analysis.results.pairwise import PairwiseResults
-from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.clustered_variance import ONE_SEGMENT
-from analysis.stats.holm import holm
+from analysis.stats.clustered_mean import ONE_SEGMENT, clustered_mean
+from analysis.stats.multiple_testing import holm
 from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from motion.errors import InputError
 from tests.analysis.results.made_tables import catch_rows, pairwise_table, report_of
@@ -93,7 +92,7 @@ def test_practice_is_dropped_and_its_repetition_analysed(tmp_path: Path) -> None
     assert found.comparisons[0].n == 4 * 5
     contrary = table["response"].where(table["kind"] != "practice", 6 - table["response"])
     assert results(tmp_path, table.assign(response=contrary)).comparisons == found.comparisons
-    assert found.test_retest["emotion"].n == 4 * 2  # type: ignore[union-attr]
+    assert found.test_retest.of_set(None)["emotion"].n == 4 * 2
 
 
 def test_who_is_left_out_is_counted_and_not_analysed(tmp_path: Path) -> None:
@@ -114,7 +113,7 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     first, second = found.comparisons
     assert (first.set, second.set) == ("one", "two")
     assert first.clmm == alone.comparisons[0].clmm
-    assert found.bradley_terry["one"]["emotion"] == alone.bradley_terry["emotion"]  # type: ignore[index]
+    assert found.bradley_terry.found["one", "emotion"] == alone.bradley_terry.found[None, "emotion"]
     assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
         holm([first.decision.p_value, second.decision.p_value])
     )
@@ -129,11 +128,11 @@ def test_equivalence_is_told_where_a_margin_was_stated(found: PairwiseResults) -
 
 
 def test_strengths_add_up_to_zero_and_follow_the_truth(found: PairwiseResults) -> None:
-    fitted = found.bradley_terry["rhythm"]
-    strengths = fitted.strengths  # type: ignore[union-attr]
+    fitted = found.bradley_terry.of_set(None)["rhythm"]
+    strengths = fitted.strengths
     assert sum(strengths.values()) == pytest.approx(0, abs=1e-9)
     assert strengths["ours"] > strengths["other"] > strengths["static"]
-    assert set(fitted.ranks) == set(strengths)  # type: ignore[union-attr]
+    assert set(fitted.ranks) == set(strengths)
 
 
 def test_with_few_segments_the_win_share_decides_and_it_says_why(tmp_path: Path) -> None:
@@ -217,12 +216,10 @@ def test_of_more_than_three_conditions_strengths_decide(five: pd.DataFrame, tmp_
     assert [one.p_holm for one in found.contrasts] == pytest.approx(
         holm([one.p_value for one in found.contrasts])
     )
-    fitted = found.bradley_terry["emotion"]
-    assert fitted.omnibus.p_value < 0.1  # type: ignore[union-attr]
+    fitted = found.bradley_terry.of_set(None)["emotion"]
+    assert fitted.omnibus.p_value < 0.1
     one = found.contrasts[0]
-    assert one.estimate == pytest.approx(
-        fitted.strengths[one.a] - fitted.strengths[one.b]  # type: ignore[union-attr]
-    )
+    assert one.estimate == pytest.approx(fitted.strengths[one.a] - fitted.strengths[one.b])
 
 
 def test_comparisons_with_one_condition_alone_decide_by_themselves(
@@ -267,10 +264,10 @@ def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(
     table.loc[table["left"] == "c", "response"] = 1
     table.loc[table["right"] == "c", "response"] = 5
     found = results(tmp_path, table)
-    fitted = found.bradley_terry["emotion"]
+    fitted = found.bradley_terry.of_set(None)["emotion"]
 
-    assert "c never lost" in fitted.remark  # type: ignore[union-attr]
-    assert fitted.ranks["c"].worst == 1  # type: ignore[union-attr]
+    assert "c never lost" in fitted.remark
+    assert fitted.ranks["c"].worst == 1
     for one in found.contrasts:
         swept = "c" in (one.a, one.b)
         assert one.by == ("sign" if swept else "wald")

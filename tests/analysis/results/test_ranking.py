@@ -26,13 +26,13 @@ def test_ranks_are_summarised_and_worths_follow_the_truth(tmp_path: Path) -> Non
         assert one.rank_percent[1] == pytest.approx(100 * one.first_share.estimate)
         assert sum(one.rank_percent.values()) == pytest.approx(100)
         assert one.mean_rank.low < one.mean_rank.estimate < one.mean_rank.high
-    fitted = found.plackett_luce["realism"]
-    worths = fitted.worths  # type: ignore[union-attr]
+    fitted = found.plackett_luce.of_set(None)["realism"]
+    worths = fitted.worths
     assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
     assert worths["truth"] > worths["ours"] > worths["static"]
-    agreed = found.kendall_w["realism"]
-    assert 0 < agreed.estimate <= 1  # type: ignore[union-attr]
-    assert len(agreed.segments) == 6  # type: ignore[union-attr]
+    agreed = found.kendall_w.of_set(None)["realism"]
+    assert 0 < agreed.estimate <= 1
+    assert len(agreed.segments) == 6
 
 
 def test_an_empty_rank_leaves_a_condition_out_of_its_ranking(tmp_path: Path) -> None:
@@ -66,9 +66,9 @@ def test_every_two_conditions_are_compared_after_friedman(tmp_path: Path) -> Non
 def test_the_segments_that_were_ranked_are_a_sample_too(tmp_path: Path) -> None:
     found = results(tmp_path, ranking_table(participants=15))
 
-    fitted = found.plackett_luce["realism"]
-    for name in fitted.worths:  # type: ignore[union-attr]
-        assert fitted.low[name] < fitted.worths[name] < fitted.high[name]  # type: ignore[union-attr]
-    assert "4.96 degrees of freedom" in fitted.method  # type: ignore[union-attr]
-    agreed = found.kendall_w["realism"]
-    assert agreed.low < agreed.estimate < agreed.high  # type: ignore[union-attr]
+    fitted = found.plackett_luce.of_set(None)["realism"]
+    for name in fitted.worths:
+        assert fitted.low[name] < fitted.worths[name] < fitted.high[name]
+    assert "4.96 degrees of freedom" in fitted.method
+    agreed = found.kendall_w.of_set(None)["realism"]
+    assert agreed.low < agreed.estimate < agreed.high

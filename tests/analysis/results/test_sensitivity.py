@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.columns import LAYOUTS
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
 from analysis.answers.reading import read_answers
+from analysis.answers.table import LAYOUTS
 from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.participants import leave_out
 from analysis.results.report import analyse_table
@@ -66,7 +68,7 @@ def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: P
     ],
 )
 def test_they_are_the_numbers_of_reports_with_and_without_the_rule(
-    tmp_path: Path, protocol: str, numbers
+    tmp_path: Path, protocol: str, numbers: Callable[[Any], list[float]]
 ) -> None:
     each = found(tmp_path, protocol, PLANNED)
     table = tmp_path / "answers.csv"

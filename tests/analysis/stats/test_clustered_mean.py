@@ -6,35 +6,39 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
-from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.clustered_variance import (
+from analysis.stats.clustered_mean import (
     INDEPENDENT,
     ONE_SEGMENT,
     ONE_WAY_PARTICIPANTS,
     ONE_WAY_SEGMENTS,
     TWO_WAY,
+    Estimate,
+    clustered_mean,
 )
 
 
-def means(rows):
+def means(rows: ArrayLike) -> Estimate:
     """Return the estimate for a table of participants (rows) by segments (columns)."""
     table = np.asarray(rows, float)
     people, items = np.indices(table.shape)
     return clustered_mean(table.ravel(), people.ravel(), items.ravel())
 
 
-def by_matrices(values, people, items):
+def by_matrices(
+    values: NDArray[np.float64], people: NDArray[np.intp], items: NDArray[np.intp]
+) -> tuple[float, float]:
     """CR2 and Bell & McCaffrey's degrees of freedom of an intercept, written out as matrices."""
     count = len(values)
     design = np.ones((count, 1))
     hat = design @ design.T / count
     annihilator = np.eye(count) - hat
 
-    def one_way(groups):
+    def one_way(groups: NDArray[np.intp]) -> tuple[float, float]:
         variance, columns = 0.0, []
         for group in np.unique(groups):
             own = np.flatnonzero(groups == group)
@@ -50,7 +54,7 @@ def by_matrices(values, people, items):
     return by_people[0] + by_items[0] - by_cell, min(by_people[1], by_items[1])
 
 
-def test_a_table_worked_by_hand():
+def test_a_table_worked_by_hand() -> None:
     # Residuals .25 .25 / -.75 .25: each of the three variances is .0625.
     found = means([[1, 1], [0, 1]])
     assert found.estimate == 0.75
@@ -60,7 +64,7 @@ def test_a_table_worked_by_hand():
     assert (found.low, found.high) == (0.0, 1.0)
 
 
-def test_an_unbalanced_sample_agrees_with_the_formula():
+def test_an_unbalanced_sample_agrees_with_the_formula() -> None:
     generator = np.random.default_rng(5)
     people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)
     values = (np.sign((people - 4) + (items - 3) + generator.normal(0, 3, 150)) + 1) / 2
@@ -75,7 +79,7 @@ def test_an_unbalanced_sample_agrees_with_the_formula():
     assert found.high == pytest.approx(found.estimate + margin)
 
 
-def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance():
+def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None:
     generator = np.random.default_rng(6)
     people, items = np.repeat(np.arange(12), 27), np.tile(np.arange(9), 36)
     values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 324)) + 1) / 2
@@ -84,7 +88,7 @@ def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance():
     assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
 
 
-def test_an_interval_is_cut_where_values_can_no_longer_lie():
+def test_an_interval_is_cut_where_values_can_no_longer_lie() -> None:
     people, items = np.repeat([0, 1, 2], 3), np.tile([0, 1, 2], 3)
     values = np.array([1, 1, 2, 1, 1, 1, 1, 2, 5])
     found = clustered_mean(values, people, items, null=3, limits=(1, 5))
@@ -102,7 +106,9 @@ def test_an_interval_is_cut_where_values_can_no_longer_lie():
         ([[1, 0], [0, 1]], INDEPENDENT, 1 / 12),
     ],
 )
-def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(rows, method, variance):
+def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(
+    rows: list[list[float]], method: str, variance: float
+) -> None:
     found = means(rows)
     assert found.method == method
     assert found.standard_error**2 == pytest.approx(variance)
@@ -116,7 +122,9 @@ def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(rows, me
         ([[0.5, 0.5], [0.5, 0.5]], "all answers alike"),
     ],
 )
-def test_a_design_too_small_gives_no_interval_but_a_reason(rows, reason):
+def test_a_design_too_small_gives_no_interval_but_a_reason(
+    rows: list[list[float]], reason: str
+) -> None:
     found = means(rows)
     assert found.reason == reason
     assert found.estimate == pytest.approx(np.mean(rows))
@@ -126,13 +134,15 @@ def test_a_design_too_small_gives_no_interval_but_a_reason(rows, reason):
     assert not found.method
 
 
-def test_of_one_segment_participants_alone_are_the_sample():
+def test_of_one_segment_participants_alone_are_the_sample() -> None:
     found = means([[1], [0], [1], [1]])
     assert found.method == ONE_SEGMENT
     assert found.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
 
 
-def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them():
+def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them() -> (
+    None
+):
     generator = np.random.default_rng(8)
     people = np.concatenate([np.zeros(300, int), generator.integers(1, 30, 210)])
     values = np.where(people == 0, generator.random(510) < 0.7, generator.random(510) < 0.5)
@@ -146,7 +156,7 @@ def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_ha
     )
 
 
-def test_a_very_busy_participant_no_longer_makes_false_findings():
+def test_a_very_busy_participant_no_longer_makes_false_findings() -> None:
     generator = np.random.default_rng(9)
     people = np.concatenate([np.zeros(300, int), np.arange(210) % 29 + 1])
     items, found = np.tile(np.arange(17), 30), 0
@@ -157,7 +167,7 @@ def test_a_very_busy_participant_no_longer_makes_false_findings():
     assert found / 300 < 0.065
 
 
-def test_no_answers_give_no_number_at_all():
+def test_no_answers_give_no_number_at_all() -> None:
     found = clustered_mean(np.zeros(0), np.zeros(0, str), np.zeros(0, str))
     assert found.reason == "no answers"
     assert math.isnan(found.estimate)
@@ -174,7 +184,7 @@ tables = st.integers(2, 6).flatmap(
 
 
 @given(tables)
-def test_turning_every_answer_round_mirrors_the_interval(rows):
+def test_turning_every_answer_round_mirrors_the_interval(rows: list[list[float]]) -> None:
     found, mirrored = means(rows), means(1 - np.asarray(rows))
     assert mirrored.estimate == pytest.approx(1 - found.estimate)
     assert mirrored.reason == found.reason
@@ -184,7 +194,7 @@ def test_turning_every_answer_round_mirrors_the_interval(rows):
 
 
 @given(tables)
-def test_an_interval_lies_in_the_unit_range_around_its_estimate(rows):
+def test_an_interval_lies_in_the_unit_range_around_its_estimate(rows: list[list[float]]) -> None:
     found = means(rows)
     if not found.reason:
         assert 0 <= found.low <= found.estimate <= found.high <= 1
@@ -192,7 +202,7 @@ def test_an_interval_lies_in_the_unit_range_around_its_estimate(rows):
         assert 0 <= found.p_value <= 1
 
 
-def test_names_and_order_of_clusters_do_not_matter():
+def test_names_and_order_of_clusters_do_not_matter() -> None:
     generator = np.random.default_rng(2)
     values = generator.choice([0, 0.5, 1], 60)
     people, items = np.repeat(np.arange(10), 6), np.tile(np.arange(6), 10)

@@ -14,7 +14,7 @@ from tests.analysis.reference import reference_ratings, with_reference
 
 
 @with_reference
-def test_it_agrees_with_r_on_participant_means():
+def test_it_agrees_with_r_on_participant_means() -> None:
     ratings, reference = reference_ratings()
     expected = reference["tost_ours_vs_GT_delta0.3"]
     means = ratings.groupby(["participant", "method"])["rating"].mean().unstack()
@@ -30,7 +30,7 @@ def test_it_agrees_with_r_on_participant_means():
     assert (found.verdict, found.n) == ("equivalent", 30)
 
 
-def test_it_agrees_with_another_implementation():
+def test_it_agrees_with_another_implementation() -> None:
     differences = np.random.default_rng(3).normal(0.1, 0.5, 40)
     expected = DescrStatsW(differences).ttost_mean(-0.3, 0.3)[0]
     assert equivalence_of_means(differences, 0.3).p_value == pytest.approx(expected)
@@ -45,12 +45,14 @@ def test_it_agrees_with_another_implementation():
         (0.2, 0.3, "undecided"),
     ],
 )
-def test_it_tells_four_cases_apart(estimate, error, verdict):
+def test_it_tells_four_cases_apart(estimate: float, error: float, verdict: str) -> None:
     assert equivalence(estimate, error, 0.5).verdict == verdict
 
 
 @given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
-def test_it_is_equivalent_where_the_interval_lies_within_the_margins(estimate, error, margin, df):
+def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
+    estimate: float, error: float, margin: float, df: float
+) -> None:
     found = equivalence(estimate, error, margin, df=df)
     within = -margin < found.low and found.high < margin
     if abs(found.p_value - 0.05) > 1e-9:
@@ -58,7 +60,7 @@ def test_it_is_equivalent_where_the_interval_lies_within_the_margins(estimate, e
 
 
 @pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
-def test_a_margin_that_is_not_above_zero_is_refused(margin):
+def test_a_margin_that_is_not_above_zero_is_refused(margin: float) -> None:
     with pytest.raises(InputError, match="the margin of equivalence is"):
         equivalence(0.0, 0.1, margin)
 
@@ -72,13 +74,15 @@ def test_a_margin_that_is_not_above_zero_is_refused(margin):
         (0.1, 0.1, 0, "the error has no degrees of freedom"),
     ],
 )
-def test_no_test_comes_with_its_reason(estimate, error, df, reason):
+def test_no_test_comes_with_its_reason(
+    estimate: float, error: float, df: float, reason: str
+) -> None:
     found = equivalence(estimate, error, 0.3, df=df)
     assert (found.reason, found.verdict) == (reason, "unknown")
     assert math.isnan(found.p_value)
 
 
-def test_too_few_or_equal_participants_come_with_their_reason():
+def test_too_few_or_equal_participants_come_with_their_reason() -> None:
     assert equivalence_of_means(np.array([0.1]), 0.3).reason == "fewer than two participants"
     assert equivalence_of_means(np.zeros(0), 0.3).reason == "fewer than two participants"
     alike = equivalence_of_means(np.array([0.1, 0.3 - 0.2, 0.1]), 0.3)

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 
-from analysis.stats.intraclass import COMPLETE, INCOMPLETE, intraclass_correlation
+from analysis.stats.intraclass import COMPLETE, INCOMPLETE, Intraclass, intraclass_correlation
 from motion.errors import InputError
 
 SHROUT_AND_FLEISS = [
@@ -19,15 +20,22 @@ SHROUT_AND_FLEISS = [
 """Six items, four judges: the example of Shrout & Fleiss (1979)."""
 
 
-def of(table):
+def of(table: ArrayLike) -> Intraclass:
     """Return the result for a table of items (rows) by raters; NaN is missing."""
-    table = np.asarray(table, float)
-    items, raters = np.indices(table.shape)
-    there = ~np.isnan(table)
-    return intraclass_correlation(table[there], raters[there], items[there])
+    values = np.asarray(table, np.float64)
+    there = ~np.isnan(values)
+    items, raters = np.nonzero(there)
+    return intraclass_correlation(values[there], raters, items)
 
 
-def drawn(generator, items=20, raters=15, item_sd=0.6, rater_sd=0.6, missing=0.0):
+def drawn(
+    generator: np.random.Generator,
+    items: int = 20,
+    raters: int = 15,
+    item_sd: float = 0.6,
+    rater_sd: float = 0.6,
+    missing: float = 0.0,
+) -> NDArray[np.float64]:
     table = (
         generator.normal(0, item_sd, (items, 1))
         + generator.normal(0, rater_sd, (1, raters))
@@ -36,7 +44,7 @@ def drawn(generator, items=20, raters=15, item_sd=0.6, rater_sd=0.6, missing=0.0
     return np.where(generator.random(table.shape) < missing, np.nan, table)
 
 
-def test_it_is_what_shrout_and_fleiss_published():
+def test_it_is_what_shrout_and_fleiss_published() -> None:
     found = of(SHROUT_AND_FLEISS)
     assert round(found.single.estimate, 2) == 0.29
     assert round(found.average.estimate, 2) == 0.62
@@ -45,7 +53,7 @@ def test_it_is_what_shrout_and_fleiss_published():
     assert found.method == COMPLETE
 
 
-def test_missing_answers_are_named_and_bias_nothing():
+def test_missing_answers_are_named_and_bias_nothing() -> None:
     generator = np.random.default_rng(1)
     found = [of(drawn(generator, missing=0.4)) for _ in range(200)]
     assert all(f.method == INCOMPLETE for f in found)
@@ -54,14 +62,14 @@ def test_missing_answers_are_named_and_bias_nothing():
     assert np.mean([f.residual_variance for f in found]) == pytest.approx(1, abs=0.03)
 
 
-def test_intervals_of_incomplete_tables_hold():
+def test_intervals_of_incomplete_tables_hold() -> None:
     generator = np.random.default_rng(2)
     truth = 0.36 / 1.72
     found = [of(drawn(generator, missing=0.5)).single for _ in range(200)]
     assert np.mean([f.low <= truth <= f.high for f in found]) > 0.92
 
 
-def test_a_single_missing_answer_hardly_matters():
+def test_a_single_missing_answer_hardly_matters() -> None:
     table = np.array(SHROUT_AND_FLEISS, float)
     table[2, 1] = np.nan
     assert of(table).single.estimate == pytest.approx(
@@ -69,24 +77,24 @@ def test_a_single_missing_answer_hardly_matters():
     )
 
 
-def test_judges_who_use_the_scale_differently_disagree():
+def test_judges_who_use_the_scale_differently_disagree() -> None:
     shifted = np.array(SHROUT_AND_FLEISS) + np.array([0, 5, 0, 5])
     assert of(shifted).single.estimate < of(SHROUT_AND_FLEISS).single.estimate
 
 
-def test_perfect_agreement_is_one():
+def test_perfect_agreement_is_one() -> None:
     found = of([[1, 1, 1], [2, 2, 2], [5, 5, 5]])
     assert (found.single.estimate, found.single.low, found.single.high) == (1, 1, 1)
     assert found.average.estimate == 1
 
 
-def test_items_alike_give_a_number_below_zero_and_no_error():
+def test_items_alike_give_a_number_below_zero_and_no_error() -> None:
     found = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
     assert found.single.estimate < 0
     assert found.average.low == -1
 
 
-def test_judges_who_differ_by_a_constant_only_give_no_error():
+def test_judges_who_differ_by_a_constant_only_give_no_error() -> None:
     found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
     assert found.residual_variance == 0
     assert found.single.low <= found.single.estimate <= found.single.high
@@ -105,12 +113,12 @@ def test_judges_who_differ_by_a_constant_only_give_no_error():
         ),
     ],
 )
-def test_no_correlation_comes_with_its_reason(table, reason):
+def test_no_correlation_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
     found = of(table)
     assert found.reason == reason
     assert math.isnan(found.single.estimate)
 
 
-def test_two_answers_of_one_participant_about_an_item_are_refused():
+def test_two_answers_of_one_participant_about_an_item_are_refused() -> None:
     with pytest.raises(InputError, match="answered twice"):
         intraclass_correlation(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -8,7 +9,7 @@ import pytest
 from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
-from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.ratings import (
     cliffs_delta,
     mean_difference,
@@ -84,11 +85,8 @@ def test_without_pairs_it_is_the_difference_of_two_means() -> None:
 def test_ratings_given_twice_count_as_their_mean() -> None:
     values, which, who, what = made()
     once = mean_difference(rated_cells(values, which, who, what, count=3), 0, 2)
-    twice = mean_difference(
-        rated_cells(*(np.tile(part, 2) for part in (values, which, who, what)), count=3),  # type: ignore[misc]
-        0,
-        2,
-    )
+    doubled = (np.tile(part, 2) for part in (values, which, who, what))
+    twice = mean_difference(rated_cells(*doubled, count=3), 0, 2)
     assert twice == once
 
 
@@ -104,8 +102,8 @@ def test_ratings_given_twice_count_as_their_mean() -> None:
 def test_where_there_is_no_interval_it_says_why(
     values: list[int], which: list[int], who: list[int], what: list[int], reason: str
 ) -> None:
-    arrays = [np.array(part, dtype) for part, dtype in ((values, float), (which, int))]
-    cells = rated_cells(*arrays, np.array(who, int), np.array(what, int), count=2)  # type: ignore[call-arg,arg-type]
+    conditions, people, segments = (np.array(part, int) for part in (which, who, what))
+    cells = rated_cells(np.array(values, float), conditions, people, segments, count=2)
 
     found = mean_difference(cells, 0, 1)
 
@@ -113,7 +111,7 @@ def test_where_there_is_no_interval_it_says_why(
     assert math.isnan(found.p_value)
 
 
-def of(ratings, first, second):
+def of(ratings: pd.DataFrame, first: str, second: str) -> Estimate:
     both = ratings[ratings["condition"].isin([first, second])]
     return cliffs_delta(
         both["value"].to_numpy(),
@@ -124,14 +122,14 @@ def of(ratings, first, second):
 
 
 @with_reference
-def test_it_agrees_with_the_reference():
+def test_it_agrees_with_the_reference() -> None:
     ratings, reference = reference_ratings()
     tidy = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "value"})
     for pair, expected in reference["cliffs_delta_pooled"].items():
         assert of(tidy, *pair.split("_vs_")).estimate == pytest.approx(expected, abs=1e-12)
 
 
-def test_it_is_the_mean_of_all_pairs():
+def test_it_is_the_mean_of_all_pairs() -> None:
     ratings = made_ratings(participants=5, segments=4)
     ours, other = (
         ratings.loc[ratings["condition"] == name, "value"].to_numpy() for name in ("ours", "other")
@@ -140,7 +138,7 @@ def test_it_is_the_mean_of_all_pairs():
     assert of(ratings, "ours", "other").estimate == pytest.approx(expected)
 
 
-def test_turning_the_pair_round_mirrors_the_interval():
+def test_turning_the_pair_round_mirrors_the_interval() -> None:
     found = of(made_ratings(), "ours", "static")
     turned = of(made_ratings(), "static", "ours")
     assert turned.estimate == pytest.approx(-found.estimate)
@@ -148,7 +146,7 @@ def test_turning_the_pair_round_mirrors_the_interval():
     assert found.low < found.estimate < found.high
 
 
-def test_the_interval_holds_where_participants_and_segments_differ():
+def test_the_interval_holds_where_participants_and_segments_differ() -> None:
     estimates = [of(made_ratings(effects=(0, 0, 0), seed=k), "ours", "other") for k in range(60)]
     assert np.mean([d.low <= 0 <= d.high for d in estimates]) > 0.92
 
@@ -162,14 +160,16 @@ def test_the_interval_holds_where_participants_and_segments_differ():
         ([3, 3, 3, 3], [True, True, False, False], [0, 1, 0, 1], "all ratings alike"),
     ],
 )
-def test_no_interval_comes_with_its_reason(values, first, people, reason):
+def test_no_interval_comes_with_its_reason(
+    values: list[int], first: list[bool], people: list[int], reason: str
+) -> None:
     segments = np.arange(len(values))
     found = cliffs_delta(np.array(values), np.array(first), np.array(people), segments)
     assert found.reason == reason
     assert math.isnan(found.low)
 
 
-def test_ratings_that_do_not_overlap_still_have_an_estimate():
+def test_ratings_that_do_not_overlap_still_have_an_estimate() -> None:
     found = cliffs_delta(
         np.array([4, 5, 1, 2]), np.array([True, True, False, False]), np.arange(4), np.arange(4)
     )
@@ -177,7 +177,7 @@ def test_ratings_that_do_not_overlap_still_have_an_estimate():
 
 
 @with_reference
-def test_the_table_agrees_with_the_reference():
+def test_the_table_agrees_with_the_reference() -> None:
     ratings, reference = reference_ratings()
     expected = reference["table2"]
     tidy = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "value"})
@@ -192,7 +192,7 @@ def test_the_table_agrees_with_the_reference():
         assert at_least == pytest.approx(row["cumulative_lower_bound_pct"], abs=1e-9)
 
 
-def test_a_mean_has_the_two_way_interval_within_the_scale():
+def test_a_mean_has_the_two_way_interval_within_the_scale() -> None:
     ratings = made_ratings()
     found = rating_table(ratings, CONDITIONS, SCORES)[0]
     own = ratings[ratings["condition"] == "ours"]
@@ -207,7 +207,7 @@ def test_a_mean_has_the_two_way_interval_within_the_scale():
     assert math.isnan(found.p_value)
 
 
-def test_a_score_that_nobody_gave_is_counted_as_zero():
+def test_a_score_that_nobody_gave_is_counted_as_zero() -> None:
     [found] = rating_table(made_ratings().query("value in [2, 4]"), ["ours"], SCORES)
     assert list(found.counts) == [1, 2, 3, 4, 5]
     assert found.counts[3] == 0
@@ -215,14 +215,14 @@ def test_a_score_that_nobody_gave_is_counted_as_zero():
     assert found.at_least[3] == found.at_least[4]
 
 
-def test_a_condition_without_ratings_says_so():
+def test_a_condition_without_ratings_says_so() -> None:
     [found] = rating_table(made_ratings(), ["absent"], SCORES)
     assert (found.n, found.reason) == (0, "no answers")
     assert math.isnan(found.sd)
     assert math.isnan(found.at_least[1])
 
 
-def test_a_score_off_the_scale_is_refused():
+def test_a_score_off_the_scale_is_refused() -> None:
     ratings = pd.DataFrame(
         {"participant": ["a"], "segment": ["x"], "condition": ["ours"], "value": [6]}
     )
@@ -231,7 +231,11 @@ def test_a_score_off_the_scale_is_refused():
 
 
 def made_ratings(
-    *, participants: int = 20, segments: int = 8, effects=(0.0, -0.5, -1.2), seed: int = 1
+    *,
+    participants: int = 20,
+    segments: int = 8,
+    effects: Sequence[float] = (0.0, -0.5, -1.2),
+    seed: int = 1,
 ) -> pd.DataFrame:
     """Return ratings 1 to 5 of every condition by every participant in every segment."""
     generator = np.random.default_rng(seed)

@@ -17,7 +17,9 @@ def test_the_benchmark_measures_every_clip_twice_and_prints_numbers(
     assert found["kept_clips_per_s"] > 0
 
 
-def test_the_benchmark_prints_a_number_behind_every_name(monkeypatch, capsys):
+def test_the_benchmark_prints_a_number_behind_every_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(frechet_distance, "SHAPES", ((6, 8), (30, 4)))
     frechet_distance.main()
     lines = [line.split(": ") for line in capsys.readouterr().out.splitlines()]

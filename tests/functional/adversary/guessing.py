@@ -39,7 +39,7 @@ LEAST: Final = 0.01
 
 
 @dataclass(frozen=True)
-class Sitting:
+class Received:
     """One study session to learn from, or to guess.
 
     Attributes
@@ -87,21 +87,21 @@ def guessers() -> list[Any]:
     ]
 
 
-def guesses(sittings: Sequence[Sitting]) -> list[Guess]:
-    """Learn from each half of `sittings` and guess the other.
+def guesses(sessions: Sequence[Received]) -> list[Guess]:
+    """Learn from each half of `sessions` and guess the other.
 
     All of them must have equally many items.
     """
     names = DictVectorizer(sparse=False)
-    rows = names.fit_transform(_unlike([row for sitting in sittings for row in sitting.rows]))
-    facts = rows.reshape(len(sittings), -1, rows.shape[1])
-    halves = np.arange(0, len(sittings), 2), np.arange(1, len(sittings), 2)
+    rows = names.fit_transform(_unlike([row for session in sessions for row in session.rows]))
+    facts = rows.reshape(len(sessions), -1, rows.shape[1])
+    halves = np.arange(0, len(sessions), 2), np.arange(1, len(sessions), 2)
     return [
         _guess_half(
             facts[learnt],
-            [sittings[index] for index in learnt],
+            [sessions[int(index)] for index in learnt],
             facts[asked],
-            [sittings[index] for index in asked],
+            [sessions[int(index)] for index in asked],
             names.feature_names_,
         )
         for learnt, asked in (halves, halves[::-1])
@@ -118,12 +118,12 @@ def _unlike(rows: Sequence[Facts]) -> list[Facts]:
 
 def _guess_half(
     facts: NDArray[np.float64],
-    learnt: Sequence[Sitting],
+    learnt: Sequence[Received],
     facts_asked: NDArray[np.float64],
-    asked: Sequence[Sitting],
+    asked: Sequence[Received],
     names: Sequence[str],
 ) -> Guess:
-    truths = np.array([truth for sitting in learnt for truth in sitting.truth])
+    truths = np.array([truth for session in learnt for truth in session.truth])
     # What all study sessions have alike at one place says nothing of any of them.
     usual = facts.mean(axis=0)
     known = (facts - usual).reshape(len(truths), -1)
@@ -133,7 +133,7 @@ def _guess_half(
     chances = np.mean([guesser.predict_proba(given) for guesser in fitted], axis=0)
     kinds = fitted[0].classes_
     guessed = kinds[chances.argmax(axis=1)]
-    right = guessed == [truth for sitting in asked for truth in sitting.truth]
+    right = guessed == [truth for session in asked for truth in session.truth]
     logs = np.log(np.maximum(chances, LEAST)).reshape(len(asked), -1, len(kinds))
     return Guess(
         p=_p(list(logs), asked, {truth: column for column, truth in enumerate(kinds)}),
@@ -160,13 +160,13 @@ def _telling(known: NDArray[np.float64], truths: NDArray[Any]) -> NDArray[np.int
 
 
 def _p(
-    logs: Sequence[NDArray[np.float64]], asked: Sequence[Sitting], classes: dict[str, int]
+    logs: Sequence[NDArray[np.float64]], asked: Sequence[Received], classes: dict[str, int]
 ) -> float:
     """Return how probable it is that exchanged truths fit the guesses as well as the real ones."""
     chance = np.random.default_rng(0)
     alike: defaultdict[Hashable, list[int]] = defaultdict(list)
-    for index, sitting in enumerate(asked):
-        alike[sitting.shape].append(index)
+    for index, session in enumerate(asked):
+        alike[session.shape].append(index)
     real, exchanged = 0.0, np.zeros(EXCHANGES)
     for group in alike.values():
         fits = np.array([[_fit(logs[i], asked[j].truth, classes) for j in group] for i in group])

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from motion.files import digest
 from motion.segment import Segment
-from studyapp.stimuli.digest import digest
 from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.design.stimulus import Content
+from studyapp.study.design.trial import Content
 from studyapp.study.finished_videos import finished_video
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import ClipVideo, PairVideo, Stimuli, write_stimuli
+from studyapp.study.media import ClipVideo, PairVideo, Stimuli, write_stimuli
 from tests.functional.adversary import unlike_videos as videos
 
 QUESTION: Final = """

@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio, read_audio, write_wav
-from motion.segment import Segment
-from motion.segments_table import write_segments
+from motion.segment import Segment, write_segments
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.look import BACKGROUND, Look
+from renderer.loudness import at_common_loudness
 from renderer.pair import write_pair
-from renderer.video.dub import write_dubbed
-from renderer.video.encoder import SOUND_RATE, VideoWriter, video_frame
-from renderer.video.loudness import at_common_loudness
+from renderer.stream_copy import write_dubbed
 
 SIZE: Final = 64
 FRAME_RATE: Final = 10

@@ -12,8 +12,8 @@ from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
-    write_motion_networks,
-    write_speech_network,
+    write_motion,
+    write_speech,
 )
 from generators.amuse.settings import AmuseSettings
 from generators.amuse.speech import SpeechModel
@@ -46,13 +46,13 @@ def written_networks(folder: Path) -> AmuseSettings:
     model = SpeechModel(SPEECH)
     for encoder in (model.content, model.emotion, model.style):
         # Untrained latents hardly differ from speech to speech; these do.
-        torch.nn.init.normal_(encoder.feature_head[1].weight)
+        torch.nn.init.normal_(encoder.get_parameter("feature_head.1.weight"))
     latents = {
         "emotion": {"happiness": torch.randn(8), "fear": torch.randn(8)},
         "style": {"anna": torch.randn(8)},
     }
-    write_motion_networks(folder / "motion.safetensors", motion)
-    write_speech_network(folder / "speech.safetensors", SpeechNetwork(model=model, latents=latents))
+    write_motion(folder / "motion.safetensors", motion)
+    write_speech(folder / "speech.safetensors", SpeechNetwork(model=model, latents=latents))
     return AmuseSettings(
         checkpoint=folder / "motion.safetensors", speech_model=folder / "speech.safetensors"
     )

@@ -15,9 +15,9 @@ from generators.amuse.model import MotionModel
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
-    load_motion_networks,
-    write_motion_networks,
-    write_speech_network,
+    load_motion,
+    write_motion,
+    write_speech,
 )
 from generators.amuse.settings import AmuseSettings
 from generators.amuse.speech import SpeechAutoencoder
@@ -210,9 +210,9 @@ def test_a_file_of_other_networks_is_no_speech_model(
 def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
     settings: AmuseSettings, tmp_path: Path
 ) -> None:
-    networks = load_motion_networks(settings.checkpoint)
+    networks = load_motion(settings.checkpoint)
     learned = replace(networks, training={"speech_model": "0" * 64})
-    write_motion_networks(tmp_path / "motion.safetensors", learned)
+    write_motion(tmp_path / "motion.safetensors", learned)
     changed = settings.model_copy(update={"checkpoint": tmp_path / "motion.safetensors"})
     with pytest.raises(InputError, match="trained with another speech model"):
         _clip(changed, _speech(3.0))
@@ -230,7 +230,7 @@ def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_pat
 def test_without_a_prior_the_denoiser_tells_the_frames_themselves(tmp_path: Path) -> None:
     settings = written_networks(tmp_path)
     model = MotionModel(replace(MOTION, frames=60, prior=False))
-    write_motion_networks(settings.checkpoint, MotionNetworks(model=model))
+    write_motion(settings.checkpoint, MotionNetworks(model=model))
     clips = [_clip(settings, _speech(2.0, hertz)) for hertz in (200, 200, 2000)]
     assert len(clips[0]) == 60
     assert (clips[0].poses == clips[1].poses).all()
@@ -243,8 +243,8 @@ def _whole(tmp_path: Path) -> AmuseSettings:
     settings = written_networks(tmp_path)
     speech = SpeechAutoencoder(replace(SPEECH, mfcc=4))
     motion = MotionModel(replace(MOTION, conditions=1, prior=False, frames=60))
-    write_speech_network(settings.speech_model, SpeechNetwork(model=speech))
-    write_motion_networks(settings.checkpoint, MotionNetworks(model=motion))
+    write_speech(settings.speech_model, SpeechNetwork(model=speech))
+    write_motion(settings.checkpoint, MotionNetworks(model=motion))
     return settings
 
 

@@ -66,12 +66,14 @@ def test_each_latent_of_a_batch_has_its_own_step() -> None:
     torch.testing.assert_close(together[1:], alone)
 
 
-def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it() -> None:
+def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     torch.manual_seed(4)
     denoiser = Denoiser(replace(SMALL, predicts="v")).eval()
     z0, eps = torch.randn(2, 3, 1, SMALL.width)
     t = torch.tensor([10, 500, 990])
-    denoiser.predict = lambda *_: SCALED_LINEAR.v(z0, eps, t)  # type: ignore[method-assign]
+    monkeypatch.setattr(denoiser, "predict", lambda *_: SCALED_LINEAR.v(z0, eps, t))
     found = denoiser(SCALED_LINEAR.x_t(z0, eps, t), t)
     assert torch.allclose(found, eps, atol=1e-5)
 

@@ -17,13 +17,14 @@ from scipy.ndimage import gaussian_filter1d
 from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS
-from generators.amuse.losses import LossWeights
-from generators.amuse.network_file import load_motion_networks, load_speech_network
+from generators.amuse.losses import MOTION_LOSSES
+from generators.amuse.network_file import load_motion, load_speech
 from generators.amuse.train import MotionTask, speech_latents, train_amuse
-from generators.trainable import TrainedGenerator, TrainingRequest, unseen
+from generators.registry import TrainedGenerator, TrainingRequest, unseen
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
+from tests.generators.one_device import require_one_device
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
@@ -75,7 +76,7 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         align_steps=5,
     )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
+    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
 
     def train(
         steps: int,
@@ -104,7 +105,7 @@ def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
     for steps in (1, 40):
         out = tmp_path / f"{steps}.safetensors"
         said = learn(steps, out)
-        found[steps] = load_motion_networks(out).training["held_out"]
+        found[steps] = load_motion(out).training["held_out"]
     for loss in ("rec", "ld", "align"):
         assert found[40][loss] < 0.9 * found[1][loss]
     assert "30 windows of 0.4 s" in said.sentences[0]
@@ -122,7 +123,7 @@ def test_the_denoiser_learns_on_alone_after_both_or_after_the_prior(
         *[(True, ablation is None)] * 4,
         *[(False, True)] * 4,
     ]
-    assert load_motion_networks(out).training["ablation"] == ablation
+    assert load_motion(out).training["ablation"] == ablation
 
 
 @pytest.mark.parametrize(
@@ -139,11 +140,17 @@ def test_an_ablation_learns_without_alignment_and_is_measured_by_all_losses(
     said = learn(2, out, ablation=ablation)
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert "align" not in json.loads(log[0])
-    found = load_motion_networks(out)
+    found = load_motion(out)
     assert set(found.training["held_out"]) == measured
     alone = ablation == "without_prior"
     assert found.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
     assert ("reconstruction" in said.sentences[1]) != alone
+
+
+def test_it_is_computed_where_its_device_is(
+    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    require_one_device(monkeypatch, lambda: learn(8, tmp_path / "out.safetensors"))
 
 
 def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
@@ -174,7 +181,7 @@ def test_emotion_and_style_are_told_by_name_as_often_as_is_wanted(
     windows = Windows(takes, split="train", frames=FRAMES, stride=FRAMES)
     task = MotionTask(
         config=replace(MOTION, frames=FRAMES),
-        weights=LossWeights(),
+        weights=MOTION_LOSSES,
         align_steps=5,
         named=named,
         means={"emotion": {"": torch.full((8,), 99.0)}, "style": {"another": torch.zeros(8)}},
@@ -202,7 +209,7 @@ def test_training_without_a_speech_model_is_refused(learn: Learn, tmp_path: Path
 def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path) -> None:
     settings = written_networks(tmp_path)
 
-    network = load_speech_network(settings.speech_model)
+    network = load_speech(settings.speech_model)
     times = np.arange(3 * 16_000) / 16_000
     samples = np.where(times < 2, np.sin(900 * times), np.sin(6000 * times)).astype(np.float32)
     write_wav(tmp_path / "a.wav", Audio(samples, 16_000))

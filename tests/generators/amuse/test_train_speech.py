@@ -11,16 +11,16 @@ import pytest
 import torch
 
 from generators.amuse.config import SPEECH_PRESETS
-from generators.amuse.network_file import load_speech_network
+from generators.amuse.network_file import load_speech
 from generators.amuse.speech import SpeechEncoder, SpeechModel
-from generators.amuse.train_speech import macro_f1, train_amuse_speech
-from generators.trainable import TrainedGenerator, TrainingRequest
+from generators.amuse.train_speech import train_amuse_speech
+from generators.registry import TrainedGenerator, TrainingRequest
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
-from training.corpus.description import claim
-from training.corpus.request import CorpusRequest
+from tests.generators.one_device import require_one_device
+from training.corpus.request import CorpusRequest, claim
 from training.data.take import Take, TakeFolder
 from training.features import speech_filterbank
 
@@ -34,7 +34,7 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
         SPEECH_PRESETS["tiny"], network=replace(SMALL, frames=100, patch_stride=16), seconds=1
     )
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
-    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: prepared)
+    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: prepared)
 
     def train(
         steps: int, out: Path, folder: Path = tmp_path, rate: float = 3e-3, **choices: str
@@ -58,7 +58,7 @@ def test_it_learns_to_tell_emotions_and_speakers_of_texts_it_never_heard(
 ) -> None:
     out = tmp_path / "speech.safetensors"
     said = learn(60, out)
-    network = load_speech_network(out)
+    network = load_speech(out)
     found = network.training["held_out"]
     assert found["emotion accuracy"] == found["emotion F1"] == 1
     assert found["style accuracy"] == found["style F1"] == 1
@@ -72,7 +72,7 @@ def test_it_learns_to_tell_emotions_and_speakers_of_texts_it_never_heard(
 
 def _hold_out_two_texts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "generators.teaching.prepare", lambda *given, **options: toy_speech(held_out=2)
+        "generators.learned.prepare", lambda *given, **options: toy_speech(held_out=2)
     )
 
 
@@ -81,7 +81,7 @@ def test_held_out_speech_is_rebuilt_from_latents_of_two_recordings(
 ) -> None:
     _hold_out_two_texts(monkeypatch)
     said = learn(40, tmp_path / "out.safetensors")
-    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    found = load_speech(tmp_path / "out.safetensors").training["held_out"]
     # Emotion and style are the same in both recordings of a pair, so swapping them costs little.
     for name in ("xcon", "xemo", "xsty"):
         assert found[name] == pytest.approx(found["self of fours"], rel=0.3)
@@ -102,7 +102,7 @@ def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
 ) -> None:
     _hold_out_two_texts(monkeypatch)
     said = learn(1, tmp_path / "out.safetensors", ablation=ablation)
-    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    found = load_speech(tmp_path / "out.safetensors").training["held_out"]
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert f'"{told}"' in log[0]
     assert f'"{left_out}"' not in log[0]
@@ -115,7 +115,7 @@ def test_held_out_texts_of_one_speaker_leave_cross_reconstruction_out(
     learn: Learn, tmp_path: Path
 ) -> None:
     said = learn(1, tmp_path / "out.safetensors")
-    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    found = load_speech(tmp_path / "out.safetensors").training["held_out"]
     assert found.keys().isdisjoint({"xcon", "xemo", "xsty", "self of fours"})
     assert "no two speakers speak two held-out texts in one emotion" in said.sentences[1]
 
@@ -126,12 +126,20 @@ def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_pat
     out = tmp_path / "out.safetensors"
     # A rate of next to nothing leaves them as they were.
     learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
-    learned = load_speech_network(out)
+    learned = load_speech(out)
     assert isinstance(learned.model, SpeechModel)
     for encoder in (learned.model.content, learned.model.emotion, learned.model.style):
         for name, value in network.state_dict().items():
             torch.testing.assert_close(encoder.transformer.state_dict()[name], value)
     assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
+
+
+@pytest.mark.parametrize("ablation", [None, "mfcc"])
+def test_it_is_computed_where_its_device_is(
+    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ablation: str | None
+) -> None:
+    choices = {} if ablation is None else {"ablation": ablation}
+    require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors", **choices))
 
 
 def test_an_autoencoder_takes_no_weights_of_encoders(learn: Learn, tmp_path: Path) -> None:
@@ -143,7 +151,7 @@ def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path
     out, missed = tmp_path / "out.safetensors", []
     for steps in (1, 20):
         said = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
-        missed.append(load_speech_network(out.with_stem(str(steps))).training["held_out"]["loss"])
+        missed.append(load_speech(out.with_stem(str(steps))).training["held_out"]["loss"])
     assert missed[1] < 0.9 * missed[0]
     assert "misses the coefficients of 8 held-out windows" in said.sentences[1]
 
@@ -157,7 +165,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
         for take in prepared.takes
     )
     monkeypatch.setattr(
-        "generators.teaching.prepare",
+        "generators.learned.prepare",
         lambda *given, **options: replace(prepared, takes=strangers),
     )
     with pytest.raises(InputError, match="no recording for validation is by a speaker"):
@@ -185,8 +193,3 @@ def test_a_takes_filterbank_has_a_row_each_ten_milliseconds(tmp_path: Path) -> N
         speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
     )  # fmt: skip
     assert speech_filterbank(128).compute(take).shape == (200, 128)
-
-
-def test_the_macro_f1_weighs_rare_classes_like_common_ones() -> None:
-    told, true = np.array([0, 0, 0, 0]), np.array([0, 0, 0, 1])
-    assert macro_f1(told, true) == pytest.approx((6 / 7 + 0) / 2)

@@ -8,14 +8,21 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from generators.diffsheg.config import CONFIGS, DenoiserConfig
+from generators.diffsheg.config import PRESETS, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
 from training.spaces.normalisation import Normalisation
 
 
 def small(dataset: str) -> DenoiserConfig:
-    return replace(CONFIGS[dataset], width=16, feed_forward=16, heads=2, layers=1, speech_width=8)
+    return replace(
+        PRESETS[dataset][dataset].network,
+        width=16,
+        feed_forward=16,
+        heads=2,
+        layers=1,
+        speech_width=8,
+    )
 
 
 def small_network(dataset: str = "beat", speakers_differ: float = 1.0) -> MotionNetwork:

@@ -21,7 +21,7 @@ from tests.generators.diffsheg.small_network import small, small_network, writte
 from training.hearing.hubert import stand_in
 from training.hearing.speech_frames import HearingWindow
 from training.spaces.beat import beat_clip
-from training.spaces.show import show_clip
+from training.spaces.smplx_bodies import show_clip
 from training.speakers import Speakers
 
 Speak = Callable[..., SpeechSegment]

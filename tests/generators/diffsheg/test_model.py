@@ -9,13 +9,14 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.diffsheg.config import BEAT, FLOWS, TINY, DenoiserConfig, Flow
-from generators.diffsheg.model import Denoiser, Fusion
+from generators.diffsheg.config import BEAT, FLOWS, PRESETS, DenoiserConfig, Flow
+from generators.diffsheg.layers import Fusion
+from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from training.diffusion import LINEAR
 
 SMALL = replace(
-    TINY,
+    PRESETS["tiny"]["beat"].network,
     gesture_width=6,
     expression_width=4,
     speakers=3,
@@ -183,9 +184,9 @@ def test_a_guided_network_forgets_its_conditions_in_some_windows_while_it_learns
     denoiser = shaken(config).train()
     torch.manual_seed(0)
     denoiser(*asked(config, batch=40)).square().sum().backward()
-    branch = denoiser.branches["gesture"]
-    assert branch.unconditioned.grad is not None
-    assert branch.unconditioned.grad.any()
+    unconditioned = denoiser.get_parameter("branches.gesture.unconditioned")
+    assert unconditioned.grad is not None
+    assert unconditioned.grad.any()
 
 
 def test_guidance_of_one_is_no_guidance() -> None:
@@ -209,7 +210,7 @@ def test_guidance_of_one_is_no_guidance() -> None:
 )
 def test_a_network_that_cannot_be_built_is_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        replace(SMALL, **wrong)  # type: ignore[arg-type]
+        replace(SMALL, **wrong)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_the_released_size_has_the_papers_weights() -> None:

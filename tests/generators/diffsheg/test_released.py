@@ -13,7 +13,7 @@ from safetensors.torch import save_file
 from torch import Tensor
 
 from generators.diffsheg import load_released
-from generators.diffsheg.released import read_weights
+from generators.diffsheg.network_file import read_weights
 from motion.errors import InputError
 from tests.generators.reference_weights import REFERENCE, reference_weights
 
@@ -65,7 +65,7 @@ def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: P
 
 
 class _Trap:
-    def __reduce__(self) -> tuple[object, tuple[str, str]]:
+    def __reduce__(self) -> tuple[object, tuple[Path, str]]:
         return Path.write_text, (Path("sprung"), "yes")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import FLOWS, TINY, DenoiserConfig, Flow
+from generators.diffsheg.config import FLOWS, PRESETS, DenoiserConfig, Flow
+from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
@@ -27,12 +28,12 @@ from generators.diffsheg.sampling import (
 )
 from generators.diffsheg.settings import Sampling
 from motion.errors import InputError
+from training.device import torch_threads
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
-from training.threads import torch_threads
 
 SMALL = replace(
-    TINY,
+    PRESETS["tiny"]["beat"].network,
     gesture_width=6,
     expression_width=4,
     speakers=3,
@@ -127,13 +128,13 @@ def test_nothing_said_gives_no_motion() -> None:
 def test_motion_comes_before_the_speech_has_ended() -> None:
     asked: list[int] = []
 
-    def pieces() -> object:
+    def pieces() -> Iterator[SpeechFrames]:
         for number in range(4):
             asked.append(number)
             yield spoken(FRAMES)
 
     settled = stream(
-        pieces(),  # type: ignore[arg-type]
+        pieces(),
         SAMPLER,
         frames=FRAMES,
         width=WIDTH,
@@ -164,7 +165,9 @@ def _of_a_normal_law(sampling: Sampling) -> Estimate:
     def estimate(noisy: Tensor, place: int) -> Tensor:
         kept = float(LINEAR.alpha_bar[sampling.timesteps[place]])
         variance = kept * SPREAD**2 + 1 - kept
-        return (noisy - kept**0.5 * MEAN) * (1 - kept) ** 0.5 / variance
+        signal, noise = kept**0.5, (1 - kept) ** 0.5
+        expected: Tensor = (noisy - signal * MEAN) * noise / variance
+        return expected
 
     return estimate
 
@@ -224,10 +227,17 @@ def test_what_stops_the_branch_ahead_is_told_at_once(
 ) -> None:
     forward = Branch.forward
 
-    def failing(self: Branch, x_t: Tensor, t: Tensor, *given: object) -> Tensor:
+    def failing(
+        self: Branch,
+        x_t: Tensor,
+        t: Tensor,
+        modulations: Sequence[Tensor],
+        heard: Sequence[FusedSpeech],
+        x0_hat: Tensor | None = None,
+    ) -> Tensor:
         if x_t.shape[-1] == SMALL.expression_width and int(t) == SAMPLING.timesteps[1]:
             raise MemoryError("no memory for the face")
-        return forward(self, x_t, t, *given)  # type: ignore[arg-type]
+        return forward(self, x_t, t, modulations, heard, x0_hat)
 
     monkeypatch.setattr(Branch, "forward", failing)
     with torch_threads(number), pytest.raises(MemoryError, match="for the face"):

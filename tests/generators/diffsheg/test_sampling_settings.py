@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from hypothesis import given
@@ -18,7 +18,9 @@ from generators.diffsheg.settings import CLEAN, Sampling, SamplingSettings, eval
 @pytest.mark.parametrize(
     ("preset", "asked"), [("smooth", 27), ("fast", 27), ("careful", 63), ("plain", 15)]
 )
-def test_a_named_setting_asks_the_network_as_often_as_it_says(preset: str, asked: int) -> None:
+def test_a_named_setting_asks_the_network_as_often_as_it_says(
+    preset: Literal["smooth", "fast", "careful", "plain"], asked: int
+) -> None:
     assert evaluations(SamplingSettings(preset=preset).sampling(overlap=4).later_walk) == asked
 
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from generators.diffsheg.generate import DiffSheg
 from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from motion.errors import InputError
-from studyapp.stimuli.digest import digest
+from motion.files import digest
 
 
 @pytest.fixture

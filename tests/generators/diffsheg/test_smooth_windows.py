@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -38,7 +39,9 @@ def perfect_network(sampling: Sampling) -> Sampler:
     def answers(place: int, frames: int) -> Tensor:
         kept = float(LINEAR_NOISE.alpha_bar[sampling.timesteps[place]])
         noisy = kept * law[:frames, :frames] + (1 - kept) * torch.eye(frames)
-        return ((1 - kept) ** 0.5 * torch.linalg.inv(noisy)).float()
+        deviation: float = (1 - kept) ** 0.5
+        answer: Tensor = deviation * torch.linalg.inv(noisy)
+        return answer.float()
 
     def told(speech: SpeechFrames) -> Estimate:
         def estimate(noisy: Tensor, place: int) -> Tensor:
@@ -53,7 +56,7 @@ def perfect_network(sampling: Sampling) -> Sampler:
     return moved
 
 
-def moved(preset: str) -> np.ndarray:
+def moved(preset: Literal["smooth", "fast"]) -> np.ndarray:
     sampling = SamplingSettings(preset=preset, overlap=OVERLAP).sampling(overlap=OVERLAP)
     nothing = torch.zeros(LENGTH, 1)
     parts = stream(

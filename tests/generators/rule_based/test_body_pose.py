@@ -13,8 +13,7 @@ from generators.rule_based.body_pose import Limb, Trunk, pose_body, reach
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_forms import FORMS
 from generators.rule_based.hand_pose import BEFORE_THE_WAIST, BY_THE_SIDE, HandPose
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
 
 def still(frames: int = 1) -> Trunk:
@@ -33,7 +32,7 @@ def posed(hand: HandPose, trunk: Trunk | None = None) -> tuple[np.ndarray, np.nd
 
 
 def at(joints: np.ndarray, name: str) -> np.ndarray:
-    return joints[0, joint_index(name)]
+    return np.asarray(joints[0, joint_index(name)])
 
 
 ALL_HANDS = {name: form.apex for name, form in FORMS.items()} | {

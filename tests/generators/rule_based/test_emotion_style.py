@@ -6,7 +6,7 @@ import pytest
 
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_forms import FORMS
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.segment import EMOTIONS
 
 

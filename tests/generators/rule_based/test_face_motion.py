@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from generators.rule_based.face_motion import blinks, gaze
-from generators.rule_based.mouth import speaking_mouth
+from generators.rule_based.face_motion import blinks, gaze, speaking_mouth
 from motion.audio import Audio
-from motion.speech.prosody import prosody
+from motion.prosody import prosody
 
 RATE = 16000
 FRAME_RATE = 30

@@ -14,13 +14,12 @@ from generators.interface import SpeechSegment
 from generators.rule_based.generator import RuleBased
 from motion.audio import Audio, read_audio
 from motion.body.model import read_body
-from motion.clip import MotionClip
-from motion.face import arkit_index
-from motion.rest_pose import REST_JOINTS
+from motion.clip import MotionClip, arkit_index
+from motion.prosody import prosody
 from motion.segment import EMOTIONS, Segment
-from motion.skeleton import forward_kinematics, joint_index
-from motion.speech.prosody import prosody
-from renderer.avatars import default_body
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from renderer.look import default_body
+from tests.motion.random_clips import arkit_of
 
 Speak = Callable[..., SpeechSegment]
 Clips = dict[tuple[str, int], tuple[SpeechSegment, MotionClip]]
@@ -37,7 +36,7 @@ def joints_of(clip: MotionClip) -> np.ndarray:
 def wrist_speed(clip: MotionClip) -> np.ndarray:
     """Speed of the faster wrist in m/s between frames, shape (T - 1,)."""
     steps = np.linalg.norm(np.diff(joints_of(clip)[:, WRISTS], axis=0), axis=2)
-    return steps.max(axis=1) * clip.frame_rate
+    return np.asarray(steps.max(axis=1) * clip.frame_rate)
 
 
 def stops(clip: MotionClip) -> np.ndarray:
@@ -46,7 +45,7 @@ def stops(clip: MotionClip) -> np.ndarray:
     minima, _ = find_peaks(-speed)
     before = [speed[max(0, m - round(0.3 * clip.frame_rate)) : m + 1].max() for m in minima]
     fast = np.array(before) > np.maximum(0.35, 4 * speed[minima])
-    return (minima[fast] + 0.5) / clip.frame_rate
+    return np.asarray((minima[fast] + 0.5) / clip.frame_rate)
 
 
 def generate(speech: SpeechSegment, seed: int = 1, frame_rate: float = RATE) -> MotionClip:
@@ -179,14 +178,15 @@ def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(clip
 def test_each_emotion_shows_its_own_face_more_than_any_other_does(
     clips: Clips, emotion: str, action: str
 ) -> None:
-    shown = {other: clips[other, 0][1].arkit[:, arkit_index(action)].mean() for other in EMOTIONS}
+    own = arkit_index(action)
+    shown = {other: arkit_of(clips[other, 0][1])[:, own].mean() for other in EMOTIONS}
     assert max(shown, key=lambda other: shown[other]) == emotion
 
 
 def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
     audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 10)
     clip = generate(as_segment(audio, "neutral"))
-    jaw, energy = clip.arkit[:, arkit_index("jawOpen")], prosody(audio, RATE).energy
+    jaw, energy = arkit_of(clip)[:, arkit_index("jawOpen")], prosody(audio, RATE).energy
     assert np.corrcoef(jaw, energy)[0, 1] > 0.5
     assert jaw[energy < 0.1].mean() < 0.03
 

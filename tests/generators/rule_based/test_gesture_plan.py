@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
+from motion.prosody import Prosody
 from motion.segment import EMOTIONS
-from motion.speech.prosody import Prosody
 
 
 def heard(accents: np.ndarray, prominence: np.ndarray) -> Prosody:

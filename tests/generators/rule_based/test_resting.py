@@ -19,9 +19,8 @@ from generators.rule_based.hand_pose import (
     HandPose,
 )
 from generators.rule_based.resting import Rest, plan_rests
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
-from motion.speech.prosody import Prosody, prosody
+from motion.prosody import Prosody, prosody
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from tests.generators.rule_based.test_body_pose import still
 
 Plan = tuple[tuple[Gesture, ...], tuple[Rest, ...]]

@@ -45,7 +45,8 @@ def standing() -> np.ndarray:
         frame_rate=15,
         arkit=np.full((1, 52), 0.02, np.float32),
     )
-    return values_of(clip, FACE)[0].astype(np.float32)
+    values: np.ndarray = values_of(clip, FACE)[0].astype(np.float32)
+    return values
 
 
 def small_network(**changes: Any) -> Network:

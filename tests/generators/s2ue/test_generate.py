@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from benchmarks.seams import Windows, seam_acceleration
 from generators.interface import SpeechSegment
@@ -32,7 +33,7 @@ def speech(speak: Speak) -> SpeechSegment:
 
 
 def generator(checkpoint: Path, **settings: object) -> S2ue:
-    return S2ue(S2ueSettings(checkpoint=checkpoint, **settings))
+    return S2ue(S2ueSettings.model_validate({"checkpoint": checkpoint, **settings}))
 
 
 def values(made: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 1) -> np.ndarray:
@@ -57,7 +58,7 @@ def test_frames_are_settled_with_a_bounded_delay(checkpoint: Path, speak: Speak)
     speech, heard, made = speak("a", 9.0), 0, 0
     lags = []
 
-    def pieces() -> object:
+    def pieces() -> Iterator[NDArray[np.float32]]:
         nonlocal heard
         for start in range(0, len(speech.audio.samples), 800):
             heard = start + 800

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 import torch
 
 from generators.s2ue.config import LossWeights
 from generators.s2ue.losses import (
+    discriminator_loss,
     diversity_loss,
+    generator_loss,
     phoneme_loss,
     reconstruction_losses,
 )
 from tests.generators.s2ue.small_network import FACE, small_network
-from training.spaces.bone_tensors import joints_of
+from training.spaces.bones_and_landmarks import joint_tensors_of
 
 VALUES = 27 + 3 * FACE.count
 WEIGHTS = LossWeights(velocity=2.0, acceleration=3.0)
@@ -38,7 +42,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
     one, two = motion(1), motion(2)
     found = reconstruction_losses(network, one, two, WEIGHTS)
     pose, face = one[..., :27] - two[..., :27], one[..., 27:] - two[..., 27:]
-    joints = joints_of(one[..., :27].reshape(2, 5, 9, 3)) - joints_of(
+    joints = joint_tensors_of(one[..., :27].reshape(2, 5, 9, 3)) - joint_tensors_of(
         two[..., :27].reshape(2, 5, 9, 3)
     )
     places = face.abs().mean() / 1e-3 + joints.abs().mean() / 0.1
@@ -67,3 +71,12 @@ def test_another_speakers_motion_is_to_be_further_away() -> None:
     assert float(diversity_loss(network, near, far, true, 0.1)) == 0
     assert float(diversity_loss(network, far, near, true, 0.1)) == pytest.approx(0.3, abs=1e-5)
     assert float(diversity_loss(network, near, near, true, 0.1)) == pytest.approx(0.1, abs=1e-5)
+
+
+def test_equations_18_and_19_are_logarithms_of_probabilities() -> None:
+    recorded, synthesised = torch.tensor([[1.0]]), torch.tensor([[-2.0]])
+    real, fake = (1 / (1 + math.exp(-float(one))) for one in (recorded, synthesised))
+    assert float(generator_loss(synthesised)) == pytest.approx(-math.log(fake))
+    assert float(discriminator_loss(recorded, synthesised)) == pytest.approx(
+        -math.log(real) - math.log(1 - fake)
+    )

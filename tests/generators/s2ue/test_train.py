@@ -11,11 +11,12 @@ import pytest
 import torch
 from scipy.ndimage import gaussian_filter1d
 
+from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights
 from generators.s2ue.network_file import load_network
 from generators.s2ue.train import S2ueTask, train_s2ue
-from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
+from tests.generators.one_device import require_one_device
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Kind, Take, TakeFolder
@@ -66,7 +67,7 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
     sizes = {name: getattr(SMALL, name) for name in ("hidden", "node_width", "part_width", "reach")}
     tiny = replace(PRESETS["tiny"], sizes=sizes)
     monkeypatch.setattr("generators.s2ue.train.PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
+    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
 
     def train(steps: int, out: Path, kind: Kind = "beat", **choices: str) -> TrainedGenerator:
         request = TrainingRequest(
@@ -107,6 +108,12 @@ def test_it_learns_and_says_what_from(learn: Learn, tmp_path: Path) -> None:
     assert many < 0.9 * few
 
 
+def test_it_is_computed_where_its_device_is(
+    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
+
+
 def learnt_briefly(learn: Learn, folder: Path) -> Path:
     learn(1, folder / "brief.safetensors")
     return folder / "brief.safetensors"
@@ -139,7 +146,7 @@ def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
     rows = np.arange(6)
     for name in ("generator", "discriminator", "phonemes"):
         network.zero_grad()
-        wanted.losses_of(name, network, rows)["loss"].backward()
+        torch.autograd.backward(wanted.losses_of(name, network, rows)["loss"])
         part = network.get_submodule(name)
         assert all(one.grad is not None for one in part.parameters()), name
         if name != "generator":

@@ -1,15 +1,20 @@
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from motion.body.abilities import BodyAbilities, not_shown
+from motion.body.abilities import BodyAbilities, face_for, not_shown, read_expression_matrix
 from motion.clip import MotionClip
+from motion.errors import InputError
 from motion.skeleton import joint_index
+from tests.motion.random_clips import clip_of
 
 ARKIT, COEFFICIENTS = np.full((2, 52), 0.5), np.ones((2, 100))
+
+MATRIX = np.random.default_rng(0).normal(0, 0.3, (100, 52)).astype(np.float32)
 
 
 def _body(**abilities: Any) -> BodyAbilities:
@@ -20,7 +25,7 @@ def _body(**abilities: Any) -> BodyAbilities:
 def _clip(**more: Any) -> MotionClip:
     poses = np.zeros((2, 55, 3))
     poses[:, joint_index("jaw"), 0] = more.pop("jaw", 0)
-    return MotionClip(poses=poses, trans=np.zeros((2, 3)), frame_rate=30, **more)
+    return clip_of(poses, **more)
 
 
 @pytest.mark.parametrize(
@@ -71,3 +76,83 @@ def test_shape_that_the_body_does_not_take_on_is_said(
     said = not_shown(_clip(betas=betas), _body(shapes=shapes))
     assert len(said) == (sentence is not None)
     assert sentence is None or sentence in said[0]
+
+
+def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
+    path = folder / name
+    if name.endswith(".npy"):
+        np.save(path, matrix)
+    elif name.endswith(".npz"):
+        np.savez(path, matrix=matrix)
+    else:
+        np.savetxt(path, matrix, delimiter=",")
+    return path
+
+
+@pytest.mark.parametrize("name", ["m.npy", "m.npz", "m.csv"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_matrix_is_read_in_every_format_either_way_round(
+    tmp_path: Path, name: str, turned: bool
+) -> None:
+    path = _written(tmp_path, name, MATRIX.T if turned else MATRIX)
+    np.testing.assert_allclose(read_expression_matrix(path), MATRIX, rtol=1e-6)
+
+
+def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
+    plain = _written(tmp_path, "m.csv", MATRIX).read_text()
+    (tmp_path / "m.csv").write_text(plain.replace(",", ", "), encoding="utf-8-sig", newline="\r\n")
+    np.testing.assert_allclose(read_expression_matrix(tmp_path / "m.csv"), MATRIX, rtol=1e-6)
+
+
+def test_empty_table_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").touch()
+    with pytest.raises(InputError, match=r"shape \(0, 0\)"):
+        read_expression_matrix(tmp_path / "m.csv")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "what"),
+    [
+        ("m.npy", np.zeros((100, 51)), r"shape \(100, 51\)"),
+        ("m.npz", np.zeros(5200), r"shape \(5200,\)"),
+        ("m.npy", np.full((100, 52), np.nan), "not a usable number"),
+        ("m.npy", np.full((100, 52), "x"), "type <U1"),
+        ("m.npy", np.full((100, 52), None), "cannot be read"),
+    ],
+)
+def test_what_is_no_such_matrix_is_refused(
+    tmp_path: Path, name: str, content: np.ndarray, what: str
+) -> None:
+    path = _written(tmp_path, name, content)
+    with pytest.raises(InputError, match=what) as caught:
+        read_expression_matrix(path)
+    assert caught.value.where == str(path)
+    assert caught.value.remedy
+
+
+def test_files_without_one_array_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "words.csv").write_text("hello,world")
+    (tmp_path / "torn.npz").write_bytes(b"PK\x03\x04")
+    np.savez(tmp_path / "two.npz", a=MATRIX, b=MATRIX)
+    for name, what in (
+        ("words.csv", "cannot be read"),
+        ("torn.npz", "cannot be read"),
+        ("two.npz", "2 arrays, not one"),
+        ("gone.npy", "no such expression matrix"),
+    ):
+        with pytest.raises(InputError, match=what):
+            read_expression_matrix(tmp_path / name)
+
+
+def test_arkit_weights_from_coefficients_stay_within_their_range() -> None:
+    expressions = np.random.default_rng(1).normal(0, 1, (2, 100)).astype(np.float32)
+    face = face_for(_clip(expressions=expressions), has_arkit_slots=True, matrix=MATRIX)
+    assert face is not None
+    np.testing.assert_allclose(face, np.clip(expressions @ MATRIX, 0, 1), atol=1e-6)
+
+
+def test_what_a_clip_says_in_the_bodys_own_terms_comes_first() -> None:
+    both = _clip(expressions=np.ones((2, 100)), arkit=np.full((2, 52), 0.5))
+    for has_arkit_slots, own in ((True, both.arkit), (False, both.expressions)):
+        assert face_for(both, has_arkit_slots=has_arkit_slots, matrix=MATRIX) is own
+    assert face_for(_clip(), has_arkit_slots=True, matrix=MATRIX) is None

@@ -10,7 +10,7 @@ from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.avatars import default_body
+from renderer.look import default_body
 from tests.motion.random_clips import random_clip
 
 JAW = joint_index("jaw")
@@ -29,7 +29,7 @@ def landmarks(body: BodyModel) -> FaceLandmarks:
 def face_alone(clip: MotionClip) -> MotionClip:
     poses = np.zeros_like(clip.poses)
     poses[:, JAW] = clip.poses[:, JAW]
-    return replace(clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0))
+    return replace(clip, poses=poses, trans=np.zeros_like(clip.trans), betas=clip.betas[:0])
 
 
 def test_landmarks_are_where_the_whole_bodys_vertices_are(
@@ -73,7 +73,7 @@ def test_head_body_and_shape_do_not_count(landmarks: FaceLandmarks) -> None:
 
 def test_a_neutral_face_has_no_shifts(landmarks: FaceLandmarks) -> None:
     clip = random_clip(4)
-    still = replace(clip, poses=np.zeros_like(clip.poses), arkit=np.zeros((4, 52)))
+    still = replace(clip, poses=np.zeros_like(clip.poses), arkit=np.zeros((4, 52), np.float32))
     np.testing.assert_allclose(landmarks.shifts(still), 0, atol=1e-6)
 
 
@@ -106,7 +106,8 @@ def test_a_body_without_a_face_has_no_landmarks(body: BodyModel) -> None:
 def test_the_frozen_landmarks_are_those_of_the_default_body(landmarks: FaceLandmarks) -> None:
     frozen = FaceLandmarks.of_default_body()
     for name, array in landmarks.arrays().items():
-        np.testing.assert_allclose(frozen.arrays()[name], array, atol=1e-6)
+        same = np.asarray(frozen.arrays()[name], float)
+        np.testing.assert_allclose(same, np.asarray(array, float), atol=1e-6)
     clip = random_clip(3)
     np.testing.assert_allclose(frozen.shifts(clip), landmarks.shifts(clip), atol=1e-6)
 

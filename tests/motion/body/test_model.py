@@ -15,8 +15,9 @@ from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import PARENTS, forward_kinematics, joint_index
+from tests.motion.random_clips import clip_of
 
-Arrays = dict[str, NDArray[Any]]
+Arrays = dict[str, Any]
 VERTICES = 300
 LICENSED = 9940  # more than the highest vertex that smplx's landmark table names
 
@@ -64,12 +65,7 @@ def _read(folder: Path, arrays: Arrays, **given: Any) -> BodyModel:
 
 def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
     rng = np.random.default_rng(seed)
-    return MotionClip(
-        poses=rng.normal(0, 0.4, (frames, 55, 3)),
-        trans=rng.normal(0, 1, (frames, 3)),
-        frame_rate=30,
-        **more,
-    )
+    return clip_of(rng.normal(0, 0.4, (frames, 55, 3)), rng.normal(0, 1, (frames, 3)), **more)
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")

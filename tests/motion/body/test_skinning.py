@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from motion.body.skinning import TwistJoints, skinning_matrices, twist_angles
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 
 ELBOW, WRIST = joint_index("left_elbow"), joint_index("left_wrist")
 ALONG = np.array([1.0, 0.0, 0.0])  # the left forearm at rest

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_NAMES, PARENTS
+from motion.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS
 
 Skeleton = Sequence[tuple[str, str | None, tuple[float, float, float]]]
 """Joints as (name, parent, offset), depth first."""
@@ -53,7 +52,7 @@ def bvh_text(
     return "\n".join(text) + "\n"
 
 
-def write_bvh(path: Path, text: str) -> Path:
+def save_bvh_text(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
 

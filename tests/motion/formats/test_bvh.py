@@ -9,14 +9,15 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
-from motion.formats.bvh import BvhFrameCountError, BvhMotion, read_bvh
-from tests.motion.formats.bvh_text import CHAIN, bvh_text, write_bvh
+from motion.formats.bvh import BvhFrameCountError, read_bvh
+from motion.formats.bvh_motion import BvhMotion
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, save_bvh_text
 
 ROWS = np.arange(36, dtype=float).reshape(3, 12)
 
 
 def chain(tmp_path: Path, rows: np.ndarray = ROWS, **options: object) -> BvhMotion:
-    return read_bvh(write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, rows, **options)))  # type: ignore[arg-type]
+    return read_bvh(save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, rows, **options)))  # type: ignore[arg-type]
 
 
 def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
@@ -65,7 +66,7 @@ def test_rotations_apply_in_the_order_of_the_channels(
 ) -> None:
     path = tmp_path_factory.mktemp("bvh") / "a.bvh"
     row = np.array([1, 2, 3, *angles])
-    motion = read_bvh(write_bvh(path, bvh_text(CHAIN, row[None], order=order)))
+    motion = read_bvh(save_bvh_text(path, bvh_text(CHAIN, row[None], order=order)))
     positions, rotations = motion.forward_kinematics()
 
     def turn(three: np.ndarray) -> np.ndarray:
@@ -89,7 +90,7 @@ def test_position_channels_of_any_joint_replace_its_offset(tmp_path: Path) -> No
         "OFFSET 0 -42 1\nCHANNELS 6 Xposition Yposition Zposition",
     )
     text = text.replace(" ".join("0" * 12), " ".join("0" * 9) + " 1 -50 2 0 0 0")
-    positions, _ = read_bvh(write_bvh(tmp_path / "a.bvh", text)).forward_kinematics()
+    positions, _ = read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).forward_kinematics()
     np.testing.assert_allclose(positions[0, 2], [1, -90, 2])
 
 
@@ -99,7 +100,7 @@ def test_joint_without_rotation_channels_stays_as_its_parent_is(tmp_path: Path) 
     text = text[:place] + text[place:].replace(
         "CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 0"
     )
-    _, rotations = read_bvh(write_bvh(tmp_path / "a.bvh", text)).forward_kinematics()
+    _, rotations = read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).forward_kinematics()
     np.testing.assert_array_equal(rotations[0, 2], rotations[0, 1])
 
 
@@ -107,14 +108,14 @@ def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
     plain = chain(tmp_path)
     text = bvh_text(CHAIN, ROWS).replace("\n{", " {").replace("\n", "\r\n\r\n  ")
     text = "\ufeff" + text.replace("Zrotation", "ZROTATION").replace("ROOT", "root")
-    odd = read_bvh(write_bvh(tmp_path / "b.bvh", text.replace("Frames: 3", "frames:\t3")))
+    odd = read_bvh(save_bvh_text(tmp_path / "b.bvh", text.replace("Frames: 3", "frames:\t3")))
     assert odd.joints == plain.joints
     np.testing.assert_array_equal(odd.values, plain.values)
 
 
 def test_joint_names_may_hold_spaces(tmp_path: Path) -> None:
     text = bvh_text(CHAIN, ROWS).replace("JOINT knee", "JOINT Left Knee")
-    assert read_bvh(write_bvh(tmp_path / "a.bvh", text)).joint_names[1] == "Left Knee"
+    assert read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).joint_names[1] == "Left Knee"
 
 
 def test_header_that_contradicts_the_rows_is_refused_with_the_implied_rate(tmp_path: Path) -> None:
@@ -144,14 +145,14 @@ def test_header_of_no_frames_is_refused_when_there_are_rows(tmp_path: Path) -> N
 
 
 def test_given_rate_settles_the_contradiction_and_is_noted(tmp_path: Path) -> None:
-    path = write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS, frames=24))
+    path = save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS, frames=24))
     motion = read_bvh(path, frame_rate=15)
     assert motion.frame_rate == 15
     assert "read at 15 per second" in motion.notes[0]
 
 
 def test_given_rate_overrides_a_sound_header(tmp_path: Path) -> None:
-    path = write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS))
+    path = save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS))
     motion = read_bvh(path, frame_rate=60)
     assert (motion.frame_rate, motion.notes) == (60, ())
 
@@ -195,7 +196,7 @@ def test_damage_is_refused_by_file_and_line(
 ) -> None:
     text = bvh_text(CHAIN, ROWS)
     assert old in text
-    path = write_bvh(tmp_path / "bad.bvh", text.replace(old, new, 1))
+    path = save_bvh_text(tmp_path / "bad.bvh", text.replace(old, new, 1))
     with pytest.raises(InputError, match=complaint) as caught:
         read_bvh(path)
     assert caught.value.where.startswith(str(path))
@@ -210,7 +211,7 @@ def test_no_cut_off_file_is_taken_for_a_whole_one(
     text = bvh_text(CHAIN, ROWS)
     whole_until = len(text) - len(" 35\n")
     cut = data.draw(st.integers(0, whole_until))
-    path = write_bvh(tmp_path_factory.mktemp("bvh") / "cut.bvh", text[:cut])
+    path = save_bvh_text(tmp_path_factory.mktemp("bvh") / "cut.bvh", text[:cut])
     with pytest.raises(InputError, match=r"cut\.bvh"):
         read_bvh(path)
 
@@ -219,7 +220,7 @@ def test_a_skeleton_of_200000_joints_inside_each_other_is_refused_where_it_gets_
     tmp_path: Path,
 ) -> None:
     joints = "".join(f"JOINT j{number}\n{{\nOFFSET 0 1 0\n" for number in range(200_000))
-    path = write_bvh(
+    path = save_bvh_text(
         tmp_path / "deep.bvh", f"HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\n{joints}MOTION\n"
     )
 

@@ -8,14 +8,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.evaluators.published.clip_inputs import ted_joints
+from analysis.evaluators.published_presets import ted_joints
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.ted_npz import BONES
 from motion.points.turning import front_views, nearest_similarity
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import BODY_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import BODY_JOINTS, REST_JOINTS, forward_kinematics, joint_index
+from tests.motion.random_clips import clip_of
 
 ARMS = [
     (f"{side}_{start}", f"{side}_{end}")
@@ -32,7 +32,7 @@ def gesturing(frames: int = 90) -> MotionClip:
         poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * (1.1 + 0.2 * np.sin(3 * time))
         poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (0.9 + 0.5 * np.cos(4 * time))
     poses[:, joint_index("head")] = 0.2 * np.sin(time)[:, None] * [0.2, 1, 0.2]
-    return MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
+    return clip_of(poses)
 
 
 def positions(clip: MotionClip) -> NDArray[np.float64]:

@@ -15,13 +15,11 @@ from scipy.spatial.transform import Rotation
 from motion.body.skinning import twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import BvhMotion, read_bvh
-from motion.formats.bvh_hierarchy import BvhJoint
-from motion.formats.first_frame import settle_first_frame
+from motion.formats.bvh import read_bvh
+from motion.formats.bvh_motion import BvhJoint, BvhMotion, settle_first_frame
 from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
 from motion.formats.retarget import retarget
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
 
 OWN = JOINT_MAPS["smplx"]
@@ -101,7 +99,7 @@ def sign_of(name: str) -> int:
 
 def directions(positions: np.ndarray, start: int, end: int) -> np.ndarray:
     bone = positions[:, end] - positions[:, start]
-    return bone / np.linalg.norm(bone, axis=1, keepdims=True)
+    return np.asarray(bone / np.linalg.norm(bone, axis=1, keepdims=True))
 
 
 def bone_errors(motion: BvhMotion, joint_map: JointMap, clip: MotionClip) -> dict[str, float]:
@@ -354,11 +352,11 @@ def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None
         elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
         axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
         axis = axis / np.linalg.norm(axis)
-        twists = [
+        at_elbow, at_wrist = (
             twist_angles(Rotation.from_rotvec(clip.poses[:, joint]).as_quat(), axis)
             for joint in (elbow, wrist)
-        ]
-        np.testing.assert_allclose(*twists, atol=1e-4)
+        )
+        np.testing.assert_allclose(at_elbow, at_wrist, atol=1e-4)
         np.testing.assert_allclose(turned[0][:, wrist], turned[1][:, wrist], atol=1e-5)
         np.testing.assert_allclose(
             turned[0][:, elbow] @ axis, turned[1][:, elbow] @ axis, atol=1e-5
@@ -401,7 +399,7 @@ def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
 
 @pytest.mark.parametrize("heading", [0, 90, -160])
 def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: float) -> None:
-    pitched = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
+    pitched: dict[str, float] = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
     clip = _in_t_pose(pitched, heading)
     _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     facing = [np.sin(np.radians(heading)), 0, np.cos(np.radians(heading))]
@@ -423,7 +421,7 @@ def _angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Return the angles between directions, in degrees."""
     cosine = np.einsum("ta,ta->t", first, second)
     sine = np.linalg.norm(np.cross(first, second), axis=1)
-    return np.degrees(np.arctan2(sine, cosine))
+    return np.asarray(np.degrees(np.arctan2(sine, cosine)))
 
 
 @pytest.mark.parametrize("recording", ["scott", "sample"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ JOINTS = np.random.default_rng(1).uniform(-1, 1, (4, 10, 3))
 
 def directions(joints: np.ndarray) -> np.ndarray:
     bones = np.stack([joints[:, child] - joints[:, parent] for parent, child in BONES], axis=1)
-    return bones / np.linalg.norm(bones, axis=2, keepdims=True)
+    return np.asarray(bones / np.linalg.norm(bones, axis=2, keepdims=True))
 
 
 def test_joints_and_directions_tell_the_same(tmp_path: Path) -> None:
@@ -52,7 +53,7 @@ def without_bone() -> np.ndarray:
     ],
 )
 def test_other_arrays_are_refused_with_the_files_name(
-    tmp_path: Path, arrays: dict[str, np.ndarray], message: str
+    tmp_path: Path, arrays: dict[str, Any], message: str
 ) -> None:
     np.savez(tmp_path / "a.npz", **arrays)
     with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):

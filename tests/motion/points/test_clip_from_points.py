@@ -14,11 +14,11 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.any_motion import read_motion
+from motion.formats import read_motion
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
 from motion.points.clip_from_points import clip_from_points
 from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
-from renderer.avatars import default_body
+from renderer.look import default_body
 from tests.motion.random_clips import random_clip
 
 FloatArray = NDArray[np.float32]
@@ -58,12 +58,12 @@ def told_by(
 
 def bone(clip: MotionClip, start: str, end: str) -> NDArray[np.float64]:
     at = positions(clip)
-    return at[:, joint_index(end)] - at[:, joint_index(start)]
+    return np.asarray(at[:, joint_index(end)] - at[:, joint_index(start)])
 
 
 def degrees(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
     across = np.linalg.norm(np.cross(left, right), axis=1)
-    return np.degrees(np.arctan2(across, (left * right).sum(axis=1)))
+    return np.asarray(np.degrees(np.arctan2(across, (left * right).sum(axis=1))))
 
 
 def bones(names: tuple[str, ...]) -> list[tuple[str, str]]:
@@ -117,7 +117,7 @@ def test_an_elbow_bends_only_the_way_it_can() -> None:
     poses = np.zeros_like(clip.poses)
     poses[:, joint_index("left_shoulder")] = [0.4, 0, -1.2]
     poses[:, joint_index("left_elbow")] = [0, -1.3, 0]
-    still = replace(clip, poses=poses, trans=np.zeros((5, 3)))
+    still = replace(clip, poses=poses, trans=np.zeros_like(clip.trans))
     back = told_by(chosen(still))
     np.testing.assert_allclose(
         back.poses[:, joint_index("left_elbow")], poses[:, joint_index("left_elbow")], atol=0.05

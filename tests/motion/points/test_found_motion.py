@@ -10,14 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from motion.body.face_landmarks import landmark_vertices
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
-from motion.face import arkit_index
+from motion.clip import MotionClip, arkit_index
+from motion.points.clip_from_points import facial_actions
 from motion.points.detection import Detection, stretches
-from motion.points.facial_actions import facial_actions
 from motion.points.found_motion import clip_of_detection, landmark_shifts
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
-from renderer.avatars import default_body
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from renderer.look import default_body
+from tests.motion.random_clips import clip_of
 
 FloatArray = NDArray[np.float64]
 FRAMES = 150
@@ -40,7 +39,7 @@ def talking() -> MotionClip:
     for side, sign in (("left", 1), ("right", -1)):
         poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * 1.1
         poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (1.2 + 0.4 * np.sin(2 * time))
-    return MotionClip(poses=poses, trans=np.zeros((FRAMES, 3)), frame_rate=30, arkit=arkit)
+    return clip_of(poses, arkit=arkit)
 
 
 def seen_pose(clip: MotionClip) -> FloatArray:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from renderer.encoder import VideoWriter, video_frame
 from renderer.look import BACKGROUND
-from renderer.video.encoder import VideoWriter, video_frame
 
 SIZE = 128
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -7,13 +8,13 @@ import pytest
 
 from motion.errors import InputError
 from renderer.figures.glance import MOMENTS, SIDE, Glance, glance_at
-from renderer.figures.sheet_cell import CELL, Cell, draw_cell
+from renderer.figures.sheet import CELL, Cell, draw_cell
 from tests.renderer.figures.small_videos import write_block_video
 
 SWAYING = [44 + round(12 * np.sin(k / 4)) for k in range(90)]
 
 
-def glance(tmp_path: Path, places: list[int | None]) -> Glance:
+def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
     return glance_at(write_block_video(tmp_path / "video.mkv", places))
 
 
@@ -50,7 +51,7 @@ def test_jerking_all_the_time_is_told_once(tmp_path: Path) -> None:
 
 
 def test_a_missing_figure_is_told(tmp_path: Path) -> None:
-    (first, *_) = glance(tmp_path, [None] * 15 + SWAYING[:45]).remarks[::-1]
+    (first, *_) = glance(tmp_path, [*[None] * 15, *SWAYING[:45]]).remarks[::-1]
     assert first == "nobody in the picture 25% of the time"
 
 

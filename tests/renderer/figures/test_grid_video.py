@@ -12,12 +12,11 @@ from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import resample
-from renderer.clip_video import Stage
+from renderer.clip_video import Stage, still
+from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import GridLayout, Panel, speed_name, write_grid
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
-from renderer.stills import still
-from renderer.video.encoder import SOUND_RATE
 
 Clips = tuple[MotionClip, MotionClip]
 Write = Callable[..., Path]

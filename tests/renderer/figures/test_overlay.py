@@ -5,8 +5,8 @@ import pytest
 from PIL import Image, ImageColor
 
 from motion.errors import InputError
-from renderer.figures.cut_out import FAR, CutOut
 from renderer.figures.overlay import VARIATION_COLOURS, blended, draw_overlay, faded
+from renderer.figures.panels import FAR, CutOut
 
 RED, GREEN, GREY = (200, 0, 0, 255), (0, 200, 0, 255), (120, 120, 120, 255)
 
@@ -70,8 +70,7 @@ def test_what_variations_share_keeps_its_colours() -> None:
 def test_no_variation_is_drawn_before_another() -> None:
     one = blended([square(RED, 5, 3.0), square(RED, 10, 3.0)]).picture
     other = blended([square(RED, 10, 3.0), square(RED, 5, 3.0)]).picture
-    alphas = [np.asarray(picture.getchannel("A")) for picture in (one, other)]
-    np.testing.assert_array_equal(*alphas)
+    np.testing.assert_array_equal(one.getchannel("A"), other.getchannel("A"))
 
 
 def test_more_variations_than_colours_are_refused() -> None:

@@ -6,8 +6,15 @@ import pytest
 
 from motion.segment import Segment
 from renderer.figures.glance import glance_at
-from renderer.figures.sheet import ROWS_ON_PAGE, Sheet, SheetCell, sheet_page, sheet_pictures
-from renderer.figures.sheet_cell import Cell, draw_cell
+from renderer.figures.sheet import (
+    ROWS_ON_PAGE,
+    Cell,
+    Sheet,
+    SheetCell,
+    draw_cell,
+    sheet_page,
+    sheet_pictures,
+)
 from tests.renderer.figures.small_videos import write_block_video
 
 

@@ -21,6 +21,18 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     if not CHROMIUM.exists():
         pytest.skip("Chromium is not installed: apt-get install chromium")
     sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(
+            executable_path=str(CHROMIUM), args=["--no-sandbox", "--disable-gpu"]
+        )
+        page = chromium.new_page(viewport={"width": 900, "height": 700})
+        page.goto(written(tmp_path_factory.mktemp("sheet"), CONDITIONS).as_uri())
+        yield page
+        chromium.close()
+
+
+def written(folder: Path, conditions: tuple[str, ...]) -> Path:
+    """Write the sheet of two segments in `conditions`."""
     segments = tuple(
         Segment(
             name=name,
@@ -38,22 +50,15 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
             cell=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
         )
         for segment in segments
-        for condition in CONDITIONS
+        for condition in conditions
     }
     sheet = Sheet(
-        title="Who & why", facts="12 clips", conditions=CONDITIONS, roles={}, segments=segments,
+        title="Who & why", facts="12 clips", conditions=conditions, roles={}, segments=segments,
         cells=cells,
     )  # fmt: skip
-    file = tmp_path_factory.mktemp("sheet") / "index.html"
+    file = folder / "index.html"
     file.write_text(sheet_page(sheet), encoding="utf-8")
-    with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(
-            executable_path=str(CHROMIUM), args=["--no-sandbox", "--disable-gpu"]
-        )
-        page = chromium.new_page(viewport={"width": 900, "height": 700})
-        page.goto(file.as_uri())
-        yield page
-        chromium.close()
+    return file
 
 
 def rows(page: Any) -> list[str]:
@@ -81,3 +86,27 @@ def test_search_and_segments_stay_in_view_beside_far_conditions(page: Any) -> No
     assert page.evaluate("scrollX") > 500
     for place in ("#words", "tbody th >> nth=0"):
         assert page.locator(place).bounding_box()["x"] >= 0
+
+
+def test_it_fits_a_laptop_or_says_that_it_goes_on_and_fits_a_telephone(
+    page: Any, tmp_path: Path
+) -> None:
+    further = page.locator("#further")
+    further.wait_for(state="visible")
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    further.wait_for(state="hidden")
+    assert page.locator("td b").first.is_visible()
+
+    page.goto(written(tmp_path, CONDITIONS[:4]).as_uri())
+    page.set_viewport_size({"width": 1366, "height": 768})
+    assert page.evaluate("document.documentElement.scrollWidth") == 1366
+    further.wait_for(state="hidden")
+
+
+def test_it_follows_light_and_dark(page: Any) -> None:
+    seen = set()
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        seen.add(page.evaluate("getComputedStyle(document.body).backgroundColor"))
+    assert len(seen) == 2

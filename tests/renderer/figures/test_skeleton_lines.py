@@ -7,19 +7,19 @@ from PIL import Image
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.figures.skeleton_lines import SIDE_COLOURS, joints_of, with_skeleton
+from renderer.clip_video import frame_at
+from renderer.figures.skeleton_lines import SIDE_COLOURS, Place, joints_of, with_skeleton
 from renderer.framing import Camera, project
-from renderer.stills import frame_at
 
 SIZE = 240
 
 
 @pytest.fixture
 def joints(clip: MotionClip, body: BodyModel) -> np.ndarray:
-    return joints_of(frame_at(clip, 0.4), body)[0]
+    return np.asarray(joints_of(frame_at(clip, 0.4), body)[0])
 
 
-def drawn(joints: np.ndarray, camera: Camera, place: str) -> np.ndarray:
+def drawn(joints: np.ndarray, camera: Camera, place: Place) -> np.ndarray:
     plain = Image.new("RGB", (SIZE, SIZE), "white")
     return np.asarray(with_skeleton(plain, joints, camera, place)).astype(int)
 

@@ -11,14 +11,63 @@ from PIL import Image
 
 from motion.audio import Audio
 from motion.errors import InputError
-from renderer.figures.lettering import fitted, font, wrapped
-from renderer.figures.moments import Moment, even_moments
-from renderer.figures.plate import LETTERS, Plate
-from renderer.figures.strip import StripLayout, draw_strip
+from renderer.figures.plate import LETTERS, Plate, fitted, font, wrapped
+from renderer.figures.strip import Moment, StripLayout, draw_strip, even_moments, loud_moments
+
+RATE = 8000
 
 MOMENTS = (Moment(seconds=0.4, word="no"), Moment(seconds=1.1), Moment(seconds=1.9, word="never"))
 SPEECH = Audio(np.sin(np.arange(16000 * 2) / 20).astype(np.float32), 16000)
 COLOURS = {"ours": (0, 90, 160), "theirs": (230, 150, 0)}
+
+
+def speech(*syllables: float, seconds: float = 4.0) -> Audio:
+    """Return silence with a short hum at each of `syllables`."""
+    times = np.arange(round(seconds * RATE)) / RATE
+    loud = np.zeros_like(times)
+    for at in syllables:
+        loud = np.maximum(loud, np.exp(-0.5 * ((times - at) / 0.05) ** 2))
+    return Audio((0.5 * loud * np.sin(2 * np.pi * 200 * times)).astype(np.float32), RATE)
+
+
+def test_a_moment_may_have_a_key_word() -> None:
+    assert Moment.parse("2.4") == Moment(seconds=2.4)
+    assert Moment.parse("never=2.4") == Moment(seconds=2.4, word="never")
+    assert Moment.parse("a = b=1") == Moment(seconds=1, word="a = b")
+    assert (Moment.parse("2.44").label, Moment.parse("no=1").label) == ("2.4 s", "no")
+
+
+@pytest.mark.parametrize("text", ["", "soon", "word=", "2,4"])
+def test_what_is_no_moment_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match=r"'word=2\.4'"):
+        Moment.parse(text)
+
+
+@given(st.floats(0.1, 600), st.integers(1, 16))
+def test_even_moments_are_in_order_and_within(duration: float, count: int) -> None:
+    seconds = [moment.seconds for moment in even_moments(duration, count)]
+    assert len(seconds) == count
+    assert seconds == sorted(seconds)
+    assert seconds[0] >= 0 and seconds[-1] <= duration
+
+
+def test_loud_moments_are_the_stressed_syllables() -> None:
+    found = loud_moments(speech(0.5, 1.6, 2.2, 3.5), 4)
+    assert [moment.seconds for moment in found] == pytest.approx([0.5, 1.6, 2.2, 3.5], abs=0.03)
+
+
+@given(st.lists(st.floats(0, 4), max_size=12), st.integers(1, 16))
+def test_no_syllable_is_shown_twice(syllables: list[float], count: int) -> None:
+    found = [moment.seconds for moment in loud_moments(speech(*syllables), count)]
+    assert len(found) == count
+    assert np.diff(found).min(initial=np.inf) >= 4.0 / count / 2 - 0.02
+
+
+def test_silence_gives_moments_too() -> None:
+    silence = Audio(np.zeros(2 * RATE, np.float32), RATE)
+    assert [m.seconds for m in loud_moments(silence, 2)] == pytest.approx([0.5, 1.5], abs=0.02)
+    short = Audio(np.zeros(80, np.float32), RATE)
+    assert len(loud_moments(short, 5)) == 5
 
 
 def layout(**changes: object) -> StripLayout:
@@ -69,7 +118,8 @@ def test_long_names_and_words_are_written_smaller(inches: float) -> None:
     # At any width: letters of another size are not exactly in proportion.
     page = strip(rows=("a_long_condition",), inches=inches)
     sizes = {text.get_text(): text.get_fontsize() for text in page.figure.texts}
-    assert sizes["a_long_condition"] < sizes["“no”"] == LETTERS
+    assert sizes["“no”"] == LETTERS
+    assert float(sizes["a_long_condition"]) < LETTERS
 
 
 @pytest.mark.parametrize("inches", [1.0, 2.0, 6.9])
@@ -90,9 +140,9 @@ def test_a_clear_strip_has_nothing_behind_it(tmp_path: Path) -> None:
     corners = []
     for name in ("clear", "plain"):
         with Image.open(tmp_path / f"{name}.png") as image:
-            corners.append(image.convert("RGBA").getpixel((0, image.height - 1)))
+            corners.append(np.asarray(image.convert("RGBA"))[-1, 0].tolist())
     assert corners[0][3] == 0
-    assert corners[1] == (255, 255, 255, 255)
+    assert corners[1] == [255, 255, 255, 255]
 
 
 def test_the_wave_may_be_left_out() -> None:

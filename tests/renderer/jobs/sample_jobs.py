@@ -13,16 +13,28 @@ from pathlib import Path
 from renderer.jobs.job import ClipJob, Job, PairJob
 
 
+def video_of(job: Job) -> Path:
+    """Return where the video of a job that makes one is written."""
+    assert job.video is not None
+    return job.video
+
+
+def frames_of(clip: ClipJob) -> Path:
+    """Return where the frames of a clip that keeps them are written."""
+    assert clip.frames is not None
+    return clip.frames
+
+
 def pair_of(clip: ClipJob, name: str) -> PairJob:
     """Return a pair of a clip with itself."""
     return PairJob(
         name=name,
-        left=clip.frames,
-        right=clip.frames,
+        left=frames_of(clip),
+        right=frames_of(clip),
         speech=clip.speech,
         start=clip.start,
         end=clip.end,
-        video=clip.video.with_name(f"{name}.mp4"),
+        video=video_of(clip).with_name(f"{name}.mp4"),
         look=clip.look,
     )
 
@@ -38,7 +50,7 @@ def clips_and_pairs(clip: ClipJob, count: int) -> list[Job]:
 
 def numbered(clip: ClipJob, number: int) -> ClipJob:
     """Return a clip of the same motion that writes files of its own."""
-    frames, video = (path.with_stem(f"clip{number}") for path in (clip.frames, clip.video))
+    frames, video = (path.with_stem(f"clip{number}") for path in (frames_of(clip), video_of(clip)))
     return replace(clip, name=f"clip{number}", frames=frames, video=video)
 
 

@@ -9,16 +9,24 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from renderer.jobs.job import ClipJob, Outcome, PairJob
+from renderer.framing import Camera
+from renderer.jobs.job import ClipJob, DubJob, Job, Outcome, PairJob
 from renderer.jobs.local_workers import ONE_THREAD
-from renderer.jobs.making import run_jobs
-from tests.renderer.jobs.sample_jobs import killing_writers, numbered, pair_of
+from renderer.jobs.making import JobOrder, run_jobs
+from renderer.look import Look
+from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, numbered, pair_of, video_of
 
 ROOT = Path(__file__).resolve().parents[3]
+
+CAMERA = Camera(eye=(0, 0, 1), target=(0, 0, 0), field_of_view=20)
+SHARED: dict[str, Any] = {"speech": Path("s.wav"), "start": 0.0, "end": 1.0, "look": Look()}
 
 
 @pytest.fixture
@@ -35,7 +43,7 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     arrays["poses"][3] = np.nan
     np.savez(tmp_path / "nan.npz", **arrays)
     told: list[Outcome] = []
-    jobs = [
+    jobs: list[Job] = [
         replace(pair_job, name="lonely", left=tmp_path / "never.mkv"),
         replace(clip_job, name="nan", motion=tmp_path / "nan.npz", video=tmp_path / "nan.mp4"),
         replace(clip_job, name="mute", speech=tmp_path / "none.wav", video=tmp_path / "mute.mp4"),
@@ -54,8 +62,8 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     assert "not a number" in str(outcomes[1].error)
     assert str(tmp_path / "nan.npz") in str(outcomes[1].error)
     assert "no such audio file" in str(outcomes[2].error)
-    assert clip_job.video.exists()
-    assert pair_job.video.exists()
+    assert video_of(clip_job).exists()
+    assert video_of(pair_job).exists()
     assert not (tmp_path / "nan.mp4").exists()
 
 
@@ -63,20 +71,20 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
 def test_the_job_of_a_killed_process_is_done_by_another(
     long_job: ClipJob, clip_job: ClipJob
 ) -> None:
-    with killing_writers(long_job.video.parent, times=1) as killed:
+    with killing_writers(video_of(long_job).parent, times=1) as killed:
         outcomes = run_jobs([long_job, clip_job], processes=2)
     assert len(killed) == 1
     assert [outcome.error for outcome in outcomes] == [None, None]
-    assert long_job.video.exists()
-    assert long_job.frames.exists()
+    assert video_of(long_job).exists()
+    assert frames_of(long_job).exists()
 
 
 @pytest.mark.slow
 def test_a_job_that_kills_two_processes_is_reported_and_the_rest_goes_on(
     long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob
 ) -> None:
-    doomed_pair = replace(pair_job, name="doomed pair", right=long_job.frames)
-    with killing_writers(long_job.video.parent, times=100) as killed:
+    doomed_pair = replace(pair_job, name="doomed pair", right=frames_of(long_job))
+    with killing_writers(video_of(long_job).parent, times=100) as killed:
         lost, first, doomed, pair = run_jobs(
             [long_job, clip_job, doomed_pair, pair_job], processes=1
         )
@@ -84,8 +92,8 @@ def test_a_job_that_kills_two_processes_is_reported_and_the_rest_goes_on(
     assert "ended early, 2 times (signal 9)" in str(lost.error)
     assert (doomed.because_of, doomed.error) == ("long", "its clip long could not be made")
     assert (first.error, pair.error) == (None, None)
-    assert not long_job.video.exists()
-    assert pair_job.video.exists()
+    assert not video_of(long_job).exists()
+    assert video_of(pair_job).exists()
 
 
 @pytest.mark.slow
@@ -107,7 +115,7 @@ def test_a_process_that_dies_while_it_is_idle_costs_no_job(
 def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) -> None:
     jobs = [numbered(clip_job, number) for number in range(3)]
     assert all(outcome.error is None for outcome in run_jobs(jobs, processes=2))
-    contents = {job.video.read_bytes() for job in jobs}
+    contents = {video_of(job).read_bytes() for job in jobs}
     assert len(contents) == 1
 
 
@@ -167,3 +175,96 @@ def test_ctrl_c_ends_all_processes_and_leaves_no_half_written_file(
     assert {path.name for path in tmp_path.iterdir()} == {
         "clip.mkv", "clip.mp4", "jobs.pickle", "endless.py",
     }  # fmt: skip
+
+
+def clip(name: str) -> ClipJob:
+    return ClipJob(
+        name=name,
+        motion=Path(name),
+        freeze=(),
+        body=None,
+        camera=CAMERA,
+        frames=Path(f"{name}.mkv"),
+        video=Path(f"{name}.mp4"),
+        **SHARED,
+    )
+
+
+def pair(left: str, right: str) -> PairJob:
+    return PairJob(
+        name=f"{left}|{right}",
+        left=Path(f"{left}.mkv"),
+        right=Path(f"{right}.mkv"),
+        video=Path(f"{left}|{right}.mp4"),
+        **SHARED,
+    )
+
+
+def dub(picture: str) -> DubJob:
+    shared = {key: value for key, value in SHARED.items() if key != "look"}
+    return DubJob(
+        name=f"{picture}@",
+        picture=Path(f"{picture}.mp4"),
+        seconds=1.0,
+        video=Path(f"{picture}@.mp4"),
+        **shared,
+    )
+
+
+def test_another_speech_waits_for_its_clip_and_is_lost_with_it() -> None:
+    order = JobOrder([dub("a"), clip("a"), dub("b")])
+    assert [order.next() for _ in range(3)] == [1, 2, None]
+    assert order.failed(1) == [0]
+    assert order.next() is None
+
+
+def test_pairs_wait_for_both_their_clips() -> None:
+    order = JobOrder([clip("a"), clip("b"), pair("a", "b"), clip("c")])
+    assert [order.next() for _ in range(4)] == [0, 1, 3, None]
+    order.succeeded(0)
+    assert order.next() is None
+    order.succeeded(1)
+    assert order.next() == 2
+
+
+def test_pairs_of_frames_that_are_there_already_wait_for_nothing() -> None:
+    assert JobOrder([pair("x", "y")]).next() == 0
+
+
+def test_a_ready_pair_goes_before_later_clips() -> None:
+    order = JobOrder([clip("a"), pair("a", "a"), clip("b")])
+    assert order.next() == 0
+    order.succeeded(0)
+    assert [order.next(), order.next()] == [1, 2]
+
+
+def test_a_failed_clip_takes_its_pairs_with_it_once() -> None:
+    order = JobOrder([clip("a"), clip("b"), clip("c"), pair("a", "b"), pair("b", "c")])
+    assert [order.next() for _ in range(3)] == [0, 1, 2]
+    assert order.failed(0) == [3]
+    order.succeeded(1)
+    assert order.failed(2) == [4]
+    assert order.next() is None
+
+
+@given(data=st.data(), clips=st.integers(1, 6), pairs=st.integers(0, 12))
+def test_every_job_is_begun_once_or_lost_once_whatever_fails(
+    data: st.DataObject, clips: int, pairs: int
+) -> None:
+    side = st.integers(0, clips - 1).map(str)
+    jobs: list[Job] = [clip(str(number)) for number in range(clips)]
+    jobs += [pair(data.draw(side), data.draw(side)) for _ in range(pairs)]
+    jobs = data.draw(st.permutations(jobs))
+    order, begun, lost, running = JobOrder(jobs), [], [], []
+    while True:
+        while (number := order.next()) is not None:
+            running.append(number)
+        if not running:
+            break
+        number = running.pop(data.draw(st.integers(0, len(running) - 1)))
+        begun.append(number)
+        if data.draw(st.booleans()):
+            order.succeeded(number)
+        else:
+            lost += order.failed(number)
+    assert sorted(begun + lost) == list(range(len(jobs)))

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from motion.errors import InputError
 from studyapp.cli.backup_command import command as backup_command
-from studyapp.cli.restore_command import command as restore_command
+from studyapp.cli.backup_command import restore_command
 from tests.studyapp.answered_study import answer_study
 
 

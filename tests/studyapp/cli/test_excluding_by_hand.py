@@ -19,7 +19,7 @@ from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
-from studyapp.session.arrival.intake_decisions import extend
+from studyapp.session.intake import extend
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_finished_study, write_short_video
@@ -120,7 +120,8 @@ def test_the_export_says_of_each_answer_that_a_researcher_decided(
 
     people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
     columns = ["excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason"]
-    assert people.loc[2, columns].tolist() == [True, "researcher", "by hand", f"'{REASON}"]
+    found = [people.loc[2, name] for name in columns]
+    assert found == [True, "researcher", "by hand", f"'{REASON}"]
     assert not people.loc[1, "excluded"]
     answers = pd.read_csv(tmp_path / "answers.csv")
     assert not answers.loc[answers["study_session"] == 2, "analysed"].any()

@@ -9,12 +9,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 from motion.errors import InputError
+from studyapp.cli.exclude_command import forget_command
 from studyapp.cli.export_command import command as export_command
-from studyapp.cli.forget_command import command as forget_command
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import LINES, log_change
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.exported import responses_table
@@ -107,7 +108,7 @@ def test_erasing_again_clears_the_files_however_much_has_happened_since(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cleared: list[Database] = []
-    monkeypatch.setattr("studyapp.cli.forget_command.leave_nothing", cleared.append)
+    monkeypatch.setattr("studyapp.cli.exclude_command.leave_nothing", cleared.append)
     forget(study, PERSON, "--yes")
     with (
         closing(Database.open(sqlite_url(study / "responses.db"))) as database,

@@ -57,6 +57,20 @@ def test_an_unknown_command_is_refused(refused: Refused) -> None:
     assert refused("dance")[0] == 2
 
 
+def test_a_misspelt_command_is_told_the_nearest(refused: Refused) -> None:
+    status, said = refused("reprot")
+    assert status == 2
+    assert "No such command 'reprot'. Did you mean 'report'?" in said
+
+
+def test_a_command_without_a_folder_takes_the_one_it_is_run_in(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text("trials = [")
+    assert "not valid TOML" in refused("export")[1]
+
+
 def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_path: Path) -> None:
     status, said = refused("check", str(tmp_path))
     assert status == 1

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 from motion.clip import MotionClip
 from motion.formats import write_clip
 from studyapp.cli.main import group
-from tests.analysis.evaluators.published.conftest import write_checkpoint
+from tests.analysis.evaluators.published_weights import write_checkpoint
 
 
 def run(*arguments: object) -> Result:
@@ -20,9 +20,9 @@ def run(*arguments: object) -> Result:
 @pytest.fixture
 def generated(tmp_path: Path) -> Path:
     """Return a folder of one waving and one damaged clip."""
-    poses = np.zeros((40, 55, 3))
+    poses = np.zeros((40, 55, 3), np.float32)
     poses[:, 16, 2] = np.sin(np.arange(40) / 5)
-    clip = MotionClip(poses=poses, trans=np.zeros((40, 3)), frame_rate=30)
+    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=30)
     write_clip(tmp_path / "ours" / "a.npz", clip)
     (tmp_path / "ours" / "b.npz").write_bytes(b"cut")
     return tmp_path / "ours"
@@ -51,10 +51,10 @@ def test_a_missing_score_is_a_dash_with_its_reason(generated: Path) -> None:
 def test_a_published_evaluator_is_named_by_its_preset_and_printed_twice(
     generated: Path, tmp_path: Path
 ) -> None:
-    poses = np.zeros((90, 55, 3))
+    poses = np.zeros((90, 55, 3), np.float32)
     for folder, swing in (("theirs", 0.5), ("ours", 1.0)):
         poses[:, 16, 2] = swing * np.sin(np.arange(90) / 5)
-        clip = MotionClip(poses=poses, trans=np.zeros((90, 3)), frame_rate=30)
+        clip = MotionClip(poses=poses, trans=np.zeros((90, 3), np.float32), frame_rate=30)
         write_clip(tmp_path / folder / "c.npz", clip)
     file = write_checkpoint(tmp_path, "talkshow")
     given = ("--generated", generated, "--reference", tmp_path / "theirs", "--preset", "genea")

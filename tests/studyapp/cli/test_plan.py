@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from studyapp.cli.plan_command import command
-from studyapp.study.creation.study_file import new_study
+from studyapp.study.study_file import new_study
 from tests.analysis.results.made_tables import ranking_table
 
 SMALL = (

@@ -7,7 +7,7 @@ from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from studyapp.cli.publish_media_command import command
-from studyapp.web.media_store.record import FILE
+from studyapp.web.media_store import FILE
 from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store
 
 ADDRESS = "https://study.example.org/studies/one/"

@@ -11,10 +11,10 @@ from studyapp.cli.researchers_command import command
 from studyapp.cli.serve_command import command as serve
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.researchers.authentication import log_in
+from studyapp.researchers.account import accounts
+from studyapp.researchers.credentials import new_secret, turn_on
 from studyapp.researchers.links import choose_password, first_owner_link, join
-from studyapp.researchers.membership import accounts
-from studyapp.researchers.second_factor import new_secret, turn_on
+from studyapp.researchers.logins import log_in
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = pytest.mark.usefixtures("cheap_passwords")

@@ -15,17 +15,16 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.custody import backup, restoration
-from studyapp.custody.backup import Backup, back_up
+from studyapp.custody.backup import Backup, back_up, check_archive
 from studyapp.custody.forgetting import forget
 from studyapp.custody.restoration import restore
-from studyapp.custody.verification import check_archive
-from studyapp.database.copies import require_empty
+from studyapp.database.copies import require_empty, write_copy
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.stored import reading
@@ -354,10 +353,8 @@ def test_a_backup_that_names_files_outside_the_study_is_refused(
 def test_a_backup_whose_database_does_something_by_itself_is_refused(
     study: Study, new: StudyFolder, smuggled: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    copy = backup.write_copy
-
     def with_more(url: str, file: Path) -> None:
-        copy(url, file)
+        write_copy(url, file)
         with closing(sqlite3.connect(file)) as connection:
             connection.execute(smuggled)
 

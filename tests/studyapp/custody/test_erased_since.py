@@ -15,11 +15,11 @@ from studyapp.database.copies import write_copy
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import AuditLine, Event, Response, ScreenOut, StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.arrivals import Arrival, note_screen_out
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 PEOPLE = ("person-who-stays", "person-to-forget", "person-who-withdraws")

@@ -18,8 +18,8 @@ from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import log_change, logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.arrivals import Arrival, note_screen_out
+from studyapp.session.enrolment import enrol
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -185,7 +185,7 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
 def test_a_pseudonym_finds_who_has_it_with_the_key_alone(person: Participant) -> None:
     other(person)
     with person.database.reading() as session:
-        pseudonym = KEY.pseudonym(session.scalars(select(StudySession)).first())
+        pseudonym = KEY.pseudonym(session.scalars(select(StudySession).limit(1)).one())
 
     assert remembered(person.database, pseudonym, None) == ()
     assert remembered(person.database, pseudonym, PseudonymKey(bytes(32))) == ()

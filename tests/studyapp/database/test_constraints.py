@@ -73,7 +73,12 @@ def two_sessions_with_one_place() -> list[Base]:
 
 def answers(*values: int, stimulus: int | None = None) -> list[Base]:
     """Return a trial and answers to it, which are stored after it."""
-    given = {"question": "q", "stimulus": stimulus, "reasons": [], "answered_at": NOW}
+    given: dict[str, Any] = {
+        "question": "q",
+        "stimulus": stimulus,
+        "reasons": [],
+        "answered_at": NOW,
+    }
     return [
         study_session("two", trials=[trial(id=7)]),
         *(Response(trial_id=7, value=value, **given) for value in values),

@@ -19,9 +19,10 @@ from studyapp.database.copies import (
 )
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, StudySession, WatchRecord
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 

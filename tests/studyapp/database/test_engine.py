@@ -24,8 +24,8 @@ from studyapp.database.engine import (
     sqlite_url,
 )
 from studyapp.database.postgresql import MOST_CONNECTIONS, Turn, take_turn, taking_time
+from studyapp.database.sqlite import keeper_of
 from studyapp.database.tables import Place
-from studyapp.database.waiting_line import keeper_of
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -490,7 +490,7 @@ def test_whoever_holds_the_line_without_end_keeps_others_waiting_for_a_while_onl
     database = Database.open(sqlite_url(tmp_path / "responses.db"))
     with (tmp_path / "responses.db-line").open("w") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
-        monkeypatch.setattr("studyapp.database.waiting_line.LINE_SECONDS", 0.1)
+        monkeypatch.setattr("studyapp.database.sqlite.LINE_SECONDS", 0.1)
         for _ in range(2):
             with pytest.raises(InputError, match="db-line: another process keeps"):
                 database.try_writing()

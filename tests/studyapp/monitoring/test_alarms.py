@@ -16,10 +16,8 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import Alarm
-from studyapp.monitoring import alarm_channels
-from studyapp.monitoring.alarm_channels import SMTP, WEBHOOK, AlarmChannels
-from studyapp.monitoring.alarms import raise_alarms
-from studyapp.session.arrival.newcomers import count_newcomer
+from studyapp.monitoring.alarms import SMTP, WEBHOOK, AlarmChannels, raise_alarms
+from studyapp.session.arrivals import count_newcomer
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Alarms
 from tests.local_server import listening
@@ -186,7 +184,7 @@ def test_mail_goes_encrypted_with_the_name_and_password_of_the_environment(
             done.append("encrypted")
             return 220, b""
 
-        def login(self, user: str, password: str, **_: object) -> tuple[int, bytes]:  # type: ignore[override]
+        def login(self, user: str, password: str, **_: object) -> tuple[int, bytes]:
             done.append((user, password))
             return 235, b""
 
@@ -197,7 +195,7 @@ def test_mail_goes_encrypted_with_the_name_and_password_of_the_environment(
         def __exit__(self, *_: object) -> None:
             done.append("closed")
 
-    monkeypatch.setattr(alarm_channels.smtplib, "SMTP", Server)
+    monkeypatch.setattr(smtplib, "SMTP", Server)
     monkeypatch.setenv(SMTP, "smtp://lab%40example.org:s3cret@mail.example.org")
     study = make_study(alarms={"mail": ["ada@example.org"]})
 

@@ -13,11 +13,10 @@ from studyapp.monitoring.answered_trials import (
     times,
     times_of_trials,
 )
-from studyapp.monitoring.checks import Check, checked_items, failed_by_session
-from studyapp.monitoring.counts import LeftAt, all_together, count_places, dropouts
-from studyapp.monitoring.overview import forecast
+from studyapp.monitoring.counts import LeftAt, all_together, count_places, dropouts, forecast
+from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
 from studyapp.monitoring.study_sessions import ROWS, page_of, pages_of
-from studyapp.study.design.arm import Arm
+from studyapp.study.design.trial import Arm
 from tests.studyapp.monitoring.made_study_sessions import NOON, session_progress
 
 

@@ -5,10 +5,9 @@ from typing import Any
 import pytest
 
 from studyapp.monitoring.answered_trials import Sides, Times
-from studyapp.monitoring.checks import CheckedItem
 from studyapp.monitoring.counts import Dropouts, LeftAt, PlaceCounts
+from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
 from studyapp.monitoring.decisions import decisions
-from studyapp.monitoring.playback import PlayedVideo
 
 QUIET: dict[str, Any] = {
     "places": PlaceCounts(arm="", wanted=10, done=4, active=1, stale=0),

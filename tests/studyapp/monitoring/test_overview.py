@@ -14,12 +14,10 @@ from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import Overview, overview
 from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen
-from studyapp.session.completion import FEWEST_LEFT_OUT
+from studyapp.session.ending import FEWEST_LEFT_OUT, withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.videos.watch_evidence import Playback
-from studyapp.session.videos.watch_reports import record_watched
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.watch_evidence import Playback
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -39,16 +37,7 @@ def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
     clock.advance(seconds=5)
     last.fetch(token)
     report = Playback(stalls=2, stalled_seconds=1.5, frames=30, dropped_frames=3)
-    record_watched(
-        database,
-        served,
-        last.token,
-        token,
-        batch=0,
-        intervals=[(0.0, 2.0)],
-        clock=clock,
-        playback=report,
-    )
+    last.report(token, (0.0, 2.0), playback=report)
     last.answer(last.trial().token)
     last.look()
 

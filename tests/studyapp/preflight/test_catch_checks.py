@@ -26,7 +26,8 @@ def swing(radians: float, shake: float = 0.0) -> MotionClip:
     for side in ("left", "right"):
         poses[:, joint_index(f"{side}_shoulder"), 2] = radians * np.sin(moments)
     poses += np.random.default_rng(1).normal(0, shake, poses.shape)
-    return MotionClip(poses=poses, trans=np.zeros((FRAMES, 3)), frame_rate=20)
+    still = np.zeros((FRAMES, 3), np.float32)
+    return MotionClip(poses=poses.astype(np.float32), trans=still, frame_rate=20)
 
 
 def found(flawed: MotionClip, **changes: object) -> Mapping[str, str]:
@@ -50,7 +51,7 @@ def test_motion_beside_stillness_is_infinitely_rougher() -> None:
 
 
 def test_clips_of_other_rates_and_lengths_are_compared_as_far_as_both_last() -> None:
-    short = replace(swing(0.5), poses=swing(0.5).poses[:20], trans=np.zeros((20, 3)))
+    short = replace(swing(0.5), poses=swing(0.5).poses[:20], trans=np.zeros((20, 3), np.float32))
 
     assert difference(swing(0.5), short).metres == 0.0
     assert difference(swing(0.5), replace(swing(0.5), frame_rate=40)).metres > 0.01

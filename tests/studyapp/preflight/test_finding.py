@@ -9,7 +9,7 @@ from itertools import chain
 from pathlib import Path
 from string import Formatter
 
-from renderer.video.loudness import TARGET
+from renderer.loudness import TARGET
 from studyapp import preflight
 from studyapp.preflight.finding import Finding, catalogue, kinds, record, summed_up, told
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE

@@ -7,25 +7,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomlkit
 
 from motion.audio import Audio
 from motion.formats import read_clip, write_clip
-from renderer.video.encoder import SOUND_RATE, VideoWriter
+from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
-from studyapp.results.study_notes import study_notes
+from studyapp.results.analysed_tasks import study_notes
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.media import PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.study_file import new_study
+from tests.edited_study import edited
 from tests.studyapp.takes import write_motion, write_speech
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:
     """Put a copy of `video` where each pair video belongs."""
     study = folder.study()
+    assert isinstance(study, PairwiseStudy)
     pairs = tuple(
         PairVideo(
             segment=segment.name,
@@ -93,12 +95,11 @@ def findings_of(folder: StudyFolder, severity: Severity) -> list[str]:
 
 
 def change(folder: StudyFolder, *keys: str, value: object) -> None:
-    document = tomlkit.parse(folder.definition.read_text())
-    table: object = document
-    for key in keys[:-1]:
-        table = table[key]  # type: ignore[index]
-    table[keys[-1]] = value  # type: ignore[index]
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        table: object = document
+        for key in keys[:-1]:
+            table = table[key]  # type: ignore[index]
+        table[keys[-1]] = value  # type: ignore[index]
 
 
 def test_a_rendered_study_has_no_errors(untouched: list[Finding]) -> None:
@@ -158,7 +159,7 @@ def test_a_video_that_cannot_be_played_is_an_error(
 def hum(folder: StudyFolder, segment: str, amplitude: float) -> None:
     """Give the pairs of `segment` a sound of this amplitude."""
     moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
-    sound = Audio(amplitude * np.sin(2 * np.pi * 997 * moments), SOUND_RATE)
+    sound = Audio((amplitude * np.sin(2 * np.pi * 997 * moments)).astype(np.float32), SOUND_RATE)
     for pair in read_stimuli(folder.stimuli).pairs:
         if pair.segment == segment:
             with VideoWriter(folder.root / pair.file, 64, 64, 30, sound):
@@ -274,9 +275,8 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     ready: StudyFolder, video: Path
 ) -> None:
     assert study_notes(ready.study()) == ()
-    document = tomlkit.parse(ready.definition.read_text())
-    del document["conditions"]["ground_truth"]  # type: ignore[union-attr]
-    ready.definition.write_text(tomlkit.dumps(document))
+    with edited(ready.definition) as document:
+        del document["conditions"]["ground_truth"]
     (note,) = study_notes(ready.study())
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
@@ -285,8 +285,10 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
 
 def _give_coefficients(folder: StudyFolder) -> None:
     """Let the reference's faces be SMPL-X expression coefficients instead of ARKit weights."""
+    study = folder.study()
+    assert isinstance(study, PairwiseStudy)
     for segment in folder.segments():
-        path = folder.clip(folder.study().reference, segment.name)
+        path = folder.clip(study.reference, segment.name)
         clip = read_clip(path)
         face = np.ones((len(clip), 100), np.float32)
         write_clip(path, replace(clip, arkit=None, expressions=face))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -13,7 +14,6 @@ import pytest
 from flask import Response
 
 from studyapp.database.tables import IntakeChange
-from studyapp.preflight import serving_checks
 from studyapp.preflight.material import Material
 from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
 from studyapp.study.folder import StudyFolder
@@ -105,7 +105,7 @@ def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
 def test_a_disk_without_room_is_told(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch, free: int, name: str
 ) -> None:
-    monkeypatch.setattr(serving_checks.shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
 
     assert name in names(tiny_study)
 
@@ -113,7 +113,7 @@ def test_a_disk_without_room_is_told(
 def test_a_folder_that_may_not_be_written_is_told_unless_answers_go_elsewhere(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(serving_checks.os, "access", lambda *_: False)
+    monkeypatch.setattr(os, "access", lambda *_: False)
     assert "folder-unwritable" in names(tiny_study)
     monkeypatch.setenv("DATABASE_URL", f"sqlite:///{tiny_study / 'elsewhere.db'}")
     assert "folder-unwritable" not in names(tiny_study)

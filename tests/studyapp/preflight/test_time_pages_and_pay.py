@@ -8,17 +8,23 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.preflight.expected_time import ExpectedTime, expected_time, words
 from studyapp.preflight.material import Material
-from studyapp.preflight.participant_information import (
+from studyapp.preflight.recruiting_checks import (
+    code_findings,
+    page_findings,
+    pay_findings,
+    recruiting_findings,
+)
+from studyapp.preflight.time_checks import (
+    ExpectedTime,
     Pace,
+    expected_time,
     minutes_needed,
     pace_of_pilot,
     pace_of_study,
-    page_findings,
     time_findings,
+    words,
 )
-from studyapp.preflight.recruiting_checks import code_findings, pay_findings, recruiting_findings
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.recruitment import Recruitment
@@ -70,7 +76,7 @@ def test_there_are_many_ways_to_reach_somebody(contact: str) -> None:
 
 
 def test_texts_of_a_template_are_known_in_every_language(tmp_path: Path) -> None:
-    from studyapp.study.creation.study_file import new_study
+    from studyapp.study.study_file import new_study
 
     for language in ("en", "de", "ja"):
         study = new_study(tmp_path / f"{language}.toml", name="s", language=language)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import av
@@ -12,7 +12,7 @@ import pytest
 
 from motion.audio import Audio
 from motion.segment import Segment
-from renderer.video.encoder import SOUND_RATE
+from renderer.encoder import SOUND_RATE
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.check import check, finished_videos
 from studyapp.preflight.finished_video_checks import finished_video_findings
@@ -25,8 +25,7 @@ from studyapp.preflight.shown_video_checks import (
 )
 from studyapp.preflight.sound_checks import silent_share, sound_findings
 from studyapp.stimuli.media_probe import plays_at_once, written_in
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Content, PlannedTrial, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
 from tests.encoded import Told, write_video
@@ -203,7 +202,9 @@ def trial(position: int, *videos: str, reference: str | None = None) -> PlannedT
     )
 
 
-SIZES = {(Stimulus.own(name, "s"),): size for name, size in (("a", 10), ("b", 20), ("c", 100))}
+SIZES: Mapping[Content, int] = {
+    (Stimulus.own(name, "s"),): size for name, size in (("a", 10), ("b", 20), ("c", 100))
+}
 
 
 def test_a_page_weighs_its_own_videos_and_those_of_the_next() -> None:

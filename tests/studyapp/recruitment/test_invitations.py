@@ -9,8 +9,8 @@ from studyapp.recruitment.invitations import (
     invited,
     make_invitations,
 )
-from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled
-from studyapp.session.arrival.screen_outs import note_screen_out, was_screened_out
+from studyapp.session.arrivals import Arrival, note_screen_out, was_screened_out
+from studyapp.session.enrolment import enrol, enrolled
 from studyapp.session.served_study import ServedStudy
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

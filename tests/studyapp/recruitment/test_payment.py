@@ -15,10 +15,10 @@ from studyapp.recruitment.payment import (
     judge_assignment,
     judge_submission,
 )
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.arrivals import Arrival, note_screen_out
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.withdrawal import withdraw
 from studyapp.study.settings.recruitment import Prolific, Recruitment
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

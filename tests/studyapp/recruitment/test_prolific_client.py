@@ -7,6 +7,7 @@ import httpx
 import pytest
 
 from motion.errors import InputError
+from studyapp.recruitment.prolific import prolific_draft
 from studyapp.recruitment.prolific_client import (
     PAGE_SIZE,
     TRIES,
@@ -14,7 +15,6 @@ from studyapp.recruitment.prolific_client import (
     ProlificRefusedError,
     prolific_token,
 )
-from studyapp.recruitment.prolific_draft import prolific_draft
 from tests.studyapp.made_study import make_segments, make_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn
 
@@ -211,20 +211,22 @@ def test_an_answer_that_repeats_the_token_does_not_bring_it_into_the_error(
 
 
 @pytest.mark.parametrize(
-    ("environment", "said"),
+    ("held", "said"),
     [
-        ({}, "is not set"),
-        ({"PROLIFIC_TOKEN": "  "}, "is not set"),
-        ({"PROLIFIC_TOKEN": "two\nlines-of-token"}, "holds no token"),
+        ("", "is not set"),
+        ("  ", "is not set"),
+        ("two\nlines-of-token", "holds no token"),
     ],
 )
 def test_an_unusable_token_is_refused_without_being_shown(
-    environment: dict[str, str], said: str
+    monkeypatch: pytest.MonkeyPatch, held: str, said: str
 ) -> None:
+    monkeypatch.setenv("PROLIFIC_TOKEN", held)
     with pytest.raises(InputError, match=said) as refused:
-        prolific_token(environment)
+        prolific_token()
     assert "lines" not in str(refused.value)
 
 
-def test_the_token_is_read_from_the_environment() -> None:
-    assert prolific_token({"PROLIFIC_TOKEN": f" {TOKEN}\n"}) == TOKEN
+def test_the_token_is_read_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PROLIFIC_TOKEN", f" {TOKEN}\n")
+    assert prolific_token() == TOKEN

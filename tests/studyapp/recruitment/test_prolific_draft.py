@@ -1,16 +1,18 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from motion.errors import InputError
-from studyapp.recruitment.prolific_draft import hourly, internal_name, prolific_draft
+from studyapp.recruitment.prolific import hourly, internal_name, prolific_draft
 from tests.studyapp.made_study import make_segments, make_study
 from tests.studyapp.recruitment.test_prolific_client import PAGE, PROLIFIC, draft
 
 SEGMENTS = make_segments(["happiness"] * 4)
 
 
-def actions(sent: dict, outcome: str) -> tuple[str, list]:
+def actions(sent: dict[str, Any], outcome: str) -> tuple[str, list[dict[str, Any]]]:
     found = next(each for each in sent["completion_codes"] if each["code"] == PROLIFIC[outcome])
     return found["code_type"], found["actions"]
 

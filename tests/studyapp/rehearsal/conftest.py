@@ -14,8 +14,8 @@ from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.stimuli import Stimuli, read_stimuli, write_stimuli
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.made_study import make_study

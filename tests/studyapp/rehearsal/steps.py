@@ -12,8 +12,8 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
@@ -67,11 +67,11 @@ def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: i
     """Require that so many finished, and that all that was acknowledged is stored once."""
     told = ledger.read().answers
     with database.reading() as session:
-        sittings = session.scalars(select(StudySession)).all()
-        assert [each.completed_at is not None for each in sittings] == [True] * people
+        study_sessions = session.scalars(select(StudySession)).all()
+        assert [each.completed_at is not None for each in study_sessions] == [True] * people
         stored = [
             ((trial.token, response.question, response.stimulus or 0), response.value)
-            for each in sittings
+            for each in study_sessions
             for trial in each.trials
             for response in trial.responses
         ]

@@ -22,7 +22,7 @@ from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
 from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.recruitment import mturk, prolific
-from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
+from studyapp.recruitment.mturk import SANDBOX, MTurkClient
 from studyapp.recruitment.payment import arrived
 from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import MadeThere, write_made_there

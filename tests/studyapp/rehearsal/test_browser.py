@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +12,8 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.tables import Video
-from studyapp.rehearsal import browser as browser_room
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.browser import require_browser
-from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
@@ -62,6 +62,6 @@ def test_without_playwright_it_is_said_what_to_install(
 def test_without_a_browser_it_is_said_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(browser_room.shutil, "which", lambda name: str(tmp_path / name))
+    monkeypatch.setattr(shutil, "which", lambda name: str(tmp_path / name))
     with pytest.raises(InputError, match=r"no browser could be started.*playwright install"):
         require_browser()

@@ -21,12 +21,12 @@ from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
-from studyapp.session.exclusion import is_excluded
+from studyapp.session.ending import is_excluded
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import answering, browser
-from tests.support.stored import reading
+from tests.support.stored import opened, reading
 
 Written = Callable[[str], StudyFolder]
 
@@ -73,16 +73,16 @@ def test_a_page_with_a_video_too_few_stops_the_participant(
 def require_stored_as_said(database: Database, participant: Participant) -> None:
     """Require that all pages were passed, and every trial is answered as its rater answers it."""
     with database.reading() as session:
-        for sitting in session.scalars(select(StudySession)):
-            assert sitting.sound_checked_at is not None
-            assert sitting.rested_at_position is not None
-            assert len(sitting.form_answers) == 5
+        for study_session in session.scalars(select(StudySession)):
+            assert study_session.sound_checked_at is not None
+            assert study_session.rested_at_position is not None
+            assert len(study_session.form_answers) == 5
             rater = Rater(
                 population=participant.population,
                 seed=participant.seed,
-                name=f"{sitting.arm} {sitting.number}",
+                name=f"{study_session.arm} {study_session.number}",
             )
-            for trial in sitting.trials:
+            for trial in study_session.trials:
                 said = judge(participant.study, rater, seen(trial)).values
                 assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
 
@@ -116,6 +116,17 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("folder", ["rankings with ties"], indirect=True)
+def test_a_rehearsal_stores_what_its_raters_say(
+    folder: StudyFolder, participant: Participant
+) -> None:
+    result = rehearse(folder, participants=2, seed=1, workers=2, population=participant.population)
+    assert (result.completed, result.kept) == (2, 0)
+    with opened(folder.rehearsal) as database:
+        require_stored_as_said(database, participant)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
 def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
     folder: StudyFolder,
@@ -129,8 +140,10 @@ def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
     people = replace(default_population(folder.study()), kinds={"careless": 0.5}, overlooked=0.0)
     result = rehearse(folder, seed=2, population=people)
     with reading(folder.rehearsal) as session:
-        sittings = session.scalars(select(StudySession)).all()
-        excluded = sum(is_excluded(folder.study(), sitting) for sitting in sittings)
+        study_sessions = session.scalars(select(StudySession)).all()
+        excluded = sum(
+            is_excluded(folder.study(), study_session) for study_session in study_sessions
+        )
         assert excluded > 0
         assert result.completed == 3 + excluded
         holders = [place.study_session for place in session.scalars(select(Place))]

@@ -79,3 +79,8 @@ def test_a_disabled_button_does_not_count() -> None:
 def test_a_field_or_button_without_words_is_named(lost: str, named: str) -> None:
     with pytest.raises(IncompleteFormError, match=f"has no words beside {named}"):
         form(RANKED.replace(lost, "")).filled(ANSWERS)
+
+
+def test_what_a_script_shows_gets_its_words_from_the_script() -> None:
+    hidden = '<div hidden><button type="button"></button></div>'
+    form(RANKED.replace("<button>", f"{hidden}<button>")).filled(ANSWERS)

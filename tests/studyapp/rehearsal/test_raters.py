@@ -10,11 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.sight import SeenTrial
-from studyapp.study.design.asking import Ask
-from studyapp.study.design.pair_trials import PREFERENCES
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
+from studyapp.study.design.order import PREFERENCES
+from studyapp.study.design.trial import Ask, Stimulus
 
 CONDITIONS = ("a", "b", "flaw")
 FAIR = Population(
@@ -87,8 +85,8 @@ def test_equal_conditions_are_answered_evenly() -> None:
 @pytest.mark.parametrize("bias", [-0.8, 0.8])
 def test_side_bias_pulls_towards_its_side_whatever_is_shown(bias: float) -> None:
     population = replace(FAIR, side_bias=bias)
-    for sides in ({"left": "a", "right": "b"}, {"left": "b", "right": "a"}):
-        assert np.mean(answers(population, 300, **sides)) * np.sign(bias) > 0.25
+    for left, right in (("a", "b"), ("b", "a")):
+        assert np.mean(answers(population, 300, left=left, right=right)) * np.sign(bias) > 0.25
 
 
 def test_an_attentive_rater_sees_a_visible_flaw_on_either_side() -> None:

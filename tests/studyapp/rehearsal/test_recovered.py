@@ -10,14 +10,14 @@ from sqlalchemy import delete, select, update
 
 from motion.errors import InputError
 from studyapp.database.tables import Response, StudySession
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
-from studyapp.rehearsal.recovery.page import write_recovery
-from studyapp.rehearsal.recovery.recovery import Recovery, recover
+from studyapp.rehearsal.recovered import Recovery, recover
+from studyapp.rehearsal.recovery_page import write_recovery
 from studyapp.rehearsal.resumption import call_roster, let_time_pass
-from studyapp.rehearsal.simulation.kinds import Kind
+from studyapp.rehearsal.simulation.population import Kind
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder

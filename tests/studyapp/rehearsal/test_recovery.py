@@ -1,4 +1,4 @@
-"""The analysis finds what the raters were given to prefer."""
+"""The analysis finds the true values of the raters."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import pandas as pd
 import pytest
 
 from analysis.answers.cells import Cells
-from analysis.answers.columns import PAIRWISE
 from analysis.answers.reading import Order, answers_in
-from analysis.answers.table import AnswerTable
+from analysis.answers.table import PAIRWISE, AnswerTable
 from analysis.results.net_preference import sided
 from analysis.results.participants import LeftOut, leave_out
 from analysis.results.preference import win_share
@@ -20,8 +19,7 @@ from analysis.stats.clustered_mean import Estimate
 from motion.segment import EMOTIONS, Segment
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from tests.studyapp.made_study import pair_plan
@@ -34,7 +32,7 @@ SEGMENTS = tuple(
 
 def simulated(study: PairwiseStudy, population: Population, seed: int) -> AnswerTable:
     """Return what a rehearsal of `study` stores, without the server in between."""
-    rows = []
+    rows: list[dict[str, object]] = []
     for other in study.others:
         comparison = comparison_name(study.reference, other)
         for number in range(study.participants_per_comparison):
@@ -81,7 +79,8 @@ def reference_share(
         (answers["question"] == question)
         & ((answers["left"] == other) | (answers["right"] == other))
     ]
-    return win_share(sided(own, (own["right"] == study.reference).to_numpy(bool)))
+    of_reference = (own["right"] == study.reference).to_numpy(bool)
+    return win_share(replace(sided(own), on_right=of_reference))
 
 
 @pytest.mark.slow

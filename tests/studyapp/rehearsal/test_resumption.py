@@ -75,13 +75,13 @@ def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
     assert not begun.rehearsal.exists()
 
 
-def store(database: Database, *sittings: tuple[str, bool, int | None]) -> None:
+def store(database: Database, *study_sessions: tuple[str, bool, int | None]) -> None:
     """Store study sessions: who they are of, whether they are finished, and their place."""
     now = datetime.now(UTC)
     version = StudyVersion(number=1, design="d", definition="", operation={}, opened_at=now)
     with database.writing() as session:
-        for name, finished, number in sittings:
-            sitting = StudySession(
+        for name, finished, number in study_sessions:
+            study_session = StudySession(
                 token=name,
                 recruiter_participant=name,
                 version=version,
@@ -93,9 +93,9 @@ def store(database: Database, *sittings: tuple[str, bool, int | None]) -> None:
                 completed_at=now if finished else None,
                 completion_code=name if finished else None,
             )
-            session.add(sitting)
+            session.add(study_session)
             if number is not None:
-                sitting.place = Place(arm="a-b", design="d", number=number)
+                study_session.place = Place(arm="a-b", design="d", number=number)
 
 
 def test_the_roster_tells_who_is_where(database: Database) -> None:

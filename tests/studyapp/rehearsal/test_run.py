@@ -23,11 +23,9 @@ from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
-from studyapp.rehearsal.simulation.conduct import Conduct
-from studyapp.rehearsal.simulation.judgement import judge
+from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from tests.studyapp.exported import responses_table
@@ -44,8 +42,8 @@ def answers(folder: StudyFolder) -> pd.DataFrame:
         table = read_once(database, responses_table)
         with database.reading() as session:
             raters = {
-                sitting.id: rater_name(session, sitting)
-                for sitting in session.scalars(select(StudySession))
+                study_session.id: rater_name(session, study_session)
+                for study_session in session.scalars(select(StudySession))
             }
     return table.assign(rater=table["study_session"].map(raters))
 

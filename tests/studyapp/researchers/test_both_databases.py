@@ -8,8 +8,8 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
+from studyapp.researchers.account import accounts, let_in_again, shut_out
 from studyapp.researchers.attempts import MOST_OF_NAME, TooManyAttemptsError
-from studyapp.researchers.authentication import WrongLoginError
 from studyapp.researchers.links import (
     UnusableLinkError,
     choose_password,
@@ -17,8 +17,7 @@ from studyapp.researchers.links import (
     join,
     offer_new_password,
 )
-from studyapp.researchers.logins import logged_in
-from studyapp.researchers.membership import accounts, let_in_again, shut_out
+from studyapp.researchers.logins import WrongLoginError, logged_in
 from tests.studyapp.researchers_at_hand import PASSWORD, enter, joined
 from tests.studyapp.taking_part_steps import SetClock
 

@@ -11,17 +11,16 @@ from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, ExclusionDecision
-from studyapp.researchers.audit import ERASED, logged_changes
+from studyapp.researchers.audit import ERASED, StudyState, logged_changes, note_look
 from studyapp.researchers.exclusion_decisions import (
     decide_exclusion,
     exclusion_decisions,
     standing_exclusions,
 )
-from studyapp.researchers.looks import StudyState, note_look
 from studyapp.results.stored_answers import stored_answers
+from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

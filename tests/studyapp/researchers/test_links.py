@@ -6,6 +6,7 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import ResearcherLink
+from studyapp.researchers.account import accounts, shut_out
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.links import (
     LIFETIME,
@@ -20,7 +21,6 @@ from studyapp.researchers.links import (
     usable_links,
 )
 from studyapp.researchers.logins import logged_in
-from studyapp.researchers.membership import accounts, shut_out
 from tests.studyapp.researchers_at_hand import PASSWORD, enter, joined
 from tests.studyapp.taking_part_steps import SetClock
 
@@ -115,6 +115,7 @@ def test_a_link_for_a_new_password_replaces_it_and_ends_all_logins(
     login = choose_password(database, clock, token, password="seven quiet bicycles")  # noqa: S106
 
     assert logged_in(database, elsewhere, clock.now(), by_hand=True) is None
+    assert login is not None
     assert logged_in(database, login, clock.now(), by_hand=True) is not None
     enter(database, clock, "Ada", "seven quiet bicycles")
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from analysis.report.figures import ink
+from analysis.report.figures import style
 from studyapp.database.tables import StudySession
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.taking_part_steps import SetClock
@@ -24,7 +24,7 @@ Answered = Callable[..., StudyFolder]
 def at_home(monkeypatch: pytest.MonkeyPatch) -> None:
     """Keep to the database beside the study, and spare parts of fonts that nobody prints."""
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
+    monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
 
 
 @pytest.fixture(scope="session")

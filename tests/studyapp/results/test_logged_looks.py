@@ -11,13 +11,13 @@ import pytest
 from sqlalchemy import update
 
 from analysis.results.looks import NOT_LOGGED, LooksBefore
-from analysis.stats.peeking import equally_spaced, false_positive_rate
+from analysis.stats.multiple_testing import equally_spaced, false_positive_rate
 from studyapp.database.tables import StudySession
-from studyapp.researchers.looks import StudyState, looks, note_look
+from studyapp.researchers.audit import StudyState, looks, note_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
-from studyapp.results.logged_looks import earlier_looks, note_way_out
+from studyapp.results.looks import earlier_looks, note_way_out
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import Answered
@@ -118,7 +118,7 @@ def test_a_look_that_cannot_be_logged_is_said_to_be_so(
     def refuse(*_: object, **__: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr("studyapp.results.logged_looks.note_look", refuse)
+    monkeypatch.setattr("studyapp.results.looks.note_look", refuse)
 
     assert "could not be logged that you looked: the disk is full" in noted(folder)
 

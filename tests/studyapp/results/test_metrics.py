@@ -1,20 +1,20 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from motion.errors import InputError
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import BODY_JOINTS
+from motion.skeleton import BODY_JOINTS, REST_JOINTS
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
-from tests.analysis.evaluators.published.conftest import write_checkpoint
+from tests.analysis.evaluators.published_weights import write_checkpoint
 
-QUICK = {"presets": ("genea", "s2ue"), "processes": 1}
+QUICK: Mapping[str, Any] = {"presets": ("genea", "s2ue"), "processes": 1}
 
 
 @pytest.fixture

@@ -16,10 +16,10 @@ from studyapp.database.tables import StudySession
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
-from studyapp.results.so_far import agreement_so_far
+from studyapp.results.looks import agreement_so_far
+from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

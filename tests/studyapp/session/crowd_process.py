@@ -17,10 +17,11 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.session.answers import answer
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.participation import begin, look
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.session.ledger import good_value
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.three_arms import three_arms

@@ -7,15 +7,15 @@ from sqlalchemy import select, update
 
 from studyapp.database.tables import Response, StudySession, Video
 from studyapp.session.answers import skip_unplayable
-from studyapp.session.completion import FEWEST_LEFT_OUT
+from studyapp.session.ending import FEWEST_LEFT_OUT
 from studyapp.session.refusal import (
     ConflictError,
     NotTheirsError,
     UnacceptableError,
     UnknownAddressError,
 )
-from studyapp.session.videos.watch_evidence import Playback
-from studyapp.study.completion_codes import CODE_LENGTH, CODE_LETTERS
+from studyapp.session.watch_evidence import Playback
+from studyapp.study.settings.recruitment import CODE_LENGTH, CODE_LETTERS
 from tests.studyapp.taking_part_steps import ANSWERS, Participant
 
 

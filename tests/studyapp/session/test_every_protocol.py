@@ -13,12 +13,11 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import Trial
 from studyapp.session.answers import answer
-from studyapp.session.participation import ShownTrial
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
-from studyapp.session.videos.video_access import content_of
-from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.video_access import content_of
 from studyapp.study.settings.questions import Reason
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.exported import responses_table
@@ -46,15 +45,7 @@ def watch_all(participant: Participant) -> ShownTrial:
     participant.clock.advance(seconds=3 * len(shown.videos))
     for video in shown.videos:
         participant.fetch(video.token)
-        record_watched(
-            participant.database,
-            participant.served,
-            participant.token,
-            video.token,
-            batch=0,
-            intervals=[(0.0, video.duration)],
-            clock=participant.clock,
-        )
+        participant.report(video.token, (0.0, video.duration))
     return shown
 
 
@@ -155,7 +146,7 @@ def test_of_a_mismatch_the_export_says_what_was_heard(arrive: Arrive) -> None:
 
 def test_a_video_without_its_sound_is_marked_for_the_page(arrive: Arrive) -> None:
     participant = arrive("mismatch")
-    muted = {}
+    muted: dict[str, set[bool]] = {}
     while (shown := participant.look().trial) is not None:
         muted.setdefault(shown.part, set()).update(video.muted for video in shown.videos)
         watch_all(participant)
@@ -241,15 +232,7 @@ def test_two_videos_cannot_have_been_played_in_the_time_of_one(arrive: Arrive) -
     participant.watch((0.0, 2.0))
 
     with pytest.raises(UnacceptableError, match="than there was time for"):
-        record_watched(
-            participant.database,
-            participant.served,
-            participant.token,
-            second.token,
-            batch=0,
-            intervals=[(0.0, 2.0)],
-            clock=participant.clock,
-        )
+        participant.report(second.token, (0.0, 2.0))
     assert first.token != second.token
 
 

@@ -8,7 +8,8 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, StudySession
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
 from studyapp.session.form_answers import answer_form
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy

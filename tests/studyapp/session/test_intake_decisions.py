@@ -13,8 +13,15 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Place
 from studyapp.monitoring.overview import overview
 from studyapp.researchers.audit import logged_changes
-from studyapp.session.arrival.intake import Intake, present_intake, wanted_places
-from studyapp.session.arrival.intake_decisions import MOST_MORE, decided, extend, steer
+from studyapp.session.intake import (
+    MOST_MORE,
+    Intake,
+    decided,
+    extend,
+    present_intake,
+    steer,
+    wanted_places,
+)
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.places import release_stale
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.participation import look
+from studyapp.session.places import release_stale
 from studyapp.session.refusal import ConflictError, UnknownAddressError
-from studyapp.session.videos.video_access import content_of
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.video_access import content_of
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant

@@ -9,11 +9,10 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
-from studyapp.session.arrival.places import release_stale
+from studyapp.session.places import release_stale
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.state import find
 from studyapp.session.versions import open_study
-from studyapp.session.videos.watch_reports import record_watched
 from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -63,15 +62,7 @@ def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
         release_stale(session, participant.served, participant.clock.now())
     assert not held(participant.database)
 
-    known = record_watched(
-        participant.database,
-        participant.served,
-        participant.token,
-        token,
-        batch=0,
-        intervals=[(0.0, 1.0)],
-        clock=participant.clock,
-    )
+    known = participant.report(token, (0.0, 1.0))
 
     assert known.intervals == ((0.0, 1.0),)
     assert sum(held(participant.database).values()) == 1

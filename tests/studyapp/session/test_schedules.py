@@ -18,12 +18,13 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.session.answers import answer
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.participation import begin, look
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.emptying import empty
 from tests.studyapp.session.ledger import (
     Ledger,
@@ -245,8 +246,12 @@ class Schedule(RuleBasedStateMachine):
 
 @pytest.mark.slow
 def test_places_and_answers_come_to_what_was_done(database: Database) -> None:
+    class ScheduleHere(Schedule):
+        def __init__(self) -> None:
+            super().__init__(database)
+
     run_state_machine_as_test(
-        lambda: Schedule(database),
+        ScheduleHere,
         settings=settings(max_examples=10, stateful_step_count=30),
     )
 

@@ -120,15 +120,15 @@ def check(before: dict[str, Known], after: dict[str, Known], done: list[Done]) -
             stored = {t: values for t, values in before[name].answers.items() if values}
             assert stored.items() <= known.answers.items()
     for deed in done:
-        known = after.get(deed.step.name)
+        who = after.get(deed.step.name)
         if deed.token:
-            assert known is not None
-            assert known.token == deed.token
-        if known is not None and deed.outcome == "answered":
-            assert known.answers[deed.trial] == [deed.value]
-        if known is not None and deed.outcome in ("answered", "going on"):
+            assert who is not None
+            assert who.token == deed.token
+        if who is not None and deed.outcome == "answered":
+            assert who.answers[deed.trial] == [deed.value]
+        if who is not None and deed.outcome in ("answered", "going on"):
             # They were there in this round: nobody took their place for silent.
-            assert known.place is not None or known.withdrawn
+            assert who.place is not None or who.withdrawn
     if any(deed.outcome == "full" for deed in done):
         left = sum(deed.outcome == "withdrawn" for deed in done)
         assert len(held) + left >= ARMS * PLACES

@@ -6,7 +6,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.design.trial import Content, Stimulus
 from tests.studyapp.made_study import make_study
 
 

@@ -8,8 +8,11 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol, enrolled
 from studyapp.session.form_answers import answer_form
+from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.refusal import (
     ConflictError,
     StudyFullError,
@@ -17,10 +20,8 @@ from studyapp.session.refusal import (
     UnknownAddressError,
 )
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.sound_check import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Stimulus
 from studyapp.study.settings.study import Study
 from tests.functional.redefining import redefine
 from tests.studyapp.exported import study_sessions_table

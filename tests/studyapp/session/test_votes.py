@@ -8,10 +8,10 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.session.arrival.trial_rows import votes_so_far
+from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.trial_rows import votes_so_far
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 

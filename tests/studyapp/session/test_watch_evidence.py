@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.session.videos.watch_evidence import NOTHING_PLAYED, Report, add, length, merged
+from studyapp.session.watch_evidence import NOTHING_PLAYED, Report, add, length, merged
 
 INTERVALS = st.lists(
     st.tuples(st.integers(0, 40), st.integers(0, 40)).map(lambda pair: (min(pair), max(pair)))
@@ -30,7 +30,7 @@ def test_merging_covers_exactly_what_the_intervals_cover(
 def test_silence_counts_only_where_there_is_nothing_to_hear(
     soundless: bool, watched: float
 ) -> None:
-    report = Report(batch=0, intervals=[[0.0, 2.0]], silent_seconds=2.0)
+    report = Report(batch=0, intervals=((0.0, 2.0),), silent_seconds=2.0)
 
     record = add(NOTHING_PLAYED, report, soundless=soundless)
 

@@ -4,6 +4,7 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.database.tables import Trial, WatchRecord
+from studyapp.session.ending import withdraw
 from studyapp.session.refusal import (
     ConflictError,
     NotTheirsError,
@@ -11,9 +12,7 @@ from studyapp.session.refusal import (
     TooMuchWatchedError,
     UnacceptableError,
 )
-from studyapp.session.videos.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
-from studyapp.session.videos.watch_reports import record_watched
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
 from tests.studyapp.taking_part_steps import Participant
 
 UNCOUNTED = {
@@ -25,15 +24,7 @@ UNCOUNTED = {
 
 def report_again(participant: Participant, *intervals: tuple[float, float]) -> Watched:
     """Send the first report of the present video once more."""
-    return record_watched(
-        participant.database,
-        participant.served,
-        participant.token,
-        participant.trial().videos[0].token,
-        batch=0,
-        intervals=intervals,
-        clock=participant.clock,
-    )
+    return participant.report(participant.trial().videos[0].token, *intervals)
 
 
 @pytest.mark.parametrize("how", UNCOUNTED)
@@ -224,15 +215,7 @@ def test_a_trial_that_is_not_shown_cannot_be_watched(participant: Participant) -
     participant.clock.advance(seconds=60)
 
     with pytest.raises(ConflictError):
-        record_watched(
-            participant.database,
-            participant.served,
-            participant.token,
-            following,
-            batch=0,
-            intervals=[(0.0, 2.0)],
-            clock=participant.clock,
-        )
+        participant.report(following, (0.0, 2.0))
 
 
 def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> None:
@@ -240,15 +223,7 @@ def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> Non
     theirs = other.enrol("another").begin().trial().videos[0].token
 
     with pytest.raises(NotTheirsError):
-        record_watched(
-            participant.database,
-            participant.served,
-            participant.token,
-            theirs,
-            batch=0,
-            intervals=[],
-            clock=participant.clock,
-        )
+        participant.report(theirs)
 
 
 def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:
@@ -257,14 +232,6 @@ def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) ->
     withdraw(participant.database, participant.token, participant.clock)
 
     with pytest.raises(RefusalError):
-        record_watched(
-            participant.database,
-            participant.served,
-            participant.token,
-            video_token,
-            batch=0,
-            intervals=[(0.0, 2.0)],
-            clock=participant.clock,
-        )
+        participant.report(video_token, (0.0, 2.0))
     with participant.database.reading() as session:
         assert session.scalars(select(WatchRecord)).all() == []

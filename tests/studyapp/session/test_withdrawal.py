@@ -19,11 +19,12 @@ from studyapp.database.tables import (
 )
 from studyapp.database.tables.base import Base
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import promise_made, withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.session.withdrawal import promise_made, withdraw
 from tests.functional.redefining import redefine
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once

@@ -7,7 +7,7 @@ from PIL import Image
 
 from studyapp.stimuli.contact_sheet import write_contact_sheet
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import ClipVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.media import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from tests.finished_study import (
     PROTOCOLS,
     SEGMENTS,

@@ -10,7 +10,7 @@ import pytest
 from motion.errors import InputError
 from renderer.look import Look
 from studyapp.stimuli.disk_space import check_room
-from studyapp.study.stimuli import ClipVideo
+from studyapp.study.media import ClipVideo
 
 
 class Usage(NamedTuple):

@@ -7,20 +7,21 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-import tomlkit
 from click.testing import CliRunner
+from numpy.typing import NDArray
 from PIL import Image
 
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
-from renderer.figures.moments import Moment
+from renderer.figures.strip import Moment
 from renderer.look import BACKGROUND
 from studyapp.cli.main import group
-from studyapp.stimuli.figures.grids import write_grid_of
-from studyapp.stimuli.figures.material import FigureMaterial
-from studyapp.stimuli.figures.stills import Choice, Print, write_overlay, write_still, write_strip
+from studyapp.stimuli.figure_grids import write_grid_of
+from studyapp.stimuli.figure_material import FigureMaterial
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.still_figures import Choice, Print, write_overlay, write_still, write_strip
 from studyapp.study.folder import StudyFolder
+from tests.edited_study import edited
 
 pytestmark = pytest.mark.slow
 
@@ -32,9 +33,8 @@ BROKEN = ("still", "--segment", SEGMENT, "--condition", "broken")
 def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     """Return a study whose arm is raised in one condition and hangs in the others."""
     import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
-    document = tomlkit.parse(folder.definition.read_text())
-    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["video"].update({"size": 96, "frame_rate": 10})
     for segment in folder.segments():
         clip = read_clip(folder.clip("ground_truth", segment.name))
         still = replace(clip, poses=np.zeros_like(clip.poses), provenance={})
@@ -48,10 +48,10 @@ def a_print(*outputs: Path, inches: float = 1.5, clear: bool = False) -> Print:
     return Print(inches=inches, clear=clear, whole=False, closeup=False, outputs=outputs)
 
 
-def figures_in(path: Path) -> np.ndarray:
+def figures_in(path: Path) -> NDArray[np.bool_]:
     with Image.open(path) as image:
         pixels = np.asarray(image.convert("RGB")).astype(int)
-    return np.abs(pixels - BACKGROUND).max(axis=-1) > 20
+    return np.asarray(np.abs(pixels - BACKGROUND).max(axis=-1) > 20)
 
 
 def test_a_still_has_the_size_asked_for_whatever_the_videos_have(

@@ -7,18 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-import tomlkit
 
-from motion.freeze import moving_channels
+from motion.clip import moving_channels
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.shown_motion import read_motion_shown
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
+from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
 from studyapp.web.running import running
+from tests.edited_study import edited
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor
@@ -32,9 +32,8 @@ def test_no_frozen_channel_moves_in_any_motion_shown(
 ) -> None:
     folder = StudyFolder(tmp_path / "study")
     new_study(folder.definition, template=template, name="study")
-    document = tomlkit.parse(folder.definition.read_text())
-    document["freeze"] = FROZEN
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["freeze"] = FROZEN
     import_take(folder, take(speech=4.0, motion=4.0, segment=2.0))
     generate(folder)
     study = folder.study()

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomlkit
 
 from motion.errors import InputError
 from motion.formats import read_clip
@@ -13,6 +12,7 @@ from motion.placement import place
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
+from tests.edited_study import edited
 
 MakeTake = Callable[..., Take]
 
@@ -33,16 +33,15 @@ def generated_files(folder: StudyFolder) -> dict[Path, bytes]:
 
 
 def set_seed(folder: StudyFolder, seed: int) -> None:
-    document = tomlkit.parse(folder.definition.read_text())
-    document["seed"] = seed
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["seed"] = seed
 
 
 def test_every_generated_condition_gets_a_placed_clip_of_its_speech_once(
     study: StudyFolder,
 ) -> None:
     reported: list[tuple[int, int]] = []
-    count = generate(study, on_clip=lambda done, total: reported.append((done, total)))
+    count = generate(study, on_clip=lambda done, total, _detail="": reported.append((done, total)))
     assert (count.made, count.kept) == (9, 0)
     assert reported == [(n, 9) for n in range(1, 10)]
     for path in generated_files(study):
@@ -63,7 +62,7 @@ def test_every_generated_condition_gets_a_placed_clip_of_its_speech_once(
 
 
 def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
-    def interrupt(done: int, total: int) -> None:
+    def interrupt(done: int, total: int, detail: str = "") -> None:
         if done == 4:
             raise KeyboardInterrupt
 

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-import tomlkit
 
 from motion.errors import InputError
 from motion.formats import read_clip
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
+from tests.edited_study import edited
 from tests.generators.diffsheg.small_network import written_network
 from training.hearing.hubert import stand_in
 
@@ -24,21 +24,19 @@ def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     import_take(folder, take(speech=2.0, motion=2.0))
     (folder.root / "models").mkdir()
     written_network(folder.root / "models" / "small.safetensors")
-    document = tomlkit.parse(folder.definition.read_text())
-    document["reference"] = "ground_truth"
-    document["conditions"] = {
-        "ground_truth": {},
-        "learned": {"generator": "diffsheg", "checkpoint": "models/small.safetensors"},
-    }
-    document["catch"]["trials"] = 0
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["reference"] = "ground_truth"
+        document["conditions"] = {
+            "ground_truth": {},
+            "learned": {"generator": "diffsheg", "checkpoint": "models/small.safetensors"},
+        }
+        document["catch"]["trials"] = 0
     return folder
 
 
 def set_key(folder: StudyFolder, key: str, value: object) -> None:
-    document = tomlkit.parse(folder.definition.read_text())
-    document["conditions"]["learned"][key] = value
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["conditions"]["learned"][key] = value
 
 
 def test_a_network_moves_the_segment_and_is_kept_while_nothing_changes(

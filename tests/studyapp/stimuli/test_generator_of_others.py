@@ -8,14 +8,12 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-import tomlkit
 from click.testing import CliRunner, Result
 from pydantic import Field
 
 from generators.interface import OnPart, SpeechSegment, StudyClips, unheard
-from generators.registry import GENERATORS, Entry
+from generators.registry import GENERATORS, TRAINABLE, Entry, Trainable
 from generators.settings import File, ModelSettings, Settings
-from generators.trainable import Trainable
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip
@@ -23,6 +21,7 @@ from studyapp.cli.main import group
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import read_study
+from tests.edited_study import edited
 
 
 class Pace(Settings):
@@ -69,18 +68,19 @@ class Sway:
         on_part: OnPart = unheard,
     ) -> MotionClip:
         frames = speech.frame_count(frame_rate)
-        poses = np.zeros((frames, 55, 3))
+        poses = np.zeros((frames, 55, 3), np.float32)
         learned = float(self._settings.checkpoint.read_text())
         turns = learned * self._settings.pace.turns * np.arange(frames) / frame_rate
         poses[:, 3, 1] = self._settings.angle * np.sin(turns)
-        clip = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate)
+        trans = np.zeros((frames, 3), np.float32)
+        clip = MotionClip(poses=poses, trans=trans, frame_rate=frame_rate)
         told = self._settings.model_dump_json(exclude={"checkpoint"})
         return clip.with_provenance(
             generator=self.name, seed=str(seed), segment=speech.segment.name, told=told
         )
 
 
-TRAINABLE = Trainable(
+SWAYING = Trainable(
     summary="Teach a body to sway.",
     explanation="",
     configs={"tiny": "one number"},
@@ -94,9 +94,9 @@ def weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     entry = Entry(
         home=f"{__name__}:Sway",
         settings=f"{__name__}:SwaySettings",
-        trainable={"sway": f"{__name__}:TRAINABLE"},
     )
     monkeypatch.setitem(GENERATORS, "sway", entry)
+    monkeypatch.setitem(TRAINABLE, "sway", SWAYING)
     path = tmp_path / "sway.txt"
     path.write_text("6.3")
     return path
@@ -115,11 +115,10 @@ def run(*arguments: object) -> Result:
 
 
 def stated(folder: StudyFolder, **keys: Any) -> None:
-    document = tomlkit.parse(folder.definition.read_text())
-    document["reference"] = "ground_truth"
-    document["conditions"] = {"ground_truth": {}, "ours": {"generator": "sway", **keys}}
-    document["catch"]["trials"] = 0
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["reference"] = "ground_truth"
+        document["conditions"] = {"ground_truth": {}, "ours": {"generator": "sway", **keys}}
+        document["catch"]["trials"] = 0
 
 
 def test_a_study_moves_by_it_and_makes_clips_anew_where_anything_it_is_told_changes(

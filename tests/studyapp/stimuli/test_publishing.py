@@ -12,9 +12,8 @@ from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish, remove
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import read_stimuli
-from studyapp.web.media_store.record import FILE, Place, Published, read_published
-from studyapp.web.media_store.store import digests_of
+from studyapp.study.media import read_stimuli
+from studyapp.web.media_store import FILE, Place, Published, digests_of, read_published
 from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store, forget_keys
 from tests.tiny_study import SECONDS, write_pair_video
 
@@ -63,8 +62,8 @@ def test_a_stored_video_plays_as_the_study_s_own(tiny_study: Path, s3_store: Sto
     publish(StudyFolder(tiny_study), place_in(s3_store), silent)
 
     stored = next(iter(s3_store.objects.values()))
-    with av.open(io.BytesIO(stored.content)) as video:
-        frames = sum(1 for _ in video.decode(video=0))
+    with av.open(io.BytesIO(stored.content), "r") as video:
+        frames = len(list(video.decode(video=0)))
         assert frames == round(SECONDS * float(video.streams.video[0].average_rate or 0))
 
 

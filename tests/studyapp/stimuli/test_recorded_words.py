@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
-from motion.segments_table import write_segments
-from studyapp.results.export.study_copy import copy_study
+from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores
+from motion.segment import write_segments
+from studyapp.results.export.shared_folder import copy_study
 from studyapp.results.metrics import measure_study
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder

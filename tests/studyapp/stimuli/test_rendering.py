@@ -9,7 +9,6 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-import tomlkit
 
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
@@ -18,9 +17,11 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_record import RenderCount, RenderProgress
 from studyapp.stimuli.rendering import render
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import read_stimuli
+from studyapp.study.media import read_stimuli
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.study_file import new_study
+from tests.edited_study import edited
 from tests.studyapp.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
@@ -40,9 +41,8 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     root = tmp_path_factory.mktemp("generated")
     folder = StudyFolder(root / "study")
     new_study(folder.definition, name="study", trials=2)
-    document = tomlkit.parse(folder.definition.read_text())
-    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["video"].update({"size": 96, "frame_rate": 10})
     import_take(
         folder,
         Take(
@@ -95,8 +95,10 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(
     assert (told[-1].videos, told[-1].all_videos, told[-1].failed) == (20, 20, 0)
     assert told[-1].frames == told[-1].all_frames == 20 * 10
     stimuli = read_stimuli(study.stimuli)
+    defined = study.study()
+    assert isinstance(defined, PairwiseStudy)
     for segment in study.segments():
-        for left, right in study.study().pairs:
+        for left, right in defined.pairs:
             pair = stimuli.pair(segment.name, left, right)
             assert pair is not None
             with av.open(str(study.root / pair.file)) as video:

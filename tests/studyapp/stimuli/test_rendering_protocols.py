@@ -8,7 +8,6 @@ from pathlib import Path
 
 import av
 import pytest
-import tomlkit
 
 from motion.errors import InputError
 from studyapp.preflight.check import check
@@ -17,9 +16,10 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.rendering import render
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stimuli import read_stimuli
+from studyapp.study.media import read_stimuli
+from studyapp.study.study_file import new_study
+from tests.edited_study import edited
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 
 pytestmark = pytest.mark.slow
@@ -29,9 +29,8 @@ pytestmark = pytest.mark.slow
 def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
     folder = StudyFolder(tmp_path / "study")
     new_study(folder.definition, template=template, name="study")
-    document = tomlkit.parse(folder.definition.read_text())
-    document["video"].update({"size": 64, "frame_rate": 10})  # type: ignore[union-attr]
-    folder.definition.write_text(tomlkit.dumps(document))
+    with edited(folder.definition) as document:
+        document["video"].update({"size": 64, "frame_rate": 10})
     import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
     generate(folder)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio
-from renderer.video.encoder import SOUND_RATE
+from renderer.encoder import SOUND_RATE
 from studyapp.preflight.finding import Severity
 from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
@@ -20,10 +20,9 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.contact_sheet import write_contact_sheet
 from studyapp.stimuli.rendering import render
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Media
-from studyapp.study.stimuli import read_stimuli
+from studyapp.study.media import Media, read_stimuli
 from tests.encoded import Told, write_video
 from tests.finished_study import write_finished_study
 

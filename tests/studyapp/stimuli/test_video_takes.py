@@ -9,17 +9,17 @@ import pytest
 from click.testing import CliRunner, Result
 
 from motion.audio import Audio
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion, write_clip
 from motion.points.detection import Detection
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import joint_index
-from renderer.video.encoder import SOUND_RATE, VideoWriter, video_frame
+from motion.skeleton import REST_JOINTS, joint_index
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from studyapp.cli.main import group
 from studyapp.stimuli import video_takes
 from studyapp.stimuli.video_takes import LEFT_OUT, import_video
 from tests.motion.random_clips import random_clip
-from training.data.any_folder import read_takes
+from training.data.folders import read_takes
 
 SECONDS = 8
 RATE = 15
@@ -29,7 +29,9 @@ RATE = 15
 def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a grey video of eight seconds with sound."""
     path = tmp_path_factory.mktemp("video") / "talk.mp4"
-    sound = Audio(0.1 * np.sin(np.arange(SECONDS * SOUND_RATE) / 40), SOUND_RATE)
+    sound = Audio(
+        (0.1 * np.sin(np.arange(SECONDS * SOUND_RATE) / 40)).astype(np.float32), SOUND_RATE
+    )
     with VideoWriter(path, 64, 64, RATE, sound) as writer:
         for _ in range(SECONDS * RATE):
             writer.write(video_frame(np.full((64, 64, 3), 90, np.uint8)))
@@ -176,10 +178,17 @@ def test_flags_that_do_not_belong_to_a_video_are_named(video: Path, tmp_path: Pa
 def test_the_detector_finds_an_avatar_of_ours(tmp_path: Path) -> None:
     pytest.importorskip("mediapipe")
     clip = random_clip(90, 30)
-    poses = 0.15 * np.sin(np.arange(90) / 10)[:, None, None] * np.ones((90, 55, 3))
+    poses = np.zeros((90, 55, 3), np.float32)
+    poses += 0.15 * np.sin(np.arange(90) / 10)[:, None, None]
     for side, sign in (("left", 1), ("right", -1)):
         poses[:, joint_index(f"{side}_shoulder"), 2] -= sign * 1.1
-    still = type(clip)(poses=poses, trans=np.zeros((90, 3)), frame_rate=30, arkit=0 * clip.arkit)
+    assert clip.arkit is not None
+    still = MotionClip(
+        poses=poses,
+        trans=np.zeros((90, 3), np.float32),
+        frame_rate=30,
+        arkit=np.zeros_like(clip.arkit),
+    )
     write_clip(tmp_path / "clip.npz", still)
     shown = invoke(
         "preview", tmp_path / "clip.npz", "--size", 360, "--framing", "upper_body",

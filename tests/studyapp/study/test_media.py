@@ -6,12 +6,19 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from motion.segments_table import write_segments
-from studyapp.study.design.stimulus import Stimulus
+from motion.segment import write_segments
+from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video, seconds_of
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Media
-from studyapp.study.stimuli import ClipVideo, Stimuli, VideoCopy, write_stimuli
+from studyapp.study.media import (
+    ClipVideo,
+    Media,
+    PairVideo,
+    Stimuli,
+    VideoCopy,
+    read_stimuli,
+    write_stimuli,
+)
 from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
 from tests.studyapp.made_study import make_study
 from tests.studyapp.takes import write_speech
@@ -127,7 +134,7 @@ def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> N
         original="k",
     )
     write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other), copies=(silent,)))
-    conditions = {"ours": {}, "theirs": {}}
+    conditions: dict[str, dict[str, str]] = {"ours": {}, "theirs": {}}
     study = make_study(reference="ours", conditions=conditions)
     media = Media.of(StudyFolder(tmp_path), study)
 
@@ -139,3 +146,60 @@ def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> N
     assert name(OTHER) == "b.mp4"
     assert name(MUTED) == "c.mp4"
     assert name(Stimulus.own("theirs", "one")) is None
+
+
+PAIR = PairVideo(segment="s", left="a", right="b", file="videos/x.mp4", duration=2.0, key="k")
+
+
+def test_what_is_written_is_read_back(tmp_path: Path) -> None:
+    stimuli = Stimuli(pairs=(PAIR,))
+    write_stimuli(tmp_path / "stimuli.json", stimuli)
+    assert read_stimuli(tmp_path / "stimuli.json") == stimuli
+
+
+def test_a_pair_is_found_by_its_sides_in_their_order() -> None:
+    stimuli = Stimuli(pairs=(PAIR,))
+    assert stimuli.pair("s", "a", "b") == PAIR
+    assert stimuli.pair("s", "b", "a") is None
+
+
+def test_missing_videos_say_what_to_run(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="motionjury render"):
+        read_stimuli(tmp_path / "stimuli.json")
+
+
+@pytest.mark.parametrize("content", ["", "{", '{"pairs": [{}]}', '{"format": 9}'])
+def test_a_damaged_record_is_named_with_its_remedy(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "stimuli.json"
+    path.write_text(content)
+    with pytest.raises(InputError, match=r"stimuli.json: .* Delete it"):
+        read_stimuli(path)
+
+
+@pytest.mark.parametrize(
+    "file",
+    ["../secret.mp4", "videos/../../secret.mp4", "/etc/hostname", "videos/link.mp4", "a\0.mp4"],
+)
+def test_a_video_outside_the_study_is_refused_however_it_is_named(
+    tmp_path: Path, file: str
+) -> None:
+    study = tmp_path / "study"
+    (study / "videos").mkdir(parents=True)
+    (tmp_path / "secret.mp4").touch()
+    (study / "videos" / "link.mp4").symlink_to(tmp_path / "secret.mp4")
+    write_stimuli(
+        study / "stimuli.json", Stimuli(pairs=(PAIR, PAIR.model_copy(update={"file": file})))
+    )
+
+    with pytest.raises(InputError, match="outside the study's folder"):
+        read_stimuli(study / "stimuli.json")
+
+
+def test_the_videos_may_lie_on_another_disk(tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    study.mkdir()
+    (tmp_path / "disk").mkdir()
+    (study / "videos").symlink_to(tmp_path / "disk")
+    write_stimuli(study / "stimuli.json", Stimuli(pairs=(PAIR,)))
+
+    assert read_stimuli(study / "stimuli.json").pairs == (PAIR,)

@@ -8,8 +8,9 @@ import pytest
 from flask import Flask
 
 from motion.errors import InputError
-from studyapp.web.app import AT_ONCE, KEPT, PER_SECOND, Pace, create_app, window_name
+from studyapp.web.app import create_app, window_name
 from studyapp.web.participants import participant
+from studyapp.web.protection import AT_ONCE, KEPT, PER_SECOND, Pace
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
 

@@ -12,9 +12,9 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.session.arrival.intake_decisions import steer
+from studyapp.session.intake import steer
 from studyapp.study.settings.study import Study
-from studyapp.web.participants.sent_by import cookie_name
+from studyapp.web.participants.sent_by import COOKIE
 from studyapp.web.running import running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
@@ -80,7 +80,7 @@ def test_neither_failed_catch_trials_nor_one_failed_attention_check_cost_pay(
     opened: Opened, clock: SetClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "studyapp.session.completion.failures",
+        "studyapp.session.ending.failures",
         lambda study, trials: {"catch": 9, "attention": 1},
     )
 
@@ -144,7 +144,7 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
     assert owner.address not in answer.text
     # In a new browser, the link of the same submission shows who it is.
     assert Visitor(app, clock).enrol(BY_PROLIFIC).address == owner.address
-    cookie = owner.client.get_cookie(cookie_name("tiny"))
+    cookie = owner.client.get_cookie(COOKIE.name("tiny"))
     assert cookie is not None
     assert cookie.http_only
     assert cookie.same_site == "Lax"

@@ -16,8 +16,8 @@ Colours = dict[str, str]
 
 
 def looks() -> list[Colours]:
-    """Return the colours of the light look and of the dark one, by their names."""
-    text = (STATIC / "style.css").read_text("utf-8")
+    """Return the colours of the light look and of researchers' dark one, by their names."""
+    text = "".join((STATIC / f"{name}.css").read_text("utf-8") for name in ("style", "research"))
     roots = re.findall(r":root \{(.*?)\}", text, re.DOTALL)
     return [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", root)) for root in roots]
 
@@ -72,7 +72,7 @@ def test_every_colour_is_one_of_the_look(style: Path) -> None:
     text = re.sub(r":root \{.*?\}", "", style.read_text("utf-8"), flags=re.DOTALL)
 
     assert re.findall(r"#[0-9a-fA-F]{3,8}\s*[;,)]", text) == []
-    assert set(re.findall(r"var\(--([a-z-]+)", text)) - looks()[0].keys() <= {"columns"}
+    assert set(re.findall(r"var\(--([a-z-]+)", text)) - looks()[0].keys() <= {"columns", "shade"}
 
 
 def test_nothing_moves_for_who_wants_no_motion() -> None:

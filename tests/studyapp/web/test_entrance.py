@@ -14,9 +14,9 @@ from sqlalchemy import select, update
 from werkzeug.test import TestResponse
 
 from studyapp.database.tables import Place, StudySession
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.arrival.intake import IntakeState
-from studyapp.session.arrival.intake_decisions import steer
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
+from studyapp.session.intake import IntakeState, steer
 from studyapp.session.refusal import StudyFullError
 from studyapp.web.running import running
 from tests.studyapp.session.test_form_answers import FORM

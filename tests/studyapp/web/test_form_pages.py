@@ -9,7 +9,7 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import FormAnswer, Trial
-from studyapp.web.participants.wording import SCALE as SCALE_WORDS
+from studyapp.web.participants.trial_page import SCALE as SCALE_WORDS
 from studyapp.web.running import attach, running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
@@ -124,6 +124,7 @@ def test_an_attention_check_looks_like_every_page_and_says_what_to_answer(
         visitor.post(page)
 
     words = str(dict(SCALE_WORDS)[check.instructed or 0])
-    assert all(f"please answer this one with {words}." in text for text in asked)
+    assert all(f"this one with {words}." in text for text in asked)
+    assert ["please" in text for text in asked] == [True, False]
     assert {len(shape) for shape in shapes} <= {len(shapes[0]), len(shapes[0]) + 1}
     assert len(shapes) == 7

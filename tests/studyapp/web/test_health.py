@@ -41,7 +41,7 @@ def full_disk() -> Iterator[None]:
 def test_where_nothing_can_be_written_it_is_not_well(
     app: Flask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studyapp.web.health.KNOWN_SECONDS", 0.0)
+    monkeypatch.setattr("studyapp.web.app.KNOWN_SECONDS", 0.0)
     client = app.test_client()
     assert client.get("/healthz").status_code == 200
 
@@ -71,14 +71,14 @@ def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_s
         thawed.wait(60)
 
     monkeypatch.setattr(Database, "try_writing", wait_for_it)
-    monkeypatch.setattr("studyapp.web.health.ANSWER_SECONDS", 0.05)
-    monkeypatch.setattr("studyapp.web.health.KNOWN_SECONDS", 0.0)
+    monkeypatch.setattr("studyapp.web.app.ANSWER_SECONDS", 0.05)
+    monkeypatch.setattr("studyapp.web.app.KNOWN_SECONDS", 0.0)
     client = app.test_client()
 
     frozen = [client.get("/healthz").status_code for _ in range(3)]
     asked_while_frozen = len(asked)
     thawed.set()
-    monkeypatch.setattr("studyapp.web.health.ANSWER_SECONDS", 60.0)
+    monkeypatch.setattr("studyapp.web.app.ANSWER_SECONDS", 60.0)
 
     assert (frozen, asked_while_frozen) == ([503] * 3, 1)
     assert client.get("/healthz").status_code == 200

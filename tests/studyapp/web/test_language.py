@@ -6,7 +6,7 @@ import pytest
 from flask import Flask, render_template_string
 
 from studyapp.session.refusal import UnacceptableError
-from studyapp.study.design.message import Message
+from studyapp.study.settings.presentation import Message
 from studyapp.web.errors import told
 from studyapp.web.language import _, language_of, ngettext, say, speak
 from tests.studyapp.web.conftest import Serve
@@ -87,7 +87,7 @@ def test_a_study_is_served_in_the_language_of_its_file(serve: Serve, code: str) 
     missing = app.test_client().get("/nowhere", headers={"Accept": "application/json"})
 
     with app.app_context():
-        assert _("This page does not exist.") in missing.json["problem"]
+        assert _("This page does not exist.") in missing.get_json()["problem"]
     assert page.value("html", "lang") == code
     assert page.value("html", "dir") == "ltr"
     assert json.loads(page.value("#words", "content")) == language_of(code).script_texts

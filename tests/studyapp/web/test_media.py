@@ -11,7 +11,7 @@ from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
 from studyapp.database.tables import StudySession, Video
-from studyapp.study.stimuli import read_stimuli, write_stimuli
+from studyapp.study.media import read_stimuli, write_stimuli
 from studyapp.web.running import attach, running
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.added_condition import make_videos_anew
@@ -29,7 +29,8 @@ def address(app: Flask, clock: SetClock) -> str:
 
 
 def content(app: Flask, address: str) -> bytes:
-    return app.test_client().get(address, buffered=True).data
+    sent: bytes = app.test_client().get(address, buffered=True).data
+    return sent
 
 
 @pytest.mark.parametrize(

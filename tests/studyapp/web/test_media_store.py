@@ -19,9 +19,7 @@ from studyapp.database.tables import Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store.bucket import Bucket
-from studyapp.web.media_store.record import FILE, Place
-from studyapp.web.media_store.store import SIGNED_SECONDS, MediaStore
+from studyapp.web.media_store import FILE, SIGNED_SECONDS, Bucket, MediaStore, Place
 from studyapp.web.running import running
 from tests.studyapp.s3_stand_in import (
     BUCKET,
@@ -163,10 +161,10 @@ def test_addresses_differ_in_name_moment_and_signature_alone(
             "X-Amz-Expires": [str(SIGNED_SECONDS)],
             "X-Amz-SignedHeaders": ["host"],
         }
-    headers = [dict(answer.headers) for answer in answers]
-    for each in headers:
-        del each["Location"]
-    assert all(each == headers[0] for each in headers)
+    headers = [
+        {name: value for name, value in answer.headers if name != "Location"} for answer in answers
+    ]
+    assert all(sent == headers[0] for sent in headers)
     assert headers[0]["Referrer-Policy"] == "no-referrer"
     assert headers[0]["Cache-Control"] == "private, max-age=300"
     assert "Set-Cookie" not in headers[0]

@@ -30,7 +30,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
     """Return the folder of a study, made once for all languages."""
-    folder = folders / request.param
+    folder: Path = folders / request.param
     if not folder.exists():
         write_shown_study(folder, request.param)
         definition = folder / "study.toml"

@@ -11,7 +11,7 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import Response, StudySession, Trial
-from studyapp.web.app import AT_ONCE
+from studyapp.web.protection import AT_ONCE
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
@@ -222,7 +222,7 @@ def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
     answer = visitor.client.post(address, json=WATCHED, headers={"Accept": "application/json"})
 
     assert answer.status_code == 422
-    assert "than there was time for" in answer.json["problem"]
+    assert "than there was time for" in answer.get_json()["problem"]
 
 
 def test_a_rehearsals_clock_may_run_faster(tiny_study: Path, serve: Serve) -> None:
@@ -234,7 +234,7 @@ def test_a_rehearsals_clock_may_run_faster(tiny_study: Path, serve: Serve) -> No
     client.get(page.value("#pair", "src"), buffered=True)
     address = page.value("#pair", "data-watched-url")
 
-    assert client.post(address, json=WATCHED).json["missing"] == 0
+    assert client.post(address, json=WATCHED).get_json()["missing"] == 0
     assert (tiny_study / "rehearsal.db").exists()
     assert not (tiny_study / "responses.db").exists()
 
@@ -284,7 +284,7 @@ def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
     visitor.watch()
     accepted = visitor.client.post(page.action, data=data, headers=headers)
 
-    assert (refused.status_code, list(refused.json)) == (422, ["problem"])
+    assert (refused.status_code, list(refused.get_json())) == (422, ["problem"])
     assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
 
 
@@ -324,6 +324,7 @@ def test_instructions_follow_the_study(serve: Serve) -> None:
     text = instructions(app)
 
     assert "The first 2 pairs are for practice" in text
+    assert "Some pairs come more than once" not in text
     assert (
         "Kept still on purpose in every video: the face and whole-body movement through space."
         in text

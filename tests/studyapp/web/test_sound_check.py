@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
-from studyapp.study.settings.page import Language
+from studyapp.study.settings.presentation import Language
 from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock

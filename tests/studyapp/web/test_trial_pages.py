@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -209,10 +210,9 @@ def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Ar
     label = ("bad", "poor", "fair", "good", "excellent")[wanted - 1]
     for number, page in enumerate(seen, start=1):
         asked = [words(legend) for legend in page.soup.select("legend")]
-        assert all(f"please answer this one with {label}." in text for text in asked) is (
-            number == check
-        )
-        assert len(asked) == 6
+        wants = [f"this one with {label}." in text for text in asked]
+        assert wants == [number == check] * 6
+        assert sum("please answer this one" in text for text in asked) == (number == check)
 
 
 def test_the_next_trials_videos_are_named_in_order(arrive: Arrive) -> None:
@@ -238,6 +238,8 @@ def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
     }
     assert expected[protocol] in words(page)
     assert "one after the other" in words(page)
+    assert ("Some pairs come more than once" in words(page)) == (protocol == "pairwise")
+    assert not any(re.search(r"[.:]\w", words(said)) for said in page.soup.select("main p"))
 
 
 def test_a_page_of_several_players_stays_small(arrive: Arrive) -> None:

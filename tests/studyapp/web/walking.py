@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 
 from bs4 import Tag
 from flask import Flask
@@ -38,7 +38,7 @@ class Walker:
             page = yield from self._next(page)
         raise AssertionError(f"no end after {MOST_PAGES} pages")
 
-    def _next(self, page: PageReader) -> Iterator[PageReader]:
+    def _next(self, page: PageReader) -> Generator[PageReader, None, PageReader]:
         """Yield what is said to an unusable form, and return the page after a good one."""
         answers = filled(page)
         if page.soup.select("#sound-check"):

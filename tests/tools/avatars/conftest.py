@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motion.body.model import BodyModel, read_body
-from renderer.avatars import default_body
+from renderer.look import default_body
 
 
 @pytest.fixture(scope="session")

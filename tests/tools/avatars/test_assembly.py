@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from renderer.avatars import AVATARS, default_body
-from renderer.look import BACKGROUND
+from renderer.look import AVATARS, BACKGROUND, default_body
 from tools.avatars.assembly import build_body
-from tools.avatars.occlusion import open_sky
+from tools.avatars.colours import open_sky
 from tools.avatars.patch import Patch, boundary_edges, hemmed, joined, lining, vertex_normals
 from tools.avatars.recipes import COMMON_COLOURS, RECIPES
 from tools.avatars.sample_poses import SAMPLE_POSES

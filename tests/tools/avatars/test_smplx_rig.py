@@ -1,16 +1,16 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from motion.body.model import BodyModel
 from motion.body.skinning import skinning_matrices
-from motion.clip import MotionClip
-from motion.face import arkit_index
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, PARENTS, forward_kinematics, joint_index
+from motion.clip import arkit_index
+from motion.skeleton import JOINT_COUNT, PARENTS, REST_JOINTS, forward_kinematics, joint_index
+from tests.motion.random_clips import clip_of
 from tools.avatars.sample_poses import FIST, SAMPLE_POSES, SamplePose, sample_clip
 from tools.avatars.smplx_rig import (
     t_pose_joints,
@@ -23,7 +23,7 @@ from tools.avatars.smplx_rig import (
 
 def _random_weights(count: int, seed: int = 0) -> np.ndarray:
     weights = np.random.default_rng(seed).random((count, JOINT_COUNT)) ** 12
-    return weights / weights.sum(axis=1, keepdims=True)
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 @pytest.mark.parametrize("shares_twists", [False, True])
@@ -50,7 +50,7 @@ def test_skinning_the_unposed_vertices_gives_the_stance_back(shares_twists: bool
 
 
 @pytest.mark.parametrize("change", [with_twist_joints, with_wrists_in_forearms])
-def test_weights_shared_out_still_sum_to_one(change) -> None:
+def test_weights_shared_out_still_sum_to_one(change: Callable[..., np.ndarray]) -> None:
     vertices = np.random.default_rng(1).normal(0, 0.5, (200, 3))
     weights = _random_weights(200)
     changed = change(weights, vertices, REST_JOINTS)
@@ -97,7 +97,7 @@ def _forearm_thickness(body: BodyModel, joint: str, turned: float) -> np.ndarray
     elbow, wrist = REST_JOINTS[[joint_index("left_elbow"), joint_index("left_wrist")]]
     poses = np.zeros((1, JOINT_COUNT, 3), np.float32)
     poses[0, joint_index(joint), 0] = np.radians(turned)
-    clip = MotionClip(poses=poses, trans=np.zeros((1, 3)), frame_rate=30)
+    clip = clip_of(poses)
     place = (body.template[:, 0] - elbow[0]) / (wrist[0] - elbow[0])
     near = np.linalg.norm((body.template - elbow)[:, 1:], axis=1) < 0.12
     offsets = (body.vertices(clip)[0] - elbow)[:, 1:]
@@ -122,7 +122,7 @@ def test_the_default_bodys_twisted_forearm_keeps_its_thickness(
 
 def _joints(name: str) -> np.ndarray:
     clip = sample_clip(SAMPLE_POSES[name])
-    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0][0]
+    return np.asarray(forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0][0])
 
 
 def test_there_are_a_dozen() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import pytest
 
-from studyapp.cli.deploy_command import command
+from studyapp.cli.serve_command import deploy_command
 from studyapp.custody.server_files import NAMES
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
 from tools.handbook.fenced import fenced_blocks
@@ -46,7 +46,7 @@ def commands_on_the_page() -> list[list[str]]:
 def test_the_commands_of_the_page_have_such_options(
     arguments: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    parser = command.make_parser(click.Context(command))
+    parser = deploy_command.make_parser(click.Context(deploy_command))
 
     given: dict[str, Any] = parser.parse_args(list(arguments))[0]
 

@@ -8,8 +8,7 @@ import pytest
 from motion.errors import InputError
 from tools.handbook.fenced import fenced_blocks
 from tools.handbook.guide import GUIDE
-from tools.handbook.printed import shortened, steady
-from tools.handbook.running import run_page
+from tools.handbook.running import run_page, shortened, steady
 
 
 def page_of(script: str, *, info: str = "", printed: str = "text", between: str = "\n") -> str:

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from motion.segment import Segment
-from motion.segments_table import write_segments
-from studyapp.study.creation.study_file import new_study
+from motion.segment import Segment, write_segments
 from studyapp.study.folder import StudyFolder
+from studyapp.study.study_file import new_study
 from tools.three_systems.line import Took
 from tools.three_systems.page import BEGIN, END, measured, with_measured
 

@@ -11,21 +11,20 @@ import pytest
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats import read_motion
+from motion.formats.beat_tracks import read_semantic_scores
 from motion.formats.bvh import read_bvh
-from motion.formats.semantic_txt import read_semantic_scores
 from motion.formats.transcript import read_transcript
 from training.corpus.__main__ import tables
-from training.corpus.description import read_request
 from training.corpus.making import make_corpus
 from training.corpus.measuring import BEAT, FRAME_RATE, decided, minutes, paces, read_measured
 from training.corpus.motion_curves import wrist_positions
 from training.corpus.plan import planned_takes
 from training.corpus.process import drive
 from training.corpus.recording import RecordingFiles
-from training.corpus.request import CorpusRequest
+from training.corpus.request import CorpusRequest, read_request
 from training.corpus.speakers import speaker_of
 from training.corpus.truth import read_truth
-from training.data.any_folder import read_takes
+from training.data.folders import read_takes
 from training.spaces.beat import body_values
 
 pytestmark = pytest.mark.skipif(

@@ -8,7 +8,7 @@ from motion.errors import InputError
 from motion.segment import EMOTIONS
 from training.corpus.plan import SENTENCES, UNHEARD, passage, planned_takes
 from training.corpus.request import MOST_RECORDINGS, CorpusRequest
-from training.data.beat_names import BeatName
+from training.data.beat import BeatName
 
 
 def test_the_default_corpus_is_what_it_is_said_to_be() -> None:
@@ -95,7 +95,7 @@ def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
 )
 def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], complaint: str) -> None:
     with pytest.raises(InputError, match=complaint):
-        CorpusRequest(**numbers)  # type: ignore[arg-type]
+        CorpusRequest(**numbers)  # type: ignore[arg-type]  # of any field
 
 
 def test_speakers_that_share_passages_speak_the_same_under_the_same_text() -> None:

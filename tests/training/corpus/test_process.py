@@ -11,11 +11,10 @@ from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
 from training.corpus.body_angles import ARM_ANGLES, BodyAngles, told_rotations, within_limits
 from training.corpus.chance import EXPECTED, Chance
-from training.corpus.heard_speech import HeardSpeech
+from training.corpus.heard_speech import HeardSpeech, find_strokes, stroke_shape
 from training.corpus.motion_curves import MotionCurves, curves_of, following, wrist_positions
 from training.corpus.process import Process, drive
 from training.corpus.speakers import speaker_of
-from training.corpus.strokes import find_strokes, stroke_shape
 
 SPEAKER = speaker_of(1, 1)
 
@@ -110,7 +109,8 @@ def test_motion_is_finite_smooth_and_within_limits(speech: Audio, emotion: str) 
 
 
 def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
-    return np.linalg.norm(np.diff(wrist_positions(body), axis=0), axis=2) * frame_rate
+    moves: np.ndarray = np.linalg.norm(np.diff(wrist_positions(body), axis=0), axis=2)
+    return moves * frame_rate
 
 
 def test_emotions_and_speakers_are_told_apart_by_posture(speech: Audio) -> None:

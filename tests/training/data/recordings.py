@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import soundfile
 
-from motion.face import ARKIT_NAMES
+from motion.clip import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
-from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, write_bvh
-from training.data.feature import Feature
-from training.data.take import Take
-from training.spaces.beat_skeleton import BEAT_SKELETON
+from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, save_bvh_text
+from training.data.take import Feature, Take
+from training.spaces.beat import BEAT_SKELETON
 
 SKELETON: Skeleton = [
     (joint.name, BEAT_SKELETON[joint.parent].name if joint.parent >= 0 else None, joint.offset)
@@ -28,7 +27,8 @@ DOWN = 40.0
 def is_down(moments: Sequence[float], frames: int, frame_rate: float) -> np.ndarray:
     """Return whether the arm is down at ``k / frame_rate`` seconds."""
     times = np.arange(frames) / frame_rate
-    return np.searchsorted(sorted(moments), times, side="right") % 2 == 1
+    down: np.ndarray = np.searchsorted(sorted(moments), times, side="right") % 2 == 1
+    return down
 
 
 def write_clicks(
@@ -59,7 +59,7 @@ def write_beat_motion(
     arm = 3 + 3 * depth_first(SKELETON).index("RightArm")
     rows[is_down(moments, frames, rate), arm + 2] = DOWN
     frame_time = f"{1 / promised_rate:.6f}"
-    return write_bvh(
+    return save_bvh_text(
         path, bvh_text(SKELETON, rows, order="XYZ", frame_time=frame_time, frames=promised)
     )
 

@@ -13,14 +13,16 @@ import numpy as np
 
 from motion.skeleton import joint_index
 from tests.training.data.recordings import write_clicks
-from training.data.any_folder import read_takes
+from training.data.folders import read_takes
 from training.features import read_smplx
 
 DOCS = Path(__file__).parents[3] / "docs" / "data.md"
 
 
 def script(name: str) -> str:
-    blocks = re.findall(r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
+    blocks: list[str] = re.findall(
+        r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL
+    )
     return next(block for block in blocks if block.startswith(f"# python {name}"))
 
 
@@ -52,6 +54,7 @@ def test_shows_pickles_become_takes(tmp_path: Path) -> None:
         (arrays["right_hand_pose"] @ np.array(hands["right"])[:12])[:, :3],
         rtol=1e-5,
     )
+    assert motion.expressions is not None
     np.testing.assert_allclose(motion.expressions, arrays["expression"], rtol=1e-6)
 
 

@@ -12,9 +12,8 @@ import pytest
 
 from motion.errors import InputError
 from tests.training.data.recordings import counting
-from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes, prepare
-from training.data.take import Take, TakeFolder
+from training.data.take import Feature, Take, TakeFolder
 
 RATE = 15.0
 

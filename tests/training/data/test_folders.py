@@ -10,7 +10,7 @@ import pytest
 
 from motion.errors import InputError
 from tests.training.data.recordings import write_clicks, write_show, write_smplx, write_ted
-from training.data.any_folder import read_takes
+from training.data.folders import read_takes
 from training.data.take import Take, TakeFolder
 
 
@@ -190,8 +190,8 @@ def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
 
 def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> None:
     class Trap:
-        def __reduce__(self) -> tuple[object, tuple[str]]:
-            return Path.touch, (tmp_path / "sprung",)  # type: ignore[return-value]
+        def __reduce__(self) -> tuple[object, tuple[Path]]:
+            return Path.touch, (tmp_path / "sprung",)
 
     clip = tmp_path / "oliver" / "video" / "00_01"
     show_clip(clip, motion=False)
@@ -262,7 +262,7 @@ def take(**changes: object) -> Take:
         "speech": Path("a.wav"),
         "motion": Path("a.bvh"),
     }
-    return Take(**{**facts, **changes})  # type: ignore[arg-type]
+    return Take(**{**facts, **changes})  # type: ignore[arg-type]  # of any field
 
 
 def test_its_files_are_those_it_has() -> None:

@@ -21,9 +21,9 @@ from tests.training.data.recordings import (
     write_smplx,
     write_ted,
 )
-from training.data.any_folder import read_takes
-from training.data.feature import Feature
 from training.data.feature_cache import prepare
+from training.data.folders import read_takes
+from training.data.take import Feature
 from training.data.windows import Windows
 from training.features import (
     beat_expression,

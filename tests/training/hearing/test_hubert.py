@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from numpy.typing import NDArray
 from safetensors.torch import load_file, save_file
 from transformers import HubertConfig, HubertModel
 
@@ -15,7 +16,7 @@ from motion.errors import InputError
 from training.hearing.hubert import at_frames, load_hubert, stand_in
 
 
-def speech(seconds: float) -> np.ndarray:
+def speech(seconds: float) -> NDArray[np.float32]:
     rng = np.random.default_rng(4)
     return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
 
@@ -73,7 +74,9 @@ def test_the_stand_in_tells_speech_from_other_speech_and_calls_itself_one() -> N
 
 def test_loudness_and_offset_do_not_matter() -> None:
     hubert = stand_in()
-    plain, other = (hubert.hear(each) for each in (speech(1), 0.3 * speech(1) + 0.2))
+    plain, other = (
+        hubert.hear(each) for each in (speech(1), np.float32(0.3) * speech(1) + np.float32(0.2))
+    )
     torch.testing.assert_close(plain, other, rtol=1e-3, atol=1e-3)
 
 

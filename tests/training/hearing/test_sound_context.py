@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from training.hearing.sound_context import HOP, WINDOW, SoundContext
+from training.hearing.hubert import HOP, WINDOW, Heard, SoundContext
 
 RATE = 16_000
 CHANNELS = 249
@@ -18,7 +18,8 @@ def network() -> SoundContext:
 
 
 def heard(network: SoundContext, samples: np.ndarray) -> torch.Tensor:
-    return network(torch.from_numpy(samples.astype(np.float32))[None]).last_hidden_state[0]
+    found: Heard = network(torch.from_numpy(samples.astype(np.float32))[None])
+    return found.last_hidden_state[0]
 
 
 def noise(seconds: float) -> np.ndarray:

@@ -91,7 +91,8 @@ def defined(samples: NDArray[np.float32], moment: int) -> NDArray[np.float64]:
     rising = (hertz - edges[:-2, None]) / (edges[1:-1] - edges[:-2])[:, None]
     falling = (edges[2:, None] - hertz) / (edges[2:] - edges[1:-1])[:, None]
     triangles = np.maximum(0, np.minimum(rising, falling))
-    return (2 / (edges[2:] - edges[:-2]) * (triangles @ power.T)).astype(np.float64)
+    bands: np.ndarray = 2 / (edges[2:] - edges[:-2]) * (triangles @ power.T)
+    return bands.astype(np.float64)
 
 
 @pytest.mark.parametrize(("frame_rate", "hop"), [(15, 1200), (30, 600)])

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from tests.training.lines import Line, files_of_run
 from training.config import Decay, TrainingConfig
-from training.run.folder import RunFolder
 from training.run.loop import train
+from training.run.records import RunFolder
 from training.weights_file import read_weights
 
 PLAIN = TrainingConfig(steps=9, batch_size=8, learning_rate=0.05, validate_every=4)
@@ -50,7 +50,7 @@ def test_averaged_weights_are_what_is_measured_and_kept(tmp_path: Path) -> None:
     assert trained.best.step == best_step(tmp_path) == 9
     assert best["0.weight"].equal(state.tensors["average.module.0.weight"])
     assert not best["0.weight"].equal(state.tensors["network.0.weight"])
-    assert trained.network[0].weight.equal(best["0.weight"])
+    assert trained.network.get_parameter("0.weight").equal(best["0.weight"])
     assert trained.best.measured == Line().validation_of(trained.network)
 
 
@@ -69,7 +69,8 @@ def test_lower_precision_changes_the_weights_a_little(tmp_path: Path) -> None:
     for precision in ("float32", "bfloat16"):
         folder = RunFolder(tmp_path / precision)
         config = replace(PLAIN, precision=precision)
-        found[precision] = train(Line(), config, folder).network[0].weight
+        network = train(Line(), config, folder).network
+        found[precision] = network.get_parameter("0.weight")
     assert found["float32"].dtype == found["bfloat16"].dtype
     difference = (found["float32"] - found["bfloat16"]).abs().max()
     assert 1e-6 < difference < 0.1

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,12 @@ def lines(steps: int) -> list[dict[str, object]]:
         if step % 10 == 0:
             found.append({"step": step, "held_out": {"loss": 6 / step, "accuracy": 0.5}})
     return found
+
+
+def step_of(line: Mapping[str, object]) -> int:
+    step = line["step"]
+    assert isinstance(step, int)
+    return step
 
 
 @pytest.mark.parametrize("steps", [1, 3000])
@@ -43,7 +50,7 @@ def test_the_step_whose_weights_are_kept_is_seen(tmp_path: Path) -> None:
     kept = {}
     for name, chosen in (("early", 10), ("late", 90)):
         shown = [
-            {"step": line["step"], "held_out": {"size": abs(line["step"] - chosen), "loss": 1.0}}
+            {"step": line["step"], "held_out": {"size": abs(step_of(line) - chosen), "loss": 1.0}}
             if "held_out" in line
             else line
             for line in lines(100)

@@ -12,9 +12,9 @@ import torch
 
 from tests.training.plain_lines import CONFIG, PlainLine
 from training.config import TrainingConfig
-from training.run.folder import RunFolder
 from training.run.launching import run_in_processes
 from training.run.loop import train
+from training.run.records import RunFolder
 from training.weights_file import WeightsFile, read_weights
 
 pytestmark = pytest.mark.slow
@@ -50,17 +50,13 @@ def state_of(folder: Path) -> WeightsFile:
 def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    normed = {"steps": 4, "accumulate": 2}
-    assert (
-        learn_in_two(
-            (tmp_path / "normed", {**normed, "normed": True}, 0), (tmp_path / "two", {}, 3)
-        )
-        == 43
-    )
-    batch_statistics_are_those_of_one(tmp_path / "normed", replace(CONFIG, **normed), tmp_path)
+    config = replace(CONFIG, steps=4, accumulate=2)
+    normed: Asked = (tmp_path / "normed", {"steps": 4, "accumulate": 2, "normed": True}, 0)
+    assert learn_in_two(normed, (tmp_path / "two", {}, 3)) == 43
+    batch_statistics_are_those_of_one(tmp_path / "normed", config, tmp_path)
     assert state_of(tmp_path / "two").facts["step"] == 3
     # What every process refuses is said once.
-    refused = (tmp_path / "refused", {"batch_size": 1}, 0)
+    refused: Asked = (tmp_path / "refused", {"batch_size": 1}, 0)
     assert learn_in_two((tmp_path / "two", {}, 0), refused) == 1
     assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
     together, one = state_of(tmp_path / "two"), alone(tmp_path / "one", CONFIG)

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from tests.training.lines import ENTRIES
-from tests.training.plain_lines import PlainLine
+from tests.training.plain_lines import PlainLine, PlainNetwork
 from training.config import Decay, TrainingConfig
 from training.run.group import Group
 from training.run.learner import Learner
@@ -14,7 +14,7 @@ from training.run.learner import Learner
 CONFIG = TrainingConfig(steps=8, batch_size=10, learning_rate=0.02, gradient_clip=0.5)
 
 
-def learned(config: TrainingConfig, *, steps: int, chance: bool) -> Learner:
+def learned(config: TrainingConfig, *, steps: int, chance: bool) -> Learner[PlainNetwork]:
     torch.manual_seed(0)
     learner = Learner(PlainLine(chance=chance), config, Group("cpu"))
     for step in range(steps):
@@ -33,7 +33,8 @@ def test_a_step_in_parts_comes_to_what_it_does_in_one(accumulate: int) -> None:
 def test_each_part_draws_chance_of_its_own() -> None:
     one = learned(CONFIG, steps=1, chance=True)
     parts = learned(replace(CONFIG, accumulate=2), steps=1, chance=True)
-    assert not one.network.common[0].weight.equal(parts.network.common[0].weight)
+    first, other = (each.network.get_parameter("common.0.weight") for each in (one, parts))
+    assert not first.equal(other)
 
 
 def test_the_mean_of_the_weights_follows_fast_at_first() -> None:
@@ -44,7 +45,7 @@ def test_the_mean_of_the_weights_follows_fast_at_first() -> None:
         weight = learner.tensors()["network.common.0.weight"].clone()
         kept = 0 if step == 0 else min(0.9, (1 + step) / (10 + step))
         expected = kept * expected + (1 - kept) * weight
-    torch.testing.assert_close(learner.network.common[0].weight.detach(), expected)
+    torch.testing.assert_close(learner.network.get_parameter("common.0.weight").detach(), expected)
 
 
 def test_the_learning_rate_falls_from_epoch_to_epoch() -> None:
@@ -70,18 +71,14 @@ def test_what_was_measured_at_the_lowered_rate_moved_the_weights_less() -> None:
 NORMED = replace(CONFIG, batch_size=12, gradient_clip=None)
 
 
-def _held_out(learner: Learner) -> float:
-    return learner._task.validation_of(learner.network)["loss"]
-
-
 def test_batch_statistics_are_those_of_the_whole_step_however_it_is_cut() -> None:
-    found = []
+    task, found = PlainLine(chance=False, normed=True), []
     for accumulate in (1, 2, 4):
         torch.manual_seed(0)
         config = replace(NORMED, accumulate=accumulate, ema_decay=0.9)
-        learner = Learner(PlainLine(chance=False, normed=True), config, Group("cpu"))
+        learner = Learner(task, config, Group("cpu"))
         losses = [learner.learn(step)["loss"] for step in range(8)]
-        found.append((*losses, _held_out(learner)))
+        found.append((*losses, task.validation_of(learner.network)["loss"]))
     assert found[1] == pytest.approx(found[0], rel=2e-5)
     assert found[2] == pytest.approx(found[0], rel=2e-5)
 
@@ -115,6 +112,8 @@ def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
             seen = learner.network.common[0](ENTRIES[:32])
         mean, variance = 0.9 * mean + 0.1 * seen.mean(dim=0), 0.9 * variance + 0.1 * seen.var(dim=0)
     layer = learner.network.common[1]
+    assert isinstance(layer, torch.nn.BatchNorm1d)
+    assert layer.running_var is not None
     torch.testing.assert_close(layer.running_mean, mean)
     torch.testing.assert_close(layer.running_var, variance)
     assert not layer.running_var.equal(learner.tensors()["network.common.1.running_var"])

@@ -12,14 +12,18 @@ import torch
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line, interrupt_after
 from training.config import TrainingConfig
-from training.run.folder import RunFolder
 from training.run.loop import TrainingStopped, train
+from training.run.records import RunFolder
 from training.weights_file import read_weights
 
 CONFIG = TrainingConfig(
     steps=23, batch_size=8, learning_rate=0.05, weight_decay=0.01, validate_every=5
 )
 FILES = ("checkpoint.safetensors", "best.safetensors", "log.jsonl", "curves.png")
+
+
+def refuse_a_step(done: int, total: int, detail: str) -> None:
+    pytest.fail(f"step {done} of {total} was made")
 
 
 def content(folder: Path) -> dict[str, bytes]:
@@ -75,7 +79,7 @@ def test_a_run_killed_between_two_saves_goes_on_from_the_last_one(
 
 
 def test_a_finished_run_is_not_trained_again(finished: Path, whole: dict[str, bytes]) -> None:
-    trained = train(Line(), CONFIG, RunFolder(finished), show=pytest.fail)
+    trained = train(Line(), CONFIG, RunFolder(finished), show=refuse_a_step)
     assert content(finished) == whole
     best = read_weights(finished / "best.safetensors")
     assert (trained.steps, trained.best.step) == (23, best.facts["step"])
@@ -127,7 +131,7 @@ def test_the_network_that_is_returned_did_best_on_held_out_examples(tmp_path: Pa
 
 
 def size(network: torch.nn.Sequential) -> float:
-    return float(network[0].weight.detach().abs().sum())
+    return float(network.get_parameter("0.weight").detach().abs().sum())
 
 
 class Small(Line):
@@ -192,4 +196,4 @@ def test_an_unknown_device_is_named(tmp_path: Path) -> None:
 def test_a_place_that_cannot_be_written_costs_no_training(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder")
     with pytest.raises(OSError, match="file"):
-        train(Line(), CONFIG, RunFolder(tmp_path / "file" / "run"), show=pytest.fail)
+        train(Line(), CONFIG, RunFolder(tmp_path / "file" / "run"), show=refuse_a_step)

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, Line, files_of_run, interrupt_after
+from tests.training.lines import ENTRIES, VALUES, LineTask, files_of_run, interrupt_after
 from training.config import TrainingConfig
-from training.run.batch_order import rows_of_step
-from training.run.folder import RunFolder
+from training.run.batches import rows_of_step
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import TrainingStopped, train
 from training.run.passes import Pass
+from training.run.records import RunFolder
 from training.weights_file import read_weights
 
 JUDGE = Pass(name="judge", parts=("judge",), learning_rate=0.005)
@@ -53,7 +53,7 @@ class Rivals(nn.Module):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rivalry(Line):
+class Rivalry(LineTask[Rivals]):
     chance: bool = True
 
     def network(self) -> Rivals:
@@ -115,7 +115,7 @@ def test_two_passes_come_to_what_two_optimizers_come_to() -> None:
                 other.requires_grad_(False)
             optimizer.zero_grad()
             losses = task.losses_of(name, plain, rows)
-            losses["loss"].backward()
+            torch.autograd.backward(losses["loss"])
             optimizer.step()
             assert told[name] == pytest.approx(float(losses["loss"].detach()), rel=1e-5)
         assert told["loss"] == told["judge"]
@@ -145,10 +145,11 @@ def test_what_no_pass_of_a_stage_teaches_is_frozen_with_its_statistics_and_witho
     learner = learner_of(replace(CONFIG, passes=stages, ema_decay=0.5), chance=True)
     seen = []
     for step in range(6):
-        before, mean = state(learner), learner.network.maker[1].running_mean.clone()
+        before = state(learner)
+        mean = learner.network.get_buffer("maker.1.running_mean").clone()
         learner.learn(step)
         seen.append(moved(before, state(learner)))
-        assert learner.network.maker[1].running_mean.equal(mean) == (step >= 3)
+        assert learner.network.get_buffer("maker.1.running_mean").equal(mean) == (step >= 3)
         assert learner._network.maker[2].training == (step < 3)
     assert seen == [{"maker", "last"}] * 3 + [{"judge"}] * 3
     assert all(weight.requires_grad for weight in learner._network.parameters())
@@ -212,7 +213,7 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
         """Measures how far the judge is from its beginning: least before it learns."""
 
         def validation(self, network: Rivals) -> Mapping[str, float]:
-            weight = network.judge[0].weight
+            weight = network.judge.get_parameter("0.weight")
             beginning.append(weight.clone())
             return {"moved": float((weight - beginning[0]).abs().sum())}
 
@@ -252,7 +253,7 @@ def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
 )
 def test_numbers_out_of_range_are_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]
+        Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_passes_of_one_name_are_refused_and_a_file_tells_them_again() -> None:

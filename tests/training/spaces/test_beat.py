@@ -10,26 +10,25 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from generators.diffsheg.config import BEAT
-from generators.diffsheg.released import read_normalisation
-from motion.clip import MotionClip
+from generators.diffsheg.network_file import read_normalisation
+from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
-from motion.face import ARKIT_NAMES
-from motion.formats.bvh import BvhMotion, read_bvh
-from motion.formats.first_frame import settle_first_frame
+from motion.formats.bvh import read_bvh
+from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import retarget
 from motion.placement import place
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
 from training.spaces.beat import (
+    BEAT_SKELETON,
     FACIAL_WEIGHTS,
+    TOLD_JOINTS,
     beat_clip,
     beat_piece,
     body_values,
     face_values,
     told_motion,
 )
-from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
 
 DATA = Path(__file__).parents[4] / "shared" / "data"
 

@@ -8,21 +8,20 @@ import torch
 from scipy.spatial.transform import Rotation
 
 from motion.body.face_landmarks import FaceLandmarks
-from motion.clip import MotionClip
+from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
-from motion.face import ARKIT_NAMES
 from motion.formats.ted_npz import BONES, JOINT_NAMES
 from motion.points.clip_from_points import clip_from_points
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
-from training.spaces.bone_tensors import joints_of as joint_tensors_of
-from training.spaces.bone_tensors import split_motion, with_units
+from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 from training.spaces.bones_and_landmarks import (
     BONE_LENGTHS,
     BONE_VALUES,
     directions_of,
+    joint_tensors_of,
     joints_of,
+    split_motion,
     values_of,
+    with_units,
 )
 
 FACE = FaceLandmarks.of_default_body()

@@ -8,12 +8,17 @@ from scipy.spatial.transform import Rotation
 
 from generators.diffsheg.config import SHOW
 from motion.clip import MotionClip
-from motion.hands import FINGERS, RELAXED_HANDS
 from motion.placement import place
-from motion.skeleton import JOINT_NAMES, joint_index
+from motion.skeleton import FINGERS, JOINT_NAMES, RELAXED_HANDS, joint_index
 from training.spaces.normalisation import Normalisation
-from training.spaces.show import TOLD_JOINTS, show_clip, show_values
-from training.spaces.smplx_6d import WIDTH, smplx_6d_clip, smplx_6d_values
+from training.spaces.smplx_bodies import (
+    TOLD_JOINTS,
+    WIDTH,
+    show_clip,
+    show_values,
+    smplx_6d_clip,
+    smplx_6d_values,
+)
 
 
 def _clip() -> MotionClip:

@@ -2,19 +2,22 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 
-from analysis.answers.columns import ANALYSED_KINDS, LAYOUTS
 from analysis.answers.reading import read_answers
+from analysis.answers.table import ANALYSED_KINDS, LAYOUTS
 from analysis.measurement.scores import StudyMetrics
 from analysis.report.content import Section
 from analysis.report.sections.against_people import against_people_section, how_little
 from analysis.report.subject import Subject
-from analysis.results.against_people.against_people import metrics_against_people
-from analysis.results.against_people.over_conditions import sampling_range
-from tests.analysis.results.against_people.simulated_studies import metrics_of
+from analysis.results.against_people import metrics_against_people
+from analysis.results.grouping import ByQuestion
+from analysis.results.rank_correlations import sampling_range
+from analysis.results.report import TableReport
 from tests.analysis.results.made_tables import TABLES
+from tests.analysis.results.simulated_studies import metrics_of
 
 CONDITIONS = ("c00", "c01", "c02", "c03")
 
@@ -45,7 +48,7 @@ def metrics(conditions: int) -> StudyMetrics:
 
 def section(found: SimpleNamespace) -> Section | None:
     return against_people_section(
-        found,
+        cast(TableReport, found),
         Subject(
             title="study",
             origin="rehearsal",
@@ -56,14 +59,16 @@ def section(found: SimpleNamespace) -> Section | None:
     )
 
 
-def test_the_sentence_has_the_studys_own_number_of_conditions():
+def test_the_sentence_has_the_studys_own_number_of_conditions() -> None:
     assert "With 10 conditions" in how_little(sampling_range(10))
     assert "anything from .07 to .82 in 95 of 100 studies" in how_little(sampling_range(10))
     assert "could look the same" not in how_little(sampling_range(10))
     assert "could look the same" in how_little(sampling_range(4))
 
 
-def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_bytes(tmp_path):
+def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_bytes(
+    tmp_path: Path,
+) -> None:
     found = report(tmp_path)
     shown = section(found)
     assert shown is not None
@@ -83,20 +88,20 @@ def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_byt
     assert "With 4 conditions" in shown.paragraphs[0]
 
 
-def test_two_conditions_are_said_to_tell_nothing(tmp_path):
+def test_two_conditions_are_said_to_tell_nothing(tmp_path: Path) -> None:
     shown = section(report(tmp_path, conditions=("c00", "c01")))
     assert shown is not None
     assert shown.paragraphs[0].startswith("Two conditions always agree")
     assert any("2 conditions have scores" in note for note in shown.tables[0].notes)
 
 
-def test_without_metrics_there_is_no_section(tmp_path):
+def test_without_metrics_there_is_no_section(tmp_path: Path) -> None:
     found = report(tmp_path)
-    found.metrics_against_people = {}
+    found.metrics_against_people = ByQuestion()
     assert section(found) is None
 
 
-def test_a_condition_without_a_score_is_named_under_the_table(tmp_path):
+def test_a_condition_without_a_score_is_named_under_the_table(tmp_path: Path) -> None:
     shown = section(report(tmp_path, protocol="pairwise", conditions=("c00", "c01", "z")))
     assert shown is not None
     notes = " ".join(shown.tables[0].notes)
@@ -104,7 +109,7 @@ def test_a_condition_without_a_score_is_named_under_the_table(tmp_path):
     assert shown.tables[0].header[-1] == "pairs of clips"
 
 
-def test_where_no_condition_has_a_score_a_sentence_says_so(tmp_path):
+def test_where_no_condition_has_a_score_a_sentence_says_so(tmp_path: Path) -> None:
     shown = section(report(tmp_path, protocol="pairwise", conditions=("x", "y", "z")))
     assert shown is not None
     assert shown.paragraphs[0].startswith("No metric has a score")

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from analysis.report.sections.answer import answer
 from analysis.report.sections.flow import flow_line, flow_section
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.participants import Flow
-from tests.analysis.report.made_reports import subject_of
+from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import (
     TABLES,
     catch_rows,
@@ -20,6 +21,19 @@ from tests.analysis.results.made_tables import (
     rating_table,
     report_of,
 )
+
+Answered = Callable[..., tuple[str, ...]]
+
+
+@pytest.fixture
+def answered(tmp_path: Path) -> Answered:
+    """Return what gives the answer that the report of a table begins with."""
+
+    def read(table: pd.DataFrame, protocol: str, **settings: float) -> tuple[str, ...]:
+        report = report_of(table, protocol, tmp_path, **settings)
+        return answer(report, subject_of(report))
+
+    return read
 
 
 def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_path: Path) -> None:
@@ -36,80 +50,64 @@ def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_
     assert limits.startswith("It does not show how other systems")
 
 
-def test_the_better_condition_comes_first_whichever_the_table_names_first(tmp_path: Path) -> None:
+def test_the_better_condition_comes_first_whichever_the_table_names_first(
+    answered: Answered,
+) -> None:
     table = pairwise_table(("worse", "better"), effects=(0.0, 3.0), participants=14, segments=8)
-    report = report_of(table, "pairwise", tmp_path)
-
-    assert answer(report, subject_of(report))[0].startswith(
-        "Participants preferred better to worse"
-    )
+    assert answered(table, "pairwise")[0].startswith("Participants preferred better to worse")
 
 
-def test_what_is_not_decided_is_not_called_equal(tmp_path: Path) -> None:
+def test_what_is_not_decided_is_not_called_equal(answered: Answered) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=10, segments=8)
-    report = report_of(table, "pairwise", tmp_path)
-
-    effect, _, limits = answer(report, subject_of(report))
+    effect, _, limits = answered(table, "pairwise")
 
     assert effect.startswith("None of 1 test decides")
     assert "no evidence that two conditions are equally good" in limits
 
 
-def test_what_is_equivalent_within_the_margin_is_named(tmp_path: Path) -> None:
+def test_what_is_equivalent_within_the_margin_is_named(answered: Answered) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
-    report = report_of(table, "pairwise", tmp_path, margin=0.2)
-
-    _, basis, _ = answer(report, subject_of(report))
+    _, basis, _ = answered(table, "pairwise", margin=0.2)
 
     assert basis.startswith("Equivalent within 0.2 are twin and ours on emotion.")
 
 
 def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
-    tmp_path: Path,
+    answered: Answered,
 ) -> None:
     table = pairwise_table(("ours", "other"), participants=6, effects=(0.0, 0.0))
     table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
-    report = report_of(table, "pairwise", tmp_path)
-
-    effect, basis, _ = answer(report, subject_of(report))
+    effect, basis, _ = answered(table, "pairwise")
 
     assert effect.startswith("Participants preferred ours to other on emotion (share of ")
     assert "1 test is of the share of participants, because the usual test cannot be used" in basis
 
 
 def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
-    tmp_path: Path,
+    answered: Answered,
 ) -> None:
     table = pairwise_table(questions=("emotion", "rhythm"), participants=8)
     fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
-    report = report_of(fewer, "pairwise", tmp_path)
-
-    basis = answer(report, subject_of(report))[1]
+    basis = answered(fewer, "pairwise")[1]
 
     assert basis.count("because the usual test cannot be used") == 1
 
 
-def test_ratings_are_answered_by_mean_differences(tmp_path: Path) -> None:
-    report = report_of(rating_table(participants=16, segments=10), "rating", tmp_path)
-
-    effect = answer(report, subject_of(report))[0]
+def test_ratings_are_answered_by_mean_differences(answered: Answered) -> None:
+    effect = answered(rating_table(participants=16, segments=10), "rating")[0]
 
     assert "preferred truth to static on match (mean difference " in effect
 
 
-def test_rankings_are_answered_by_differences_of_worths(tmp_path: Path) -> None:
-    report = report_of(ranking_table(participants=16, segments=10), "ranking", tmp_path)
-
-    effect, basis, _ = answer(report, subject_of(report))
+def test_rankings_are_answered_by_differences_of_worths(answered: Answered) -> None:
+    effect, basis, _ = answered(ranking_table(participants=16, segments=10), "ranking")
 
     assert "preferred truth to static on realism (difference of worths in logits " in effect
     assert basis.startswith("One test of all conditions together: on realism (F(2, ")
 
 
-def test_no_condition_is_called_best_where_all_share_one_rank(tmp_path: Path) -> None:
-    report = report_of(ranking_table(participants=4).assign(rank=1), "ranking", tmp_path)
-
-    assert answer(report, subject_of(report))[0].startswith(
+def test_no_condition_is_called_best_where_all_share_one_rank(answered: Answered) -> None:
+    assert answered(ranking_table(participants=4).assign(rank=1), "ranking")[0].startswith(
         "No test could be made: every ranking ties all that it places"
     )
 
@@ -165,22 +163,18 @@ def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_ex
     ) in answer(seen, subject_of(report))[1]
 
 
-def test_a_very_busy_participant_is_warned_of(tmp_path: Path) -> None:
+def test_a_very_busy_participant_is_warned_of(answered: Answered) -> None:
     table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
     busy = pd.concat([table[table["participant"] == "p00"]] * 9)
     table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
-    report = report_of(table, "pairwise", tmp_path)
-
-    basis = answer(report, subject_of(report))[1]
+    basis = answered(table, "pairwise")[1]
 
     assert "Participants answered very unequally often. " in basis
     assert "without any one participant the estimate lies between 0." in basis
 
 
-def test_own_speech_is_named_against_anothers(tmp_path: Path) -> None:
-    report = report_of(mismatch_table(participants=40, segments=12), "mismatch", tmp_path)
-
-    effect = answer(report, subject_of(report))[0]
+def test_own_speech_is_named_against_anothers(answered: Answered) -> None:
+    effect = answered(mismatch_table(participants=40, segments=12), "mismatch")[0]
 
     assert "truth with its own speech to truth with another's speech on fits" in effect
 
@@ -215,10 +209,13 @@ def test_study_sessions_that_ended_unwatched_are_counted_among_the_participants(
         removed=(), analysed=4,
     )  # fmt: skip
 
-    words = flow_section(replace(report, flow=(flow,)), subject_of(report)).paragraphs
+    words, unflawed = (
+        section.paragraphs
+        for found in (replace(report, flow=(flow,)), report)
+        if (section := flow_section(found, subject_of(found)))
+    )
 
     assert any(text.startswith("2 study sessions ended before the last trial") for text in words)
-    unflawed = flow_section(report, subject_of(report)).paragraphs
     assert not any("ended before the last trial" in text for text in unflawed)
 
 

@@ -1,16 +1,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import pytest
 
 from analysis.evaluators import network_names
-from analysis.measurement.scores import ConditionScore, StudyMetrics
-from analysis.measurement.segment_scores import SkippedFile
+from analysis.measurement.scores import ConditionScore, SkippedFile, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.metrics.result import Better
-from analysis.report.booktabs import booktabs
 from analysis.report.content import Table
 from analysis.report.sections.metric import (
     confusion_tables,
@@ -19,6 +18,7 @@ from analysis.report.sections.metric import (
 )
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.subject import Subject
+from analysis.report.tables import booktabs
 
 NAMES = ("ground_truth", "ours", "camn", "broken")
 GEN = {"ours": True, "camn": False}
@@ -52,7 +52,7 @@ def scores(
 
 
 def tables(
-    *found: list[ConditionScore], protocol: str = "ranking", **settings: object
+    *found: list[ConditionScore], protocol: str = "ranking", **settings: Any
 ) -> tuple[Table, ...]:
     metrics = StudyMetrics(
         frame_rate=30.0, clips=(), conditions=tuple(s for own in found for s in own)
@@ -76,20 +76,20 @@ def column(table: Table, heading: str) -> list[str]:
     return [f"{m}{row[place].text}" for m, row in zip(marks, table.rows, strict=True)]
 
 
-def test_the_protocols_paper_gives_the_table_its_columns_and_blocks():
+def test_the_protocols_paper_gives_the_table_its_columns_and_blocks() -> None:
     (table,) = tables(scores(network_names.FMD, [math.nan, 324.7, 1055.5, 9e4]))
     assert table.groups == (("", 1), ("Holistic", 1), ("Expression", 2), ("Gesture", 5))
     assert table.header[:3] == ("condition", "FMD ↓", "FED ↓")
     assert table.name == "metrics-diffsheg"
 
 
-def test_recorded_motion_stands_first_and_that_of_catch_trials_last_and_neither_is_ranked():
+def test_recorded_motion_stands_first_and_that_of_catch_trials_last_and_neither_is_ranked() -> None:
     (table,) = tables(scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95], better="higher"))
     assert [row[0].text for row in table.rows] == ["ground truth", "ours", "camn", "broken"]
     assert column(table, "BA ↑") == ["0.900", "*0.800", "_0.700", "0.950"]
 
 
-def test_nearness_is_measured_to_recorded_motion():
+def test_nearness_is_measured_to_recorded_motion() -> None:
     (table,) = tables(
         scores("jerk (hands)", [100, 140, 90, 9000], better="near the reference", spread=11.0)
     )
@@ -99,7 +99,7 @@ def test_nearness_is_measured_to_recorded_motion():
     assert "standard deviation between clips" in table.notes[0]
 
 
-def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated():
+def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated() -> None:
     own = scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95])
     (table,) = tables(own, generative=GEN)
     assert table.header.count("Gen") == 2
@@ -108,7 +108,7 @@ def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated
     assert "Gen" not in without.header
 
 
-def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number():
+def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number() -> None:
     (table,) = tables(scores(network_names.FMD, [math.nan, 3.0, 4.0, 5.0], reason="is itself"))
     assert column(table, "FMD ↓")[0] == "–\xa0(a)"
     assert table.rows[0][1].value is None
@@ -116,20 +116,20 @@ def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number()
     assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
 
 
-def test_an_error_of_recorded_motion_against_itself_is_none():
+def test_an_error_of_recorded_motion_against_itself_is_none() -> None:
     found = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0])[1:]
     (table,) = tables(found, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
     note = "(a) holistic FMD of ground truth: recorded motion is not compared with itself."
     assert note in table.notes
 
 
-def test_what_limits_a_score_is_a_footnote_too():
+def test_what_limits_a_score_is_a_footnote_too() -> None:
     (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d"))
     assert all("(a)" in text for text in column(table, "FMD ↓"))
     assert "(a) holistic FMD: n < 2d." in table.notes
 
 
-def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_files():
+def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_files() -> None:
     found = tables(
         scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]),
         scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
@@ -138,13 +138,13 @@ def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_file
     assert [table.header[1:] for table in found[1:]] == [("jerk (hands) ↓",)]
 
 
-def test_many_metrics_are_shared_out_to_tables_that_fit_a_page():
+def test_many_metrics_are_shared_out_to_tables_that_fit_a_page() -> None:
     found = tables(*(scores(f"metric {k}", [1.0, 2.0, 3.0, 4.0]) for k in range(8)))
     assert [len(table.header) for table in found] == [5, 5]
     assert len({table.name for table in found}) == 2
 
 
-def test_metrics_without_any_score_are_listed_with_the_reason():
+def test_metrics_without_any_score_are_listed_with_the_reason() -> None:
     found = tables(
         scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
         scores("new metric", [math.nan] * 4, reason="no network: train one"),
@@ -152,14 +152,14 @@ def test_metrics_without_any_score_are_listed_with_the_reason():
     assert [cell.text for cell in found[-1].rows[0]] == ["new metric", "no network: train one"]
 
 
-def test_the_tables_make_latex_with_bold_and_underlined_cells():
+def test_the_tables_make_latex_with_bold_and_underlined_cells() -> None:
     (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]))
     text = booktabs(table)
     assert r"\textbf{3.00}" in text
     assert r"\underline{4.00}" in text
 
 
-def test_files_that_could_not_be_used_are_named_without_their_folders():
+def test_files_that_could_not_be_used_are_named_without_their_folders() -> None:
     metrics = StudyMetrics(
         frame_rate=30.0,
         clips=(),
@@ -173,7 +173,7 @@ def test_files_that_could_not_be_used_are_named_without_their_folders():
     )
 
 
-def test_confusions_show_what_gestures_were_taken_for():
+def test_confusions_show_what_gestures_were_taken_for() -> None:
     metrics = StudyMetrics(
         frame_rate=30.0,
         clips=(),
@@ -194,37 +194,44 @@ def test_confusions_show_what_gestures_were_taken_for():
 
 
 @pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch"])
-def test_every_protocol_has_a_table_without_its_papers_metrics(protocol):
+def test_every_protocol_has_a_table_without_its_papers_metrics(protocol: str) -> None:
     (table,) = tables(scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]), protocol=protocol)
     assert table.caption == "Automatic metrics."
+
+
+def places(
+    scores: Sequence[float], better: Better, recorded: float = math.nan, *, decimals: int = 2
+) -> tuple[set[int], set[int]]:
+    best, second = first_and_second(scores, better, recorded, decimals)
+    return set(best), set(second)
 
 
 @pytest.mark.parametrize(
     ("better", "best", "second"),
     [("lower", {1}, {0}), ("higher", {3}, {2}), ("near the reference", {2}, {0})],
 )
-def test_each_direction_has_its_own_best(better, best, second):
-    assert first_and_second([3.0, 1.0, 5.0, 9.0], better, 4.9, 2) == (best, second)
+def test_each_direction_has_its_own_best(better: Better, best: set[int], second: set[int]) -> None:
+    assert places([3.0, 1.0, 5.0, 9.0], better, 4.9) == (best, second)
 
 
-def test_equal_scores_share_a_rank_as_far_as_they_are_printed():
-    assert first_and_second([0.911, 0.912, 0.5, 0.4], "higher", math.nan, 2) == ({0, 1}, {2})
+def test_equal_scores_share_a_rank_as_far_as_they_are_printed() -> None:
+    assert places([0.911, 0.912, 0.5, 0.4], "higher") == ({0, 1}, {2})
 
 
-def test_missing_scores_have_no_rank():
-    assert first_and_second([math.nan, 2.0, 3.0], "lower", math.nan, 2) == ({1}, {2})
+def test_missing_scores_have_no_rank() -> None:
+    assert places([math.nan, 2.0, 3.0], "lower") == ({1}, {2})
 
 
 @pytest.mark.parametrize("scores", [[1.0], [2.0, 2.0], [math.nan, math.nan], []])
-def test_none_is_best_where_all_are_alike(scores):
-    assert first_and_second(scores, "lower", math.nan, 2) == (frozenset(), frozenset())
+def test_none_is_best_where_all_are_alike(scores: list[float]) -> None:
+    assert places(scores, "lower") == (set(), set())
 
 
-def test_no_direction_and_unknown_recordings_rank_nothing():
-    assert first_and_second([1.0, 2.0], "unsaid", 1.0, 2) == (frozenset(), frozenset())
-    assert first_and_second([1.0, 2.0], "near the reference", math.nan, 2)[0] == frozenset()
+def test_no_direction_and_unknown_recordings_rank_nothing() -> None:
+    assert places([1.0, 2.0], "unsaid", 1.0) == (set(), set())
+    assert places([1.0, 2.0], "near the reference")[0] == set()
 
 
-def test_nearness_is_that_of_the_printed_numbers():
-    found = first_and_second([30.6, 30.4, 0.0], "near the reference", 49.8, 0)
+def test_nearness_is_that_of_the_printed_numbers() -> None:
+    found = places([30.6, 30.4, 0.0], "near the reference", 49.8, decimals=0)
     assert found == ({0}, {1})

@@ -2,23 +2,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 
 from analysis.report.content import Section
 from analysis.report.sections.answer import answer
+from analysis.report.sections.checks import truth_section
 from analysis.report.sections.diagnostics import diagnostics_section
-from analysis.report.sections.flow import flow_section
-from analysis.report.sections.limits import limits_section
-from analysis.report.sections.looks import MOST, looks_section
-from analysis.report.sections.methods import methods_section
+from analysis.report.sections.flow import MOST_LOOKS, flow_section, looks_section
+from analysis.report.sections.methods import limits_section, methods_section
 from analysis.report.sections.strip import strip_section
-from analysis.report.sections.truth import truth_section
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
 from analysis.results.looks import Look, looks_before
-from tests.analysis.report.made_reports import subject_of
+from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
 SENTENCE = "Results were looked at 2 times before these answers were complete, at 2 and 4 finished"
@@ -148,21 +147,21 @@ def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_
 
 def test_many_looks_are_counted_and_the_last_ones_shown(tmp_path: Path) -> None:
     report = report_of(pairwise_table(participants=6), "pairwise", tmp_path)
-    many = [looked(number) for number in range(1, MOST + 51)]
+    many = [looked(number) for number in range(1, MOST_LOOKS + 51)]
     seen = replace(report, looks=looks_before(many, finished=999, answers=9990))
 
     section = looks_section(seen)
 
     assert section is not None
     assert (
-        f"{MOST + 50} numbers of finished participants from 1 to {MOST + 50}"
+        f"{MOST_LOOKS + 50} numbers of finished participants from 1 to {MOST_LOOKS + 50}"
         in (section.paragraphs[0])
     )
-    assert len(section.tables[0].rows) == MOST
-    assert f"The last {MOST} rows of {MOST + 50}" in section.tables[0].notes[1]
+    assert len(section.tables[0].rows) == MOST_LOOKS
+    assert f"The last {MOST_LOOKS} rows of {MOST_LOOKS + 50}" in section.tables[0].notes[1]
 
 
-def subject_with_stills(*conditions: str, **settings: object) -> Subject:
+def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
     stills = tuple(
         Still(condition=name, segment="s1", seconds=seconds, word="", image="data:image/webp;x")
         for name in conditions
@@ -180,7 +179,7 @@ def subject_with_stills(*conditions: str, **settings: object) -> Subject:
     )
 
 
-def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture():
+def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture() -> None:
     section = strip_section(subject_with_stills("ours", "theirs"))
     assert section is not None
     (strip,) = section.pictures
@@ -191,7 +190,7 @@ def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_p
     assert "“Put them into <detention>.”" in section.paragraphs[0]
 
 
-def test_a_condition_without_video_is_named():
+def test_a_condition_without_video_is_named() -> None:
     section = strip_section(subject_with_stills("ours"))
     assert section is not None
     assert section.paragraphs[1] == (
@@ -199,17 +198,17 @@ def test_a_condition_without_video_is_named():
     )
 
 
-def test_where_there_are_none_the_reason_stands_in_their_place():
+def test_where_there_are_none_the_reason_stands_in_their_place() -> None:
     section = strip_section(subject_with_stills(no_stills="There are no videos yet."))
     assert section is not None
     assert section.paragraphs == ("There are no videos yet.",)
 
 
-def test_a_table_of_answers_has_no_such_section():
+def test_a_table_of_answers_has_no_such_section() -> None:
     assert strip_section(subject_with_stills()) is None
 
 
-def test_names_cannot_become_markup():
+def test_names_cannot_become_markup() -> None:
     section = strip_section(subject_with_stills("<b>ours</b>"))
     assert section is not None
     assert "<b>" not in section.pictures[0].svg

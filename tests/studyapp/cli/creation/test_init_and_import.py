@@ -6,6 +6,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.cli.main import group
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import read_study
 
 
@@ -18,6 +19,7 @@ def test_init_makes_a_study_named_after_its_folder(tmp_path: Path) -> None:
     result = invoke("init", folder, "--reference", "rule_based", "--trials", 6)
     assert result.exit_code == 0, result.output
     study = read_study(folder / "study.toml")
+    assert isinstance(study, PairwiseStudy)
     assert (study.name, study.trials) == ("scott", 6)
 
 

@@ -10,7 +10,7 @@ from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from studyapp.cli.main import group
-from studyapp.study.creation.study_file import new_study
+from studyapp.study.study_file import new_study
 from tests.generators.diffsheg.small_network import written_network
 
 
@@ -57,7 +57,9 @@ def test_a_generator_without_weights_moves_too(speech: Path, tmp_path: Path) -> 
 
 
 def test_motion_that_was_made_elsewhere_is_never_written_over(speech: Path, tmp_path: Path) -> None:
-    clip = MotionClip(poses=np.zeros((3, 55, 3)), trans=np.zeros((3, 3)), frame_rate=30)
+    clip = MotionClip(
+        poses=np.zeros((3, 55, 3), np.float32), trans=np.zeros((3, 3), np.float32), frame_rate=30
+    )
     write_clip(tmp_path / "hello.npz", clip)
     before = (tmp_path / "hello.npz").read_bytes()
     said = run("--generator", "static", "--speech", speech, "--out", tmp_path)

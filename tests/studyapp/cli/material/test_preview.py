@@ -10,7 +10,7 @@ from PIL import Image
 
 from motion.errors import InputError
 from studyapp.cli.main import group
-from tests.motion.formats.bvh_text import bvh_text, columns_of, smplx_skeleton, write_bvh
+from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
 from tests.studyapp.takes import write_motion, write_speech
 
 
@@ -22,7 +22,7 @@ def unknown_skeleton(tmp_path: Path) -> Path:
         for name, parent, offset in smplx_skeleton()
     ]
     rows = np.stack([columns_of(skeleton, {"xleft_elbow": (k, 0, 0)}) for k in range(20)])
-    return write_bvh(tmp_path / "wave.bvh", bvh_text(skeleton, rows))
+    return save_bvh_text(tmp_path / "wave.bvh", bvh_text(skeleton, rows))
 
 
 def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.cli.material import render_command
+from studyapp.stimuli import rendering
 from studyapp.stimuli.render_record import RenderCount
 
 
@@ -20,7 +21,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         arguments.update(given)
         return RenderCount(made=3, kept=2, failures=("a.mp4: torn",), left_out=2, notes=("soft",))
 
-    monkeypatch.setattr(render_command, "render", render)
+    monkeypatch.setattr(rendering, "render", render)
     return arguments
 
 

@@ -4,6 +4,7 @@ import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
@@ -14,7 +15,7 @@ from motion.formats import write_clip
 from studyapp.cli.main import group
 from tests.analysis.evaluators.swinging import SWINGS, swinging
 from tests.support.short_training import short_training
-from training.threads import torch_threads
+from training.device import torch_threads
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -63,7 +64,7 @@ def test_an_interrupted_training_says_what_is_saved_and_goes_on(
     whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
     assert run(*given, whole).exit_code == 0
 
-    def stop_in_the_third_step(*arguments: object, **options: object) -> None:
+    def stop_in_the_third_step(*arguments: Any, **options: Any) -> None:
         calls.append(1)
         if len(calls) == 3:
             os.kill(os.getpid(), signal.SIGINT)

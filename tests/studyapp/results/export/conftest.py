@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder

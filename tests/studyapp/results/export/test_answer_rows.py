@@ -3,7 +3,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.ending import withdraw
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant

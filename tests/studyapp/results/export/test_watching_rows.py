@@ -7,10 +7,9 @@ import pytest
 from sqlalchemy.orm import Session
 
 from studyapp.results.export.rows import refusals_table, watching_table
+from studyapp.session.ending import withdraw
 from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
-from studyapp.session.videos.watch_evidence import Playback
-from studyapp.session.videos.watch_reports import record_watched
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.watch_evidence import Playback
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
@@ -65,16 +64,9 @@ def test_what_was_never_sent_was_not_watched_whatever_its_browser_reports(
 ) -> None:
     trial = participant.trial()
     participant.clock.advance(seconds=30)
-    known = record_watched(
-        participant.database,
-        participant.served,
-        participant.token,
-        trial.videos[0].token,
-        batch=0,
-        intervals=[(0.0, 2.0)],
-        clock=participant.clock,
-    )
-    assert (known.intervals, known.missing) == ((), pytest.approx(1.9))
+    known = participant.report(trial.videos[0].token, (0.0, 2.0))
+    assert not known.intervals
+    assert known.missing == pytest.approx(1.9)
     with pytest.raises(UnacceptableError, match="About 2 s"):
         participant.answer(trial.token)
 

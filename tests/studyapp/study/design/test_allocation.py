@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS
-from studyapp.study.design.allocation import allocate_segments, even_quotas
+from studyapp.study.design.allocation import allocate_segments, even_quotas, planned_trials
 from tests.studyapp.made_study import make_segments
 
 AVAILABLE = st.dictionaries(
@@ -64,3 +64,34 @@ def test_who_came_before_is_counted_at_once_as_one_by_one(
 
     one_by_one = [total] * number
     assert at_once == allocate_segments(segments, total, number=number, seed=[3], before=one_by_one)
+
+
+AMUSE = {"trials": 24, "practice": 3}
+
+
+def test_fewer_segments_shrink_the_study_and_it_says_why() -> None:
+    count = planned_trials(make_segments(["neutral"] * 6), **AMUSE)
+
+    assert (count.practice, count.analysed) == (3, 6)
+    assert count.sentences == (
+        "each participant judges 6 pairs instead of 24, because the study has 6 segments and "
+        "shows each of them once",
+    )
+
+
+def test_practice_shrinks_with_the_segments() -> None:
+    count = planned_trials(make_segments(["neutral"] * 2), **AMUSE)
+
+    assert (count.practice, count.analysed) == (2, 2)
+    assert "2 trials are practice instead of 3" in count.sentences[1]
+
+
+def test_an_emotion_with_too_few_segments_is_named() -> None:
+    segments = make_segments(["anger"] * 5 + ["fear"] * 1)
+
+    count = planned_trials(segments, **{**AMUSE, "trials": 6})
+
+    assert count.sentences == (
+        "the emotions are not shown equally often: an even share is 3 segments each, but there "
+        "are fewer of fear 1",
+    )

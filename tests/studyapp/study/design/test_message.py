@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from studyapp.study.design.message import Message
+from studyapp.study.settings.presentation import Message
 
 
 def test_places_are_filled_with_numbers_words_messages_and_lists() -> None:

@@ -10,11 +10,10 @@ from hypothesis import strategies as st
 from studyapp.study.design.order import (
     drawn_segments,
     numbered,
+    pair_trials,
     scattered,
 )
-from studyapp.study.design.pair_trials import pair_trials
-from studyapp.study.design.planned_trial import Kind, PlannedTrial
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import Kind, PlannedTrial, Stimulus
 from tests.studyapp.made_study import make_segments
 
 SEEDS = st.integers(0, 2**32 - 1)

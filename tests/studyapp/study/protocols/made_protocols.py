@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from studyapp.study.design.asking import AnswerKey, Ask, Trial
+from studyapp.study.design.trial import AnswerKey, Ask, Trial
+from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.settings.reading import parse_study
-from studyapp.study.settings.scales import RatingQuestion
 from studyapp.study.settings.study import Study
 
 CONDITIONS: dict[str, dict[str, str]] = {name: {} for name in ("ours", "theirs", "static", "real")}

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS
-from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.study import Study
 from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import KEYS, make

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS, Segment
-from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.reading import ALIASES, PROTOCOLS, parse_study
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import arm_digest, design_digest
@@ -190,7 +190,7 @@ def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str
 
 
 def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
-    few = {name: {} for name in ("ours", "theirs")}
+    few: dict[str, dict[str, str]] = {name: {} for name in ("ours", "theirs")}
     before = make("pairwise", conditions=few, catch={"against": "ours"})
     after = make("pairwise", catch={"against": "ours"})
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from motion.segment import EMOTIONS
-from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.made_study import make_segments, make_study, pair_plan
 
@@ -109,7 +109,7 @@ def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
 
 def tournament(count: int, trials: int) -> PairwiseStudy:
     """Return a study of all pairs of `count` conditions."""
-    names = {f"c{index}": {} for index in range(count)}
+    names: dict[str, dict[str, str]] = {f"c{index}": {} for index in range(count)}
     return make_study(comparisons="all_pairs", reference="c0", conditions=names, trials=trials)
 
 

@@ -9,11 +9,9 @@ from hypothesis import strategies as st
 
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.study.creation.study_file import new_study
-from studyapp.study.design.asking import AnswerKey
-from studyapp.study.design.planned_trial import PlannedTrial
-from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.design.trial import AnswerKey, PlannedTrial, Stimulus
 from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.study_file import new_study
 from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import make
 

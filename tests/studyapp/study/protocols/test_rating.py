@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from studyapp.study.creation.study_file import new_study
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.scales import QUALITY_CATEGORIES, RatingQuestion
+from studyapp.study.settings.questions import QUALITY_CATEGORIES, RatingQuestion
+from studyapp.study.study_file import new_study
 from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import KEYS, LABELS, make, question
 

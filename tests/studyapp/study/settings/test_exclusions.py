@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.study.creation.study_file import TEMPLATES, new_study
-from studyapp.study.creation.written_exclusion import read_exclusion
+from studyapp.cli.report_command import read_exclusion
 from studyapp.study.settings.exclusions import SECTIONS
 from studyapp.study.settings.reading import parse_study, read_study
 from studyapp.study.settings.study import Study
+from studyapp.study.study_file import TEMPLATES, new_study
 
 Read = Callable[..., Study]
 

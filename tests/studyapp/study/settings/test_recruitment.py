@@ -1,10 +1,19 @@
 from __future__ import annotations
 
+from decimal import Decimal
 from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
+from studyapp.study.settings.recruitment import (
+    CODE_LENGTH,
+    Recruitment,
+    draw_code,
+    guessable,
+    hourly,
+    money,
+)
 from tests.studyapp.made_study import make_study
 
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
@@ -49,3 +58,75 @@ def test_a_study_may_wait_for_its_codes() -> None:
     study = make_study(recruitment={"channel": "prolific", "prolific": {"completed": "KX7QM2PWTR"}})
 
     assert study.recruitment.missing_codes == ["screened_out", "failed_attention"]
+
+
+def recruited(**keys: Any) -> Recruitment:
+    return Recruitment.model_validate(keys)
+
+
+def test_each_channel_has_its_own_key_for_what_is_paid() -> None:
+    pay = {"amount": "3.00", "currency": "EUR"}
+    assert recruited(pay=pay).amount == Decimal("3.00")
+    prolific = recruited(channel="prolific", pay=pay, prolific={"reward": 250})
+    assert (prolific.amount, prolific.currency) == (Decimal("2.50"), "EUR")
+    mturk = recruited(channel="mturk", pay=pay, mturk={"reward": "1.75"})
+    assert (mturk.amount, mturk.currency) == (Decimal("1.75"), "USD")
+
+
+def test_what_is_not_stated_is_none() -> None:
+    assert recruited().amount is None
+    assert recruited(channel="prolific").amount is None
+
+
+@pytest.mark.parametrize(
+    "pay",
+    [
+        {"amount": "2,50", "currency": "EUR"},
+        {"amount": "2.5", "currency": "EUR"},
+        {"currency": "euro"},
+        {"amount": "2.50"},
+        {"hourly_minimum": "12.00"},
+    ],
+)
+def test_pay_that_cannot_be_reckoned_with_is_refused(pay: dict[str, str]) -> None:
+    with pytest.raises(ValidationError, match=r"recruitment\.pay|pattern"):
+        make_study(recruitment={"pay": pay})
+
+
+def test_pay_for_an_hour_and_in_words() -> None:
+    assert hourly(Decimal("2.50"), 15) == 10.0
+    assert money(10, "EUR") == "10.00 EUR"
+    assert money(Decimal("2.5"), "") == "2.50"
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "",
+        "KX7QM2P",
+        "AAAAAAAAAA",
+        "ABABABABAB",
+        "COMPLETED7X",
+        "prolific-42",
+        "K1234567X9",
+        "XQWERTY79K",
+        "9876PWTRKX",
+        "DONE-KX7QM2",
+        "KXQM7KXQM7",
+    ],
+)
+def test_a_code_that_could_be_guessed_is_told(code: str) -> None:
+    assert guessable(code) is not None
+
+
+@pytest.mark.parametrize("code", ["KX7QM2PWTR", "C1G9PC0D", "8E8AC860"])
+def test_codes_as_recruiters_draw_them_are_fine(code: str) -> None:
+    assert guessable(code) is None
+
+
+def test_drawn_codes_are_fine_and_each_is_another() -> None:
+    drawn = {draw_code() for _ in range(500)}
+
+    assert len(drawn) == 500
+    assert {len(code) for code in drawn} == {CODE_LENGTH}
+    assert not any(guessable(code) for code in drawn)

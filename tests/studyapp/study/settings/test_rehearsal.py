@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from motion.errors import InputError
-from studyapp.study.creation.template_language import template_text
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
 from studyapp.study.settings.rehearsal import Rehearsal, stated_for
 from studyapp.study.settings.study import Study
+from studyapp.study.template_language import template_text
 
 
 def template(protocol: str) -> str:

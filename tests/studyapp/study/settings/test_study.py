@@ -7,11 +7,12 @@ import pytest
 import tomlkit
 
 from motion.errors import InputError
-from renderer.avatars import AVATARS
-from studyapp.study.creation.study_file import new_study
+from renderer.look import AVATARS
 from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.presentation import Video
 from studyapp.study.settings.reading import read_study
-from studyapp.study.settings.video import Video
+from studyapp.study.study_file import new_study
+from tests.edited_study import edited
 
 
 @pytest.fixture
@@ -22,19 +23,19 @@ def study_file(tmp_path: Path) -> Path:
 
 
 def changed(path: Path, **changes: Any) -> Path:
-    document = tomlkit.parse(path.read_text())
-    for dotted, value in changes.items():
-        *tables, key = dotted.split("__")
-        table: Any = document
-        for name in tables:
-            table = table.setdefault(name, tomlkit.table())
-        table[key] = value
-    path.write_text(tomlkit.dumps(document))
+    with edited(path) as document:
+        for dotted, value in changes.items():
+            *tables, key = dotted.split("__")
+            table: Any = document
+            for name in tables:
+                table = table.setdefault(name, tomlkit.table())
+            table[key] = value
     return path
 
 
 def test_the_template_follows_the_published_design(study_file: Path) -> None:
     study = read_study(study_file)
+    assert isinstance(study, PairwiseStudy)
     assert (study.trials, study.practice, study.catch.trials) == (24, 3, 3)
     assert study.participants_per_comparison == 25
     assert study.catch.max_failed == 1
@@ -83,6 +84,21 @@ def test_a_wrong_key_is_named_with_its_file(
     assert str(study_file) in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("misspelt", "meant"), [("referenze", "reference"), ("catch__agianst", "against")]
+)
+def test_an_unknown_key_is_told_with_its_line_and_the_nearest_one(
+    study_file: Path, misspelt: str, meant: str
+) -> None:
+    changed(study_file, **{misspelt: "x"})
+    key = misspelt.rpartition("__")[2]
+    lines = study_file.read_text("utf-8").splitlines()
+    line = next(number for number, text in enumerate(lines, 1) if text.startswith(key))
+    with pytest.raises(InputError) as caught:
+        read_study(study_file)
+    assert f"{key}: unknown key in line {line} (did you mean '{meant}'?)" in str(caught.value)
+
+
 def test_all_wrong_keys_are_named_at_once(study_file: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_study(changed(study_file, trials=-1, colour="red"))
@@ -91,10 +107,9 @@ def test_all_wrong_keys_are_named_at_once(study_file: Path) -> None:
 
 
 def test_a_name_that_cannot_be_one_is_explained_without_jargon(study_file: Path) -> None:
-    document = tomlkit.parse(study_file.read_text())
-    for question in document["questions"]:
-        question["name"] = "two words"
-    study_file.write_text(tomlkit.dumps(document))
+    with edited(study_file) as document:
+        for question in document["questions"]:
+            question["name"] = "two words"
 
     with pytest.raises(InputError) as caught:
         read_study(study_file)
@@ -169,9 +184,8 @@ def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path)
 
 
 def test_a_question_cannot_have_the_name_of_the_pages_own_field(study_file: Path) -> None:
-    document = tomlkit.parse(study_file.read_text())
-    document["questions"][0]["name"] = "trial"
-    study_file.write_text(tomlkit.dumps(document))
+    with edited(study_file) as document:
+        document["questions"][0]["name"] = "trial"
 
     with pytest.raises(InputError, match="no question can be named 'trial'"):
         read_study(study_file)

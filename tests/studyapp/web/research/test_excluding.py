@@ -12,8 +12,9 @@ from studyapp.database.tables import StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.arrival.enrolment import Arrival, enrol
-from studyapp.session.withdrawal import withdraw
+from studyapp.session.arrivals import Arrival
+from studyapp.session.ending import withdraw
+from studyapp.session.enrolment import enrol
 from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
 from tests.studyapp.read_once import read_once

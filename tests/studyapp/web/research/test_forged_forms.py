@@ -7,9 +7,9 @@ from itertools import product
 from flask import Flask
 
 from studyapp.database.engine import Database
+from studyapp.researchers.account import accounts
 from studyapp.researchers.links import usable_links
-from studyapp.researchers.membership import accounts
-from studyapp.web.research.visitor import form_code
+from studyapp.web.research.page import form_code
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.research.conftest import LogIn

@@ -1,0 +1,254 @@
+"""The networks that are trained here: a classifier of emotions, and an autoencoder of motion.
+
+The classifier is AMUSE's evaluator M (Chhatre et al. 2024, "Emotional Speech-driven 3D Body
+Animation via Disentangled Latent Diffusion", section 5.1 and appendix D, after Petrovich et al.
+2021). The paper appends a class token; the released network averages over frames instead, and so
+does this one.
+
+The autoencoder of short windows, convolutions over time and then one vector, is designed as the
+feature network of Yoon et al. 2020, "Speech Gesture Generation from the Trimodal Context of Text,
+Audio, and Speaker Identity", which BEAT (Liu et al. 2022) and DiffSHEG (Chen et al. 2024) use with
+more features. Speech2UnifiedExpressions trains one on face landmarks for its FLD and does not
+state its layers; it has those of Yoon here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import torch
+from torch import Tensor, nn
+
+from analysis.evaluators.clip_views import LARGEST, WindowConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmotionConfig(WindowConfig):
+    """Sizes of the network; those of AMUSE by default.
+
+    Attributes
+    ----------
+    width : int
+        Numbers of an embedding; a multiple of twice `heads`.
+    feed_forward : int
+        Hidden units of each layer.
+    layers, heads : int
+        Of the transformer.
+    dropout : float
+        In [0, 1).
+    hidden : tuple of int
+        Layers between embedding and emotions.
+    """
+
+    frame_rate: float = 30.0
+    window: int = 300
+    stride: int = 300
+    width: int = 256
+    feed_forward: int = 1024
+    layers: int = 8
+    heads: int = 4
+    dropout: float = 0.1
+    hidden: tuple[int, ...] = (128, 64)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("width", "feed_forward", "layers", "heads"):
+            self._check(name, 1 <= getattr(self, name) <= LARGEST, f"1 to {LARGEST}")
+        self._check("width", self.width % (2 * self.heads) == 0, "a multiple of twice the heads")
+        self._check("dropout", 0 <= self.dropout < 1, "a number from 0 to below 1")
+        self._check("hidden", all(1 <= size <= LARGEST for size in self.hidden), f"1 to {LARGEST}")
+
+
+EMOTION_FULL: Final = EmotionConfig()
+"""AMUSE's: windows of ten seconds."""
+
+EMOTION_TINY: Final = EmotionConfig(
+    frame_rate=15.0,
+    window=60,
+    stride=15,
+    width=64,
+    feed_forward=128,
+    layers=2,
+    hidden=(32,),
+)
+"""For a processor: windows of four seconds."""
+
+
+class EmotionNetwork(nn.Module):
+    """Embeds windows of motion, and tells their emotion.
+
+    Parameters
+    ----------
+    config : EmotionConfig
+        Sizes.
+    channels : int
+        Numbers of a frame.
+    emotions : int
+        How many emotions are told apart.
+    """
+
+    positions: Tensor
+
+    def __init__(self, config: EmotionConfig, channels: int, emotions: int) -> None:
+        super().__init__()
+        self.entry = nn.Linear(channels, config.width)
+        self.register_buffer("positions", sinusoids(config.window, config.width), persistent=False)
+        self.dropout = nn.Dropout(config.dropout)
+        layer = nn.TransformerEncoderLayer(
+            config.width,
+            config.heads,
+            config.feed_forward,
+            config.dropout,
+            activation="gelu",
+            batch_first=True,
+        )
+        self.encoder = nn.TransformerEncoder(layer, config.layers, enable_nested_tensor=False)
+        sizes = (config.width, *config.hidden)
+        parts: list[nn.Module] = []
+        for size, following in pairwise(sizes):
+            parts += [nn.Linear(size, following), nn.ReLU(), nn.Dropout(config.dropout)]
+        self.classifier = nn.Sequential(*parts, nn.Linear(sizes[-1], emotions))
+
+    def embed(self, windows: Tensor) -> Tensor:
+        """Return the mean over frames of the last layer, shape (n, width)."""
+        frames = self.dropout(self.entry(windows) + self.positions)
+        embedded: Tensor = self.encoder(frames).mean(dim=1)
+        return embedded
+
+    def forward(self, windows: Tensor) -> Tensor:
+        """Return the logits of the emotions, shape (n, emotions), of windows (n, T, channels)."""
+        logits: Tensor = self.classifier(self.embed(windows))
+        return logits
+
+    def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the cross-entropy of a batch, as AMUSE's appendix D has it."""
+        return {"loss": nn.functional.cross_entropy(self(windows), labels)}
+
+    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the cross-entropy and the accuracy of a batch."""
+        logits = self(windows)
+        return {
+            "loss": nn.functional.cross_entropy(logits, labels),
+            "accuracy": (logits.argmax(dim=1) == labels).double().mean(),
+        }
+
+
+def sinusoids(length: int, width: int) -> Tensor:
+    """Return the positions of Vaswani et al. 2017, section 3.5, shape (length, width)."""
+    rates = torch.exp(torch.arange(0, width, 2) * (-math.log(10_000.0) / width))
+    angles = torch.arange(length)[:, None] * rates
+    return torch.stack([angles.sin(), angles.cos()], dim=2).reshape(length, width)
+
+
+_SLOPE: Final = 0.2
+"""Of the leaky rectifiers."""
+
+_SHORTEST: Final = 12
+"""Frames that the encoder's convolutions need."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AutoencoderConfig(WindowConfig):
+    """Sizes of the network.
+
+    Attributes
+    ----------
+    features : int
+        Numbers of an embedding; the convolutions have as many channels, or twice as many.
+    """
+
+    frame_rate: float = 15.0
+    window: int = 34
+    stride: int = 10
+    features: int = 300
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check("window", self.window >= _SHORTEST, f"at least {_SHORTEST} frames")
+        self._check("features", 1 <= self.features <= LARGEST, f"1 to {LARGEST}")
+
+
+MOTION_FULL: Final = AutoencoderConfig()
+"""BEAT's 300 features."""
+
+FACE_FULL: Final = AutoencoderConfig(features=64)
+"""For face landmarks, of which Speech2UnifiedExpressions states no size."""
+
+AUTOENCODER_TINY: Final = AutoencoderConfig(features=32)
+"""Yoon's 32 features: enough for a processor."""
+
+
+class AutoencoderNetwork(nn.Module):
+    """Turns windows into vectors, and vectors back into windows.
+
+    Parameters
+    ----------
+    config : AutoencoderConfig
+        Sizes.
+    channels : int
+        Numbers of a frame.
+    """
+
+    def __init__(self, config: AutoencoderConfig, channels: int) -> None:
+        super().__init__()
+        size = config.features
+        left = (config.window - 8) // 2 - 1  # frames after four convolutions: 12 of 34
+        self.encoder = nn.Sequential(
+            *_convolved(channels, size),
+            *_convolved(size, 2 * size),
+            *_convolved(2 * size, 2 * size, kernel=4, stride=2),
+            nn.Conv1d(2 * size, size, 3),
+            nn.Flatten(),
+            *_connected(left * size, 4 * size),
+            *_connected(4 * size, 2 * size),
+            nn.Linear(2 * size, size),
+        )
+        self.decoder = nn.Sequential(
+            *_connected(size, 2 * size),
+            nn.Linear(2 * size, config.window * size),
+            nn.Unflatten(1, (size, config.window)),
+            *_convolved(size, 2 * size, padding=1),
+            *_convolved(2 * size, 2 * size, padding=1),
+            nn.Conv1d(2 * size, channels, 3, padding=1),
+        )
+
+    def embed(self, windows: Tensor) -> Tensor:
+        """Return the vectors, shape (n, features), of windows (n, T, channels)."""
+        embedded: Tensor = self.encoder(windows.transpose(1, 2))
+        return embedded
+
+    def forward(self, windows: Tensor) -> Tensor:
+        """Return the windows as they are rebuilt from their vectors, shape (n, T, channels)."""
+        rebuilt: Tensor = self.decoder(self.embed(windows))
+        return rebuilt.transpose(1, 2)
+
+    def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the errors of a batch, in deviations of the training frames.
+
+        The loss is the mean absolute error of values and of their changes from frame to frame (Yoon
+        et al. 2020).
+        """
+        rebuilt = self(windows)
+        error = nn.functional.l1_loss(rebuilt, windows)
+        change = nn.functional.l1_loss(rebuilt.diff(dim=1), windows.diff(dim=1))
+        return {"loss": error + change, "error": error, "change": change}
+
+    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the errors of a batch, and that of always giving the mean pose."""
+        return {**self.losses(windows, labels), "error_of_mean": windows.abs().mean()}
+
+
+def _convolved(
+    channels: int, size: int, *, kernel: int = 3, stride: int = 1, padding: int = 0
+) -> tuple[nn.Module, ...]:
+    # A bias would be taken off with the mean, and move by rounding alone.
+    convolution = nn.Conv1d(channels, size, kernel, stride=stride, padding=padding, bias=False)
+    return convolution, nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)
+
+
+def _connected(entries: int, size: int) -> tuple[nn.Module, ...]:
+    return nn.Linear(entries, size, bias=False), nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)

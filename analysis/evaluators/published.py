@@ -1,0 +1,234 @@
+"""Published evaluators, loaded by path: a clip in their own terms in, their own features out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from analysis.evaluators.clip_views import windows
+from analysis.evaluators.evaluator import by_parts
+from analysis.evaluators.published_presets import PRESETS, Preset
+from analysis.metrics.frechet import Rule
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.resample import resample
+
+if TYPE_CHECKING:
+    from torch import nn
+
+FloatArray = NDArray[np.float32]
+
+_SHOWN_OF_HASH: Final = 16
+
+_MEAN: Final = "bvh_mean.npy"
+_SPREAD: Final = "bvh_std.npy"
+
+_STILL: Final = 1e-3
+"""Spread, in degrees, of channels that never move in BEAT's recordings."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PublishedEvaluator:
+    """A published network with its weights.
+
+    Attributes
+    ----------
+    preset : Preset
+        Which.
+    sha256 : str
+        Hash of its file, and of BEAT's mean and spread.
+    network : nn.Module
+        In evaluation mode, on the processor.
+    statistics : tuple of ndarray or None
+        BEAT's mean and spread, shape (141,) each.
+    """
+
+    preset: Preset
+    sha256: str
+    network: nn.Module
+    statistics: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    labels: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What scores call it."""
+        return self.preset.title
+
+    @property
+    def rule(self) -> Rule:
+        """How the published code takes the Fréchet distance."""
+        return self.preset.rule
+
+    def features(self, motion: ArrayLike) -> FloatArray:
+        """Return the published features of motion in the network's own terms.
+
+        Parameters
+        ----------
+        motion : array_like, shape (n, T, channels)
+            As the network was trained on it, normalised; see `Preset.sees`. `T` is the window of
+            BEAT and TED, and any length from `Preset.shortest` of the others.
+
+        Returns
+        -------
+        ndarray, float32
+            EMAGE: (n, T // 32 * 2, 240); BEAT: (n, 300); TED: (n, 32); TalkSHOW: (n, T // 4, 64).
+
+        Raises
+        ------
+        InputError
+            If the array has another shape or a value that is not finite.
+        """
+        import torch
+
+        given = np.asarray(motion, np.float32)
+        self._check(given)
+        with torch.inference_mode():
+            return np.asarray(by_parts(self.network, torch.from_numpy(given)).numpy())
+
+    def embed(self, clip: MotionClip) -> FloatArray:
+        """Return one row of features for each window, or part of a window, of a clip, (w, d).
+
+        Raises
+        ------
+        InputError
+            If the clip is shorter than a window, or BEAT's mean and spread are missing.
+        """
+        preset = self.preset
+        frames = self._normalised(preset.frames(resample(clip, preset.frame_rate)))
+        needed = max(preset.shortest, preset.span)
+        if len(frames) < needed:
+            raise InputError(
+                f"the clip lasts {len(frames) / preset.frame_rate:.2f} s and {preset.title} looks "
+                f"at {needed / preset.frame_rate:.2f} s at least",
+                remedy="Use longer clips",
+            )
+        if preset.window:
+            cut = windows(frames, preset.span, preset.stride)[:, : preset.window]
+        else:
+            cut = frames[None]
+        return self.features(cut).reshape(-1, preset.features)
+
+    def classify(self, clip: MotionClip) -> FloatArray:
+        """Refuse: a published evaluator tells no emotions apart."""
+        raise InputError(
+            f"{self.preset.title} tells no emotions apart",
+            remedy="Train a network that does ('motionjury train evaluator emotion')",
+        )
+
+    def describe(self) -> Mapping[str, str]:
+        """Return the settings that every score of this network quotes, in words."""
+        preset = self.preset
+        return MappingProxyType(
+            {
+                "feature network": f"{preset.source}, {preset.features} features",
+                "network sha256": self.sha256[:_SHOWN_OF_HASH],
+                "representation": preset.sees,
+                "frame rate": f"{preset.frame_rate:g} fps, resampled",
+                "window": preset.cut,
+                "batch normalisation": "as stored (evaluation mode)",
+            }
+        )
+
+    def _check(self, motion: FloatArray) -> None:
+        preset = self.preset
+        wanted = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
+        fits = motion.ndim == 3 and len(motion) and motion.shape[2] == preset.channels
+        if fits:
+            count = motion.shape[1]
+            fits = count == preset.window if preset.window else count >= preset.shortest
+        if not fits:
+            raise InputError(
+                f"the motion has shape {motion.shape}",
+                remedy=f"Give {preset.title} (n, {wanted} frames, {preset.channels} numbers)",
+            )
+        if not np.isfinite(motion).all():
+            raise InputError(
+                "the motion holds a value that is not finite", remedy="Repair or cut it"
+            )
+
+    def _normalised(self, frames: NDArray[np.float64]) -> FloatArray:
+        if self.preset is not PRESETS["beat"]:
+            return frames.astype(np.float32)
+        if self.statistics is None:
+            raise InputError(
+                "BEAT's evaluator sees motion in deviations of BEAT's frames, and its mean and "
+                "spread are not given",
+                remedy="Put bvh_mean.npy and bvh_std.npy beside the checkpoint, or name their "
+                "folder as 'statistics'",
+            )
+        mean, spread = self.statistics
+        # What BEAT's recordings never move, and what SMPL-X has no joint for, is at its mean.
+        told = np.where(np.isnan(frames) | (spread < _STILL), mean, frames)
+        return np.asarray((told - mean) / np.maximum(spread, _STILL), np.float32)
+
+
+def load_published(
+    preset: str, file: Path | str, *, statistics: Path | str | None = None
+) -> PublishedEvaluator:
+    """Load a published evaluator from its checkpoint.
+
+    Parameters
+    ----------
+    preset : str
+        A name in `PRESETS`: ``emage``, ``beat``, ``ted`` or ``talkshow``.
+    file : path
+        The released checkpoint. Nothing that could run code is unpickled.
+    statistics : path, optional
+        For ``beat``: the folder with ``bvh_mean.npy`` and ``bvh_std.npy``; by default that of
+        `file`. `PublishedEvaluator.features` does without them.
+
+    Raises
+    ------
+    InputError
+        If the preset is unknown, or the file is missing, unreadable or another network's.
+    """
+    from analysis.evaluators.published_networks import load_weights
+
+    if preset not in PRESETS:
+        raise InputError(
+            f"unknown published evaluator {preset!r}", remedy=f"Use any of {', '.join(PRESETS)}"
+        )
+    chosen, path = PRESETS[preset], Path(file)
+    network = chosen.network()
+    load_weights(network, path, chosen.place)
+    digest = hashlib.sha256(path.read_bytes())
+    found = None
+    if preset == "beat":
+        folder = path.parent if statistics is None else Path(statistics)
+        if statistics is not None or (folder / _MEAN).exists():
+            found = _statistics(folder)
+        for values in found or ():
+            digest.update(values.tobytes())
+    return PublishedEvaluator(
+        preset=chosen, sha256=digest.hexdigest(), network=network, statistics=found
+    )
+
+
+def _statistics(folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return _channels(folder / _MEAN), _channels(folder / _SPREAD)
+
+
+def _channels(file: Path) -> NDArray[np.float64]:
+    wanted = PRESETS["beat"].channels
+    try:
+        values = np.load(file, allow_pickle=False)
+    except (OSError, EOFError, ValueError) as error:
+        raise InputError(
+            f"the file cannot be read as a plain array: {error}",
+            where=file,
+            remedy="Give bvh_mean.npy and bvh_std.npy as BEAT's authors made them",
+        ) from error
+    if values.size != wanted or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
+        raise InputError(
+            f"the array has shape {values.shape} and type {values.dtype}",
+            where=file,
+            remedy=f"Give {wanted} finite numbers",
+        )
+    return np.asarray(values, np.float64).reshape(-1)

@@ -1,1 +1,0 @@
-"""Published feature networks: the evaluators with which papers computed their FGD."""

@@ -1,0 +1,335 @@
+"""The published networks, with the names of their weights, and reading these from checkpoints.
+
+Nothing but numbers is read from a checkpoint.
+"""
+
+from __future__ import annotations
+
+import argparse
+import pickle
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import torch
+from torch import Tensor, nn
+
+from motion.errors import InputError
+
+_SLOPE: Final = 0.2
+"""Of the leaky rectifiers between convolutions."""
+
+TRIMMED_TO: Final = 32
+"""The published code drops trailing frames until their number is a multiple of this."""
+
+_LAYERS: Final = ((330, 330, 210), (210, 210, 120), (120, 240, None), (240, 240, None))
+"""Channels before and after each layer's convolution, and after its pooling where it pools."""
+
+_GROUPS: Final = 10
+
+_WIDTHS: Final = (256, 512, 1024)
+
+_LEFT: Final = 12
+"""Frames of a window that are left after the convolutions."""
+
+_WRITTEN_AS_TRUE: Final = 1.0
+"""Of those between full layers: published as ``LeakyReLU(True)``, whose slope is 1."""
+
+
+class EmageNetwork(nn.Module):
+    """EMAGE's evaluator, also that of the GENEA leaderboard: motion to features.
+
+    The encoder of VAESKConv (Liu et al. 2024, "EMAGE"), after Aberman et al. 2020, "Skeleton-Aware
+    Networks for Deep Motion Retargeting": convolutions over a skeleton's edges turn motion, shape
+    (n, T, 330), into features, shape (n, T / 16, 240). Which edges a convolution joins (its mask)
+    and how edges are pooled are arrays of the published file, so that no skeleton is needed here.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        layers = (nn.Sequential(_SkeletonResidual(*sizes)) for sizes in _LAYERS)
+        self.encoder = nn.ModuleDict({"layers": nn.ModuleList(layers)})
+
+    def forward(self, motion: Tensor) -> Tensor:
+        """Return the features; trailing frames past a multiple of 32 are left out."""
+        values = motion[:, : motion.shape[1] // TRIMMED_TO * TRIMMED_TO].transpose(1, 2)
+        for layer in self.encoder.get_submodule("layers").children():
+            values = layer(values)
+        return values.transpose(1, 2)
+
+
+class _SkeletonResidual(nn.Module):
+    """Halves the frames, then pools the edges."""
+
+    def __init__(self, entries: int, size: int, pooled: int | None) -> None:
+        super().__init__()
+        self.residual = nn.Sequential(
+            _SkeletonConvolution(entries, size, 4, padding=1), nn.GroupNorm(_GROUPS, size)
+        )
+        self.shortcut = _SkeletonConvolution(entries, size, 1, padding=0)
+        pool = [] if pooled is None else [_SkeletonPool(size, pooled)]
+        self.common = nn.Sequential(*pool, nn.Tanh())
+
+    def forward(self, values: Tensor) -> Tensor:
+        found: Tensor = self.common(self.residual(values) + self.shortcut(values))
+        return found
+
+
+class _SkeletonConvolution(nn.Module):
+    """A convolution over time, of every second frame, with a mask over its weights."""
+
+    def __init__(self, entries: int, size: int, kernel: int, *, padding: int) -> None:
+        super().__init__()
+        self.mask = nn.Parameter(torch.ones(size, entries, kernel), requires_grad=False)
+        self.weight = nn.Parameter(torch.zeros(size, entries, kernel))
+        self.bias = nn.Parameter(torch.zeros(size))
+        self._padding = padding
+
+    def forward(self, values: Tensor) -> Tensor:
+        return nn.functional.conv1d(
+            values, self.weight * self.mask, self.bias, stride=2, padding=self._padding
+        )
+
+
+class _SkeletonPool(nn.Module):
+    """Mixes edges by a matrix."""
+
+    def __init__(self, entries: int, size: int) -> None:
+        super().__init__()
+        self.weight = nn.Parameter(torch.zeros(size, entries), requires_grad=False)
+
+    def forward(self, values: Tensor) -> Tensor:
+        return torch.matmul(self.weight, values)
+
+
+class TalkShowNetwork(nn.Module):
+    """TalkSHOW's evaluator (Yi et al. 2023): the encoder of its body autoencoder.
+
+    Turns motion, shape (n, T, 129), into features, shape (n, T / 4, 64).
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        first, second, third = _WIDTHS
+        self.encoder = nn.Sequential()
+        for name, part in (
+            ("project", _ShowConvolved(129, first)),
+            ("_enc_1", _Stack(first)),
+            ("_down_1", _Halved(first, second)),
+            ("_enc_2", _Stack(second)),
+            ("_down_2", _Halved(second, third)),
+            ("_enc_3", _Stack(third)),
+            ("pre_vq_conv", nn.Conv1d(third, 64, 1)),
+        ):
+            self.encoder.add_module(name, part)
+
+    def forward(self, motion: Tensor) -> Tensor:
+        """Return the features."""
+        found: Tensor = self.encoder(motion.transpose(1, 2))
+        return found.transpose(1, 2)
+
+
+class _ShowConvolved(nn.Module):
+    def __init__(self, entries: int, size: int, kernel: int = 3, stride: int = 1) -> None:
+        super().__init__()
+        self.conv = nn.Conv1d(entries, size, kernel, stride=stride, padding=1)
+        self.norm = nn.BatchNorm1d(size)
+
+    def normed(self, values: Tensor) -> Tensor:
+        found: Tensor = self.norm(self.conv(values))
+        return found
+
+    def forward(self, values: Tensor) -> Tensor:
+        return nn.functional.leaky_relu(self.normed(values), _SLOPE)
+
+
+class _Halved(_ShowConvolved):
+    """Halves the frames, with a second convolution beside the normed one."""
+
+    def __init__(self, entries: int, size: int) -> None:
+        super().__init__(entries, size, kernel=4, stride=2)
+        self.residual_layer = nn.Conv1d(entries, size, 4, stride=2, padding=1)
+
+    def forward(self, values: Tensor) -> Tensor:
+        together = self.normed(values) + self.residual_layer(values)
+        return nn.functional.leaky_relu(together, _SLOPE)
+
+
+class _Stack(_ShowConvolved):
+    """Two convolutions and a third, whose result is added to what came in."""
+
+    def __init__(self, size: int) -> None:
+        super().__init__(size, size)
+        self._layers = nn.ModuleList([_ShowConvolved(size, size), _ShowConvolved(size, size)])
+
+    def forward(self, values: Tensor) -> Tensor:
+        found = values
+        for layer in self._layers:
+            found = layer(found)
+        return nn.functional.relu(self.normed(found) + values)
+
+
+class YoonNetwork(nn.Module):
+    """Turns windows of motion, shape (n, 34, channels), into vectors, shape (n, features).
+
+    The encoder of Yoon et al. 2020, "Speech Gesture Generation from the Trimodal Context of Text,
+    Audio, and Speaker Identity", for TED Gesture, which BEAT (Liu et al. 2022) made larger.
+
+    Parameters
+    ----------
+    channels : int
+        Numbers of a frame.
+    convolved : tuple of int
+        Channels after each of the four convolutions.
+    connected : tuple of int
+        Sizes of the full layers; the last is that of the features.
+    """
+
+    def __init__(
+        self, channels: int, convolved: tuple[int, int, int, int], connected: tuple[int, int, int]
+    ) -> None:
+        super().__init__()
+        self.pose_encoder = _PoseEncoder(channels, convolved, connected)
+
+    def forward(self, windows: Tensor) -> Tensor:
+        """Return the mean of the latent distribution, which is the published feature."""
+        found: Tensor = self.pose_encoder(windows)
+        return found
+
+
+class _PoseEncoder(nn.Module):
+    def __init__(
+        self, channels: int, convolved: tuple[int, int, int, int], connected: tuple[int, int, int]
+    ) -> None:
+        super().__init__()
+        first, second, third, last = convolved
+        wide, narrow, features = connected
+        self.net = nn.Sequential(
+            _convolved(channels, first, 3, 1),
+            _convolved(first, second, 3, 1),
+            _convolved(second, third, 4, 2),
+            nn.Conv1d(third, last, 3),
+        )
+        self.out_net = nn.Sequential(
+            *_connected(last * _LEFT, wide), *_connected(wide, narrow), nn.Linear(narrow, features)
+        )
+        self.fc_mu = nn.Linear(features, features)
+
+    def forward(self, windows: Tensor) -> Tensor:
+        convolved = self.net(windows.transpose(1, 2))
+        found: Tensor = self.fc_mu(self.out_net(convolved.flatten(1)))
+        return found
+
+
+def _convolved(entries: int, size: int, kernel: int, stride: int) -> nn.Sequential:
+    convolution = nn.Conv1d(entries, size, kernel, stride=stride)
+    return nn.Sequential(convolution, nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE))
+
+
+def _connected(entries: int, size: int) -> tuple[nn.Module, ...]:
+    return nn.Linear(entries, size), nn.BatchNorm1d(size), nn.LeakyReLU(_WRITTEN_AS_TRUE)
+
+
+_PREFIX: Final = "module."
+"""Of every name in a checkpoint that several graphics processors wrote."""
+
+_SHOWN: Final = 3
+
+
+def load_weights(network: nn.Module, file: Path, place: tuple[str, ...]) -> None:
+    """Put the weights of a checkpoint into `network`, and set it to evaluation.
+
+    Parameters
+    ----------
+    network : nn.Module
+        With the published names. What the file holds beside its parts, such as a decoder, is left.
+    file : Path
+        What ``torch.save`` wrote. Only tensors, plain values and the ``argparse.Namespace`` in
+        which training scripts keep their options are unpickled; the latter is a bag of attributes
+        whose unpickling runs no code.
+    place : tuple of str
+        The keys below which the weights lie; a file may also hold the weights alone.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, holds other objects, or holds another network's weights.
+    """
+    found = _read(file)
+    for key in place:
+        if isinstance(found, Mapping) and isinstance(found.get(key), Mapping):
+            found = found[key]
+    if not isinstance(found, Mapping):
+        raise _unusable(file, "it holds no named weights", place)
+    weights = {str(name).removeprefix(_PREFIX): weight for name, weight in found.items()}
+    wanted = network.state_dict()
+    _check_layout(wanted, weights, file, place)
+    network.load_state_dict({name: weights[name] for name in wanted})
+    network.eval().requires_grad_(False)
+
+
+def _read(file: Path) -> object:
+    if not file.is_file():
+        raise InputError("there is no such file", where=file, remedy="Check the path")
+    try:
+        with torch.serialization.safe_globals([argparse.Namespace]):
+            found: object = torch.load(file, map_location="cpu", weights_only=True)
+    except pickle.UnpicklingError as error:
+        raise InputError(
+            f"the checkpoint holds objects that are not loaded, because loading them could run "
+            f"code: {_first_line(error)}",
+            where=file,
+            remedy="If you trust the file, save its weights alone, where its authors' code runs: "
+            "checkpoint = torch.load(FILE, weights_only=False); checkpoint.pop('args', None); "
+            "torch.save(checkpoint, NEW_FILE)",
+        ) from error
+    except (OSError, RuntimeError, EOFError, ValueError, LookupError, TypeError) as error:
+        raise InputError(
+            f"the file cannot be read as a checkpoint: {_first_line(error)}",
+            where=file,
+            remedy="Give the file as it was published, and download it again if it is damaged",
+        ) from error
+    return found
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().partition("\n")[0][:200]
+
+
+def _check_layout(
+    wanted: Mapping[str, Tensor],
+    found: Mapping[str, object],
+    file: Path,
+    place: tuple[str, ...],
+) -> None:
+    """Raise where the weights are not those of the published network."""
+    missing = [name for name in wanted if not isinstance(found.get(name), Tensor)]
+    if missing:
+        raise _unusable(file, f"{_some(missing)} missing", place)
+    other = [
+        f"{name} {tuple(there.shape)} instead of {tuple(weight.shape)}"
+        for name, weight in wanted.items()
+        if isinstance(there := found[name], Tensor) and there.shape != weight.shape
+    ]
+    parts = {name.partition(".")[0] for name in wanted}
+    more = [name for name in found if name.partition(".")[0] in parts and name not in wanted]
+    # A variational encoder has a second head, which no feature uses.
+    more = [name for name in more if ".fc_logvar." not in name]
+    if other:
+        raise _unusable(file, f"{_some(other)} of another shape", place)
+    if more:
+        raise _unusable(file, f"{_some(more)} unknown", place)
+
+
+def _some(names: list[str]) -> str:
+    shown = ", ".join(names[:_SHOWN]) + (", …" if len(names) > _SHOWN else "")
+    return f"{len(names)} weights ({shown}) are"
+
+
+def _unusable(file: Path, why: str, place: tuple[str, ...]) -> InputError:
+    return InputError(
+        f"the file does not hold the published network: {why}",
+        where=file,
+        remedy=f"Give the released checkpoint of this preset, with the weights under "
+        f"{'.'.join(place)!r}",
+    )

@@ -1,0 +1,275 @@
+"""The published networks: how their authors used each, and what each is shown of a clip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from analysis.evaluators.network_names import PUBLISHED
+from analysis.metrics.frechet import Rule
+from motion.clip import MotionClip
+from motion.formats.bvh_motion import BvhMotion
+from motion.formats.joint_maps import choose_joint_map
+from motion.formats.retarget import rest_corrections
+from motion.formats.ted_npz import BONES
+from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, forward_kinematics, joint_index
+from training.spaces.beat import BEAT_SKELETON, TOLD_JOINTS
+from training.spaces.smplx_bodies import rotation_rows
+
+FloatArray = NDArray[np.float64]
+
+MEAN_DIRECTIONS: Final = np.array(
+    [
+        0.0154009, -0.9690125, -0.0884354, -0.0022264, -0.8655276, 0.4342174,
+        -0.0035145, -0.8755367, -0.4121039, -0.9236511, 0.3061306, -0.0012415,
+        -0.5155854, 0.8129665, 0.0871897, 0.2348464, 0.1846561, 0.8091402,
+        0.9271948, 0.2960011, -0.013189, 0.5233978, 0.8092403, 0.0725451,
+        -0.2037076, 0.1924306, 0.8196916,
+    ]
+)  # fmt: skip
+"""``mean_dir_vec`` of TED Gesture (Yoon et al. 2020), shape (27,)."""
+
+_TO_TED: Final = np.array([-1.0, -1.0, 1.0])
+"""TED Gesture's axes: x to the person's right, y down, z forward."""
+
+_HEAD_BONES: Final = (0.18 / 0.36, 0.14 / 0.36)
+"""Neck to nose and nose to crown in TED Gesture, in lengths of an upper arm."""
+
+_SHOW_ORDER: Final = (
+    *(joint_index(name) for name in ("jaw", "left_eye", "right_eye")),
+    *range(joint_index("right_wrist") + 1),
+    *range(FINGERS.start, FINGERS.stop),
+)
+"""SMPL-X joints in the order of SHOW's files."""
+
+_NOT_SHOWN: Final = (0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 15, 16)
+"""Places in `_SHOW_ORDER` that TalkSHOW's published code leaves out: jaw, eyes, pelvis, hips,
+knees, ankles; and neck and left collar, in whose stead both feet are seen."""
+
+TALKSHOW_JOINTS: Final = tuple(
+    joint for place, joint in enumerate(_SHOW_ORDER) if place not in _NOT_SHOWN
+)
+"""The 43 SMPL-X joints that TalkSHOW's network sees, in its order."""
+
+
+def talkshow_frames(clip: MotionClip) -> FloatArray:
+    """Return the axis-angles that TalkSHOW's published code picks, (T, 129).
+
+    Fingers are relative to SMPL-X's mean hands there; relaxed hands stand for these.
+    """
+    poses = clip.poses.astype(float)
+    poses[:, FINGERS] -= RELAXED_HANDS
+    return np.asarray(poses[:, list(TALKSHOW_JOINTS)].reshape(len(clip), -1))
+
+
+def ted_frames(clip: MotionClip) -> FloatArray:
+    """Return the directions of nine bones of the upper body less their mean, (T, 27)."""
+    joints = ted_joints(clip)
+    parents, children = np.array(BONES).T
+    bones = joints[:, children] - joints[:, parents]
+    directions = bones / np.linalg.norm(bones, axis=2, keepdims=True)
+    return np.asarray(directions.reshape(len(clip), -1) - MEAN_DIRECTIONS)
+
+
+def ted_joints(clip: MotionClip) -> FloatArray:
+    """Return TED Gesture's ten joints on the body, shape (T, 10, 3), in its axes and in metres.
+
+    Spine, neck, nose, crown, then shoulder, elbow and wrist of the left and of the right. SMPL-X
+    has no joint for nose and crown: on an unturned head they lie as in the data set's mean pose.
+    """
+    positions, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    head = joint_index("head")
+    arm = REST_JOINTS[joint_index("left_shoulder")] - REST_JOINTS[joint_index("left_elbow")]
+    bones = np.outer(_HEAD_BONES, np.ones(3)) * np.linalg.norm(arm)
+    of_neck = np.cumsum(bones * MEAN_DIRECTIONS.reshape(-1, 3)[1:3] * _TO_TED, axis=0)
+    at_rest = REST_JOINTS[joint_index("neck")] + of_neck - REST_JOINTS[head]
+    nose, crown = (positions[:, head] + turns[:, head] @ offset for offset in at_rest)
+    limbs = [
+        positions[:, joint_index(f"{side}_{part}")]
+        for side in ("left", "right")
+        for part in ("shoulder", "elbow", "wrist")
+    ]
+    trunk = [positions[:, joint_index(name)] for name in ("spine2", "neck")]
+    return np.asarray(np.stack([*trunk, nose, crown, *limbs], axis=1) * _TO_TED)
+
+
+def beat_frames(clip: MotionClip) -> FloatArray:
+    """Return local Euler angles of BEAT's 47 joints, about x, y, z, in degrees, (T, 141).
+
+    The reverse of how BEAT's recordings are brought to our body: spine and neck bend in their
+    lowest joints. What SMPL-X has no joint for, the roots of three fingers, is not a number.
+    """
+    world = _beat_world(clip)
+    parents = {joint.name: joint.parent for joint in BEAT_SKELETON}
+    names = [joint.name for joint in BEAT_SKELETON]
+    angles = np.full((len(clip), len(TOLD_JOINTS), 3), np.nan)
+    for place, name in enumerate(TOLD_JOINTS):
+        if name not in world:
+            continue
+        above = names[parents[name]]
+        while above not in world:
+            above = names[parents[above]]
+        local = world[above].inv() * world[name]
+        # Where several angles mean the same rotation, any will do.
+        angles[:, place] = local.as_euler("XYZ", degrees=True, suppress_warnings=True)
+    return angles.reshape(len(clip), -1)
+
+
+def _beat_world(clip: MotionClip) -> dict[str, Rotation]:
+    """Return how each joint of BEAT's skeleton is turned in the world, where SMPL-X tells."""
+    rest = BvhMotion(joints=BEAT_SKELETON, values=np.zeros((1, 0)), frame_rate=clip.frame_rate)
+    _, joint_map = choose_joint_map(rest.joint_names)
+    places = rest.rest_positions
+    corrections = rest_corrections(
+        {joint: places[rest.joint_names.index(name)] for joint, name in joint_map.items()},
+        {joint: REST_JOINTS[joint_index(joint)] for joint in joint_map},
+    )
+    _, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    world = {
+        name: Rotation.from_matrix(turns[:, joint_index(joint)]) * corrections[joint].inv()
+        for joint, name in joint_map.items()
+    }
+    # BEAT's own joints between these do not turn: what they would do is done by the lowest.
+    world["Spine"] = world["Spine3"]
+    world["Neck1"] = world["Head"]
+    return world
+
+
+if TYPE_CHECKING:
+    from torch import nn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preset:
+    """One published network, and how its authors used it.
+
+    Attributes
+    ----------
+    title : str
+        What scores call it.
+    source : str
+        Whose code it follows: repository, commit and class.
+    sees : str
+        What a frame holds, in words.
+    frames : callable
+        Turns a clip at `frame_rate` into frames, shape (T, channels).
+    channels, features : int
+        Numbers of a frame, and of a row of features.
+    frame_rate : float
+        Frames per second.
+    window, span, stride : int
+        Frames of a window, frames that a clip must still have where one begins, and frames from
+        one window to the next; a window of 0 is the whole clip.
+    shortest : int
+        Frames that the network needs at least.
+    cut : str
+        How windows are cut, in words.
+    rule : {'pytorch-fid', 'offset'}
+        How the published code takes the Fréchet distance.
+    network : callable
+        Makes the network, without its weights.
+    place : tuple of str
+        Keys of the checkpoint below which the weights lie.
+    """
+
+    title: str
+    source: str
+    sees: str
+    frames: Callable[[MotionClip], NDArray[np.float64]]
+    channels: int
+    features: int
+    frame_rate: float
+    window: int = 0
+    span: int = 0
+    stride: int = 0
+    shortest: int
+    cut: str
+    rule: Rule
+    network: Callable[[], nn.Module]
+    place: tuple[str, ...]
+
+
+def _network(name: str, *sizes: object) -> nn.Module:
+    # Imported here: torch takes seconds to load, and describing a network does without.
+    from analysis.evaluators import published_networks
+
+    network: nn.Module = getattr(published_networks, name)(*sizes)
+    return network
+
+
+PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
+    {
+        "emage": Preset(
+            title=PUBLISHED["emage"],
+            source="PantoMatrix 0bbb03d, VAESKConv (AESKConv_240_100.bin)",
+            sees="55 SMPL-X joints, the first two rows of each rotation matrix, not normalised",
+            frames=rotation_rows,
+            channels=330,
+            features=240,
+            frame_rate=30.0,
+            shortest=32,
+            cut="the whole clip, without its last frames past a multiple of 32; a row of features "
+            "for every 16 frames",
+            rule="offset",
+            network=partial(_network, "EmageNetwork"),
+            place=("model_state",),
+        ),
+        "beat": Preset(
+            title=PUBLISHED["beat"],
+            source="beat2022dataset b6e5d80, HalfEmbeddingNet (ae_300.bin)",
+            sees="47 joints of BEAT, XYZ Euler angles in degrees, in deviations of BEAT's frames",
+            frames=beat_frames,
+            channels=141,
+            features=300,
+            frame_rate=15.0,
+            window=34,
+            span=34,
+            stride=10,
+            shortest=34,
+            cut="34 frames, every 10 frames: neighbours overlap",
+            rule="pytorch-fid",
+            network=partial(_network, "YoonNetwork", 141, (300, 600, 600, 300), (1200, 600, 300)),
+            place=("model_state",),
+        ),
+        "ted": Preset(
+            title=PUBLISHED["ted"],
+            source="ai4r f81004c, EmbeddingNet, mode pose",
+            sees="directions of 9 bones of the upper body, less TED Gesture's mean",
+            frames=ted_frames,
+            channels=27,
+            features=32,
+            frame_rate=15.0,
+            window=34,
+            span=42,
+            stride=10,
+            shortest=34,
+            cut="the first 34 of 42 frames, every 10 frames: neighbours overlap; no window is "
+            "filtered out",
+            rule="pytorch-fid",
+            network=partial(_network, "YoonNetwork", 27, (32, 64, 64, 32), (256, 128, 32)),
+            place=("gen_dict",),
+        ),
+        "talkshow": Preset(
+            title=PUBLISHED["talkshow"],
+            source="TalkSHOW 9aef82d, body autoencoder (feature_extractor.pth)",
+            sees="43 SMPL-X joints, axis-angle, fingers against the mean hands, not normalised",
+            frames=talkshow_frames,
+            channels=129,
+            features=64,
+            frame_rate=30.0,
+            shortest=4,
+            cut="the whole clip; a row of features for every 4 frames",
+            rule="pytorch-fid",
+            network=partial(_network, "TalkShowNetwork"),
+            place=("generator", "g"),
+        ),
+    }
+)
+"""By name."""

@@ -1,0 +1,239 @@
+"""How joints move: jerk and acceleration, sliding of feet, and how often each speed occurs.
+
+Jerk and acceleration are large where motion trembles or jumps. GENEA's evaluation (Kucherenko et
+al. 2021) compares how often each speed occurs, whenever it does, by the Hellinger distance, which
+is 0 for equal histograms and 1 for ones without a common bin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, WRISTS
+from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.samples import FEWEST_CLIPS, SEED
+
+_FILTER_ORDER: Final = 4
+
+FloatArray = NDArray[np.float64]
+
+FEET: Final = ("left_foot", "right_foot")
+
+CONTACT_HEIGHT: Final = 0.025
+"""Metres above the ground below which a foot may be standing."""
+
+_GROUND: Final = 0.02
+"""The ground is where this share of the feet's heights lies below: a few damaged frames do not
+move it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DerivativeSettings:
+    """What makes a jerk or an acceleration comparable with another, besides the frame rate.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the metric.
+    order : int
+        Which derivative: 2 for acceleration, 3 for jerk.
+    joints : tuple of str
+        The joints measured.
+    cutoff : float or None
+        Cut-off of the low-pass filter in Hz (Butterworth, order 4, forwards and backwards); None
+        for no filter. Third differences amplify sensor noise by the frame rate cubed.
+    fewest : int
+        Frames that a clip must have.
+    """
+
+    name: str
+    unit: str = "m/s³"
+    order: int = 3
+    joints: tuple[str, ...]
+    cutoff: float | None = None
+    fewest: int = 16
+
+
+HANDS: Final = DerivativeSettings(name="jerk (hands)", joints=WRISTS, cutoff=6.0)
+"""Wrists, low-pass at 6 Hz: gestures pass, frame-to-frame jitter at 15 fps and more does not."""
+
+HANDS_UNFILTERED: Final = DerivativeSettings(name="jerk (hands, unfiltered)", joints=WRISTS)
+"""Wrists as they are; jitter counts in full, and so does noise of the recording."""
+
+GENEA: Final = DerivativeSettings(name="jerk (genea)", joints=UPPER_BODY_JOINTS)
+"""GENEA's evaluation: all joints, here those of head and arms, without a filter."""
+
+GENEA_ACCELERATION: Final = DerivativeSettings(
+    name="acceleration (genea)", unit="m/s²", order=2, joints=UPPER_BODY_JOINTS, fewest=3
+)
+
+
+def mean_derivative(
+    positions: NDArray[np.float64], *, frame_rate: float, settings: DerivativeSettings
+) -> MetricResult:
+    """Return the mean magnitude of a derivative of position over frames and joints.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (T, J, 3)
+        Positions of `settings.joints` in metres.
+    frame_rate : float
+        Frames per second.
+    settings : DerivativeSettings
+        Which derivative, which joints these are, and how they are filtered.
+
+    Returns
+    -------
+    MetricResult
+        In m/s² or m/s³: mean norm of second or third differences times that power of the frame
+        rate, as GENEA's evaluation (Kucherenko et al. 2021); NaN for a clip of too few frames, and
+        where the cut-off is not below half the frame rate.
+    """
+    metric = Metric(settings.name, settings.unit, "near the reference")
+    cutoff, order = settings.cutoff, settings.order
+    described = {
+        "joints": ", ".join(settings.joints),
+        "frame rate": f"{frame_rate:g} fps",
+        "filter": "none"
+        if cutoff is None
+        else f"Butterworth low-pass, order {_FILTER_ORDER}, {cutoff:g} Hz, zero phase",
+        "positions": "relative to the pelvis, default body, metres",
+    }
+    if len(positions) < settings.fewest:
+        return metric.missing(f"the clip has fewer than {settings.fewest} frames", described)
+    if cutoff is not None:
+        if cutoff >= frame_rate / 2:
+            reason = f"{frame_rate:g} fps is too slow for a {cutoff:g} Hz filter"
+            return metric.missing(reason, described)
+        sections = butter(_FILTER_ORDER, cutoff, fs=frame_rate, output="sos")
+        positions = sosfiltfilt(sections, positions, axis=0)
+    sizes = np.linalg.norm(np.diff(positions, n=order, axis=0), axis=2) * frame_rate**order
+    return metric.score(float(sizes.mean()), sizes.size, described)
+
+
+def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
+    """Return the mean sliding speed of the feet over frames in which they are on the ground.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (T, 2, 3)
+        Where the joints of `FEET` are in the world, in metres, y up.
+    frame_rate : float
+        Frames per second.
+
+    Returns
+    -------
+    MetricResult
+        In m/s: horizontal speed between two frames times ``2 - 2 ** (h / H)`` of the greater
+        height h above the clip's own ground, over frame pairs with h below H = `CONTACT_HEIGHT`.
+        NaN for one frame, and where no foot stays on the ground from one frame to the next.
+    """
+    described = {
+        "joints": ", ".join(FEET),
+        "frame rate": f"{frame_rate:g} fps",
+        "ground": f"percentile {100 * _GROUND:g} of the heights of the clip's feet",
+        "contact": f"within {100 * CONTACT_HEIGHT:g} cm above the ground, weighted 2 - 2^(h/H)",
+        "positions": "in the world, default body, metres",
+    }
+    metric = Metric("foot sliding", "m/s", "lower")
+    if len(positions) < 2:
+        return metric.missing("a speed needs two frames", described)
+    heights = positions[..., 1] - np.quantile(positions[..., 1], _GROUND)
+    height = np.maximum(0, np.maximum(heights[1:], heights[:-1]))
+    speed = np.linalg.norm(np.diff(positions[..., [0, 2]], axis=0), axis=2) * frame_rate
+    standing = height < CONTACT_HEIGHT
+    if not standing.any():
+        reason = "no foot stays on the ground from one frame to the next"
+        return metric.missing(reason, described)
+    weight = 2 - 2 ** (height[standing] / CONTACT_HEIGHT)
+    return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), described)
+
+
+Counts = NDArray[np.int64]
+
+BIN: Final = 0.05
+"""Metres per second."""
+
+_BINS: Final = 80
+_RESAMPLES: Final = 200
+
+
+def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
+    """Return how many frames of a clip have each speed.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (T, J, 3)
+        Metres.
+    frame_rate : float
+        Frames per second.
+
+    Returns
+    -------
+    ndarray, shape (J, 80), int
+        Frames by joint and speed, in bins of `BIN`; the last holds all that is faster.
+    """
+    speed = np.linalg.norm(np.diff(positions, axis=0), axis=2) * frame_rate
+    place = np.minimum((speed / BIN).astype(np.int64), _BINS - 1)
+    joints = positions.shape[1]
+    flat = (place + _BINS * np.arange(joints)).reshape(-1)
+    return np.bincount(flat, minlength=joints * _BINS).reshape(joints, _BINS)
+
+
+def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) -> MetricResult:
+    """Return the Hellinger distance of the speed histograms of two sets of clips.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (C, J, 80), (D, J, 80), int
+        `speed_counts` of each clip.
+    frame_rate : float
+        Frames per second of the clips.
+
+    Returns
+    -------
+    MetricResult
+        In [0, 1], mean over joints. The interval is the score ± 1.96 times its standard deviation
+        when clips are drawn again. NaN without a clip of two frames on either side.
+    """
+    described = {
+        "joints": ", ".join(UPPER_BODY_JOINTS),
+        "frame rate": f"{frame_rate:g} fps",
+        "distance": "Hellinger, mean over joints",
+        "bins": f"{BIN:g} m/s, {_BINS} of them, the last open",
+        "clips": f"{len(generated)} generated, {len(recorded)} recorded",
+    }
+    metric = Metric("distance of speed histograms (genea)", better="lower")
+    if not (generated.any() and recorded.any()):
+        reason = "a speed needs two frames of generated and of recorded motion"
+        return metric.missing(reason, described)
+    value = float(_hellinger(generated.sum(axis=0), recorded.sum(axis=0)))
+    interval = None
+    if min(len(generated), len(recorded)) >= FEWEST_CLIPS:
+        described["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
+        reach = 1.96 * _spread(generated, recorded)
+        interval = (max(0.0, value - reach), min(1.0, value + reach))
+    return metric.score(value, int(generated[:, 0].sum()), described, interval=interval)
+
+
+def _hellinger(one: FloatArray | Counts, other: FloatArray | Counts) -> FloatArray:
+    """Return the distances of histograms of shape (..., J, bins), mean over joints."""
+    shares = [counts / counts.sum(axis=-1, keepdims=True) for counts in (one, other)]
+    common = np.sqrt(shares[0] * shares[1]).sum(axis=-1)
+    return np.asarray(np.sqrt(np.maximum(0, 1 - common)).mean(axis=-1))
+
+
+def _spread(generated: Counts, recorded: Counts) -> float:
+    """Return the standard deviation of the distance over bootstrap samples of clips."""
+    chance = np.random.default_rng(SEED)
+    drawn = []
+    for counts in (generated, recorded):
+        clips = len(counts)
+        weights = chance.multinomial(clips, np.full(clips, 1 / clips), size=_RESAMPLES)
+        drawn.append(np.tensordot(weights, counts, axes=1))
+    return float(np.std(_hellinger(*drawn), ddof=1))

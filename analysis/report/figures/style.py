@@ -1,0 +1,268 @@
+"""What all figures share: colours, words that fit where they stand, and the scales of axes.
+
+The colours of words and lines follow the page, those of data stay.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
+from matplotlib.font_manager import FontProperties, get_font_names
+from matplotlib.textpath import TextToPath
+
+POINTS: Final = 72.0
+"""Points in an inch."""
+
+
+def fitted(text: str, inches: float, *, size: float, lines: int = 1, bold: bool = False) -> str:
+    """Break text into at most `lines` that are no wider than `inches`; '…' stands for the rest.
+
+    Parameters
+    ----------
+    text : str
+        Words.
+    inches : float
+        Room.
+    size : float
+        Of the font, in points.
+    lines : int
+        How many at most.
+    bold : bool
+        Whether the words will be bold.
+    """
+    room = inches * POINTS / size
+    found: list[str] = []
+    rest = text.split()
+    while rest and len(found) < lines:
+        taken, rest = _line(rest, room, bold)
+        found.append(taken)
+    if rest:
+        found[-1] = _ended(f"{found[-1]} {rest[0]}", room, bold)
+    return "\n".join(found)
+
+
+def _line(words: list[str], room: float, bold: bool) -> tuple[str, list[str]]:
+    """Return what fits on one line, one sign at least, and the words that are left."""
+    line = words[0]
+    if _wide(line, bold) > room:
+        count = max(1, _signs(line, room, bold))
+        return line[:count], [line[count:], *words[1:]]
+    for place, word in enumerate(words[1:], start=1):
+        if _wide(f"{line} {word}", bold) > room:
+            return line, words[place:]
+        line = f"{line} {word}"
+    return line, []
+
+
+def _ended(line: str, room: float, bold: bool) -> str:
+    return f"{line[: _signs(line, room - _wide('…', bold), bold)].rstrip()}…"
+
+
+def _signs(text: str, room: float, bold: bool) -> int:
+    """Return how many signs from the beginning of the text fit."""
+    wide = 0.0
+    for place, sign in enumerate(text):
+        wide += _wide(sign, bold)
+        if wide > room:
+            return place
+    return len(text)
+
+
+def _wide(text: str, bold: bool) -> float:
+    """Return the width of text in sizes of its font."""
+    return sum(_sign_width(sign, bold) for sign in text)
+
+
+@cache
+def _sign_width(sign: str, bold: bool) -> float:
+    font = FontProperties(family="DejaVu Sans", size=100, weight="bold" if bold else "normal")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
+        width, _, _ = TextToPath().get_text_width_height_descent(sign, font, ismath=False)
+    return float(width) / 100
+
+
+INK: Final = "#22262b"
+SOFT: Final = "#5f6670"
+LINE: Final = "#c7ccd2"
+PAPER: Final = "#fdfdfe"
+MARK: Final = "#8a3500"
+
+FOLLOWS_THE_PAGE: Final = {
+    INK: "var(--ink, #22262b)",
+    SOFT: "var(--soft, #5f6670)",
+    LINE: "var(--line, #c7ccd2)",
+    PAPER: "var(--paper, #fdfdfe)",
+    MARK: "var(--mark, #8a3500)",
+}
+"""What an inline figure writes in place of a colour, so that it suits a light and a dark page."""
+
+BLUE: Final = "#0072b2"
+SKY: Final = "#56b4e9"
+NEUTRAL: Final = "#d9dce0"
+ORANGE: Final = "#e69f00"
+VERMILLION: Final = "#d55e00"
+
+FIVE: Final = (BLUE, SKY, NEUTRAL, ORANGE, VERMILLION)
+"""Okabe & Ito's blue and vermillion pairs with grey between: from one side to the other."""
+
+SERIES: Final = (
+    *(BLUE, VERMILLION, "#009e73", "#cc79a7", ORANGE, SKY),
+    *("#7a5195", "#8c6d31", "#6b7785", "#b2182b", "#1b7837", "#40648f"),
+)
+"""One colour for each of twelve conditions; marks tell them apart as well."""
+
+_MARKERS: Final = "osD^vP<>Xhp*"
+
+_TO_SIDES: Final = LinearSegmentedColormap.from_list("sides", FIVE)
+_DEEPENING: Final = LinearSegmentedColormap.from_list(
+    "deepening", ("#e4edf4", "#9fcbe6", "#4a9fd0", "#0072b2", "#084b78")
+)
+
+
+def sign_of(place: int) -> tuple[str, str]:
+    """Return the colour and the marker of one of several conditions or questions."""
+    return SERIES[place % len(SERIES)], _MARKERS[place % len(_MARKERS)]
+
+
+def between_sides(place: float) -> str:
+    """Return the colour at `place`, from 0 (one side) over .5 (neither) to 1 (the other)."""
+    return to_hex(_TO_SIDES(float(np.clip(place, 0, 1))))
+
+
+def scale_colours(count: int) -> tuple[str, ...]:
+    """Return the colours of a scale's points, worst first."""
+    if count == len(FIVE):
+        return FIVE[::-1]
+    return tuple(between_sides(1 - k / max(count - 1, 1)) for k in range(count))
+
+
+def place_colours(count: int) -> tuple[str, ...]:
+    """Return the colours of the places of a ranking, the first place darkest."""
+    return tuple(to_hex(_DEEPENING(1 - k / max(count - 1, 1))) for k in range(count))
+
+
+def on(colour: str) -> str:
+    """Return the colour of words on a coloured part: near white on dark ones, else near black."""
+    red, green, blue = (_linear(part) for part in to_rgb(colour))
+    luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue
+    return "#fefefe" if luminance < 0.25 else "#101316"
+
+
+def _linear(part: float) -> float:
+    return part / 12.92 if part <= 0.04045 else float(((part + 0.055) / 1.055) ** 2.4)
+
+
+_FURTHER: Final = ("Noto Sans CJK JP", "Noto Sans CJK SC", "IPAexGothic", "Noto Sans", "Unifont")
+"""Fonts that files use, where they are installed, for letters that DejaVu Sans does not have."""
+
+STYLE: Final[dict[Any, Any]] = {
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+    "font.family": ["DejaVu Sans", *(name for name in _FURTHER if name in get_font_names())],
+    "font.size": 8.0,
+    "text.parse_math": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.spines.left": False,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": SOFT,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": SOFT,
+    "xtick.labelcolor": INK,
+    "xtick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.color": SOFT,
+    "ytick.labelcolor": INK,
+}
+"""Settings under which figures are drawn."""
+
+
+TITLE_SIZE: Final = 9.0
+
+
+LABEL_SIZE: Final = 8.0
+
+
+SMALL_SIZE: Final = 7.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """The axis of a panel.
+
+    Attributes
+    ----------
+    limits : (float, float) or None
+        How far it goes; None for as far as the panels of a sheet need.
+    ticks : mapping of float to str
+        Where its ticks are, and what they are called; {} for round numbers.
+    label : str
+        What it shows.
+    ends : (str, str)
+        What it shows towards its two ends, in place of `label`; ('', '') for neither.
+    line : float or None
+        Where a line goes through all rows.
+    """
+
+    limits: tuple[float, float] | None = None
+    ticks: Mapping[float, str] | None = None
+    label: str = ""
+    ends: tuple[str, str] = ("", "")
+    line: float | None = None
+
+    def dress(self, axes: Axes, inches: float) -> None:
+        """Give axes of so many inches their scale."""
+        if self.limits is not None:
+            axes.set_xlim(*self.limits)
+        if self.ticks is None:
+            axes.locator_params(axis="x", nbins=4, steps=(1, 2, 5, 10))
+        else:
+            axes.set_xticks(list(self.ticks), labels=list(self.ticks.values()))
+        axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
+        axes.set_xlabel(self.label, fontsize=SMALL_SIZE + 0.5, labelpad=2.0)
+        for where, end in zip((0.0, 1.0), self.ends, strict=True):
+            if not end:
+                continue
+            words = fitted(end, inches / 2 - 0.2, size=SMALL_SIZE + 0.5, lines=2)
+            axes.annotate(
+                f"{words} →" if where else f"← {words}",
+                (where, 0),
+                xycoords="axes fraction",
+                xytext=(0, -13),
+                textcoords="offset points",
+                ha="right" if where else "left",
+                va="top",
+                fontsize=SMALL_SIZE + 0.5,
+            )
+        if self.line is not None:
+            axes.axvline(self.line, color=SOFT, linewidth=0.7, zorder=0)
+
+
+def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = False) -> None:
+    """Write words, and smaller ones under them, at the right of a row of a panel."""
+    high = 4.4 if below else 0.0
+    size, weight = (8.5, "bold") if bold else (8.0, "normal")
+    for text, height, style in (
+        (words, high, {"fontsize": size, "fontweight": weight}),
+        (below, -5.2, {"fontsize": SMALL_SIZE - 0.5}),
+    ):
+        if text:
+            axes.annotate(
+                text,
+                (1, row),
+                xycoords=axes.get_yaxis_transform(),
+                xytext=(8, height),
+                textcoords="offset points",
+                va="center",
+                annotation_clip=False,
+                **style,
+            )

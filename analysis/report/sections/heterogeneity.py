@@ -1,0 +1,289 @@
+"""Where a difference comes from: effects by emotion, speaker and segment, as forest plots."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+from analysis.report import wording
+from analysis.report.content import (
+    Cell,
+    Picture,
+    Section,
+    Table,
+    count_cell,
+    number_cell,
+    p_cell,
+    table_of,
+)
+from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.panels import Row
+from analysis.report.figures.style import Scale
+from analysis.report.figures.svg import About
+from analysis.report.sections.preference_rows import reference_of
+from analysis.report.subject import Subject
+from analysis.report.wording import HOLM, interval, number
+from analysis.results.grouping import Place
+from analysis.results.heterogeneity import (
+    FEW,
+    KINDS,
+    By,
+    ConditionHeterogeneity,
+    DifferenceTest,
+    PairHeterogeneity,
+)
+from analysis.results.heterogeneity import Cell as Level
+from analysis.results.pairwise import MismatchResults, PairwiseResults
+from analysis.results.ranking import RankingResults
+from analysis.results.rating import RatingResults
+from analysis.results.report import Results, TableReport
+from analysis.stats.clustered_mean import LEVEL, Estimate
+
+MOST_PANELS: Final = 24
+"""Effects up to which forest plots are drawn; more of them stand in the tables alone."""
+
+MOST_ROWS: Final = 26
+"""Levels up to which a forest plot fits a page."""
+
+_ALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
+_DATA: Final = "heterogeneity.csv"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Measure:
+    """How effects of one kind are called and written."""
+
+    scale: Scale
+    says: str
+    written: Callable[[float], str]
+
+
+_MEASURES: Final = {
+    "win_share": _Measure(
+        scale=Scale(
+            limits=(0, 1),
+            ticks={0: "0", 0.25: ".25", 0.5: ".5", 0.75: ".75", 1: "1"},
+            label="win share",
+        ),
+        says="win share, .5 for no preference",
+        written=wording.share,
+    ),
+    "difference": _Measure(
+        scale=Scale(label="difference in scores"),
+        says="mean difference of paired ratings in scores, 0 for none",
+        written=number,
+    ),
+    "mean_rank": _Measure(
+        scale=Scale(label="mean rank"), says="mean rank, 1 is best", written=number
+    ),
+}
+
+
+def heterogeneity_section(report: TableReport, subject: Subject) -> Section | None:
+    """Return forest plots and tests, None where neither emotions nor speakers nor segments differ.
+
+    Parameters
+    ----------
+    report : TableReport
+        What was found.
+    subject : Subject
+        Its reference, if it has one, is what pairwise win shares are seen from.
+    """
+    found = effects(report.results, subject.reference)
+    if not found:
+        return None
+    few = any(level.descriptive for one in found for level in one.found.levels)
+    missing = [
+        by for by in KINDS if any(one.found.by == by for one in found) and not _drawn(found, by)
+    ]
+    paragraphs = [
+        "These estimates show where a difference comes from. Whether there is one, the headline "
+        "tests; that one emotion, speaker or segment decides and another does not is no evidence "
+        "that they differ: the tests of the table ask that."
+    ]
+    if few:
+        paragraphs.append(
+            f"Hollow marks are descriptive: they rest on {FEW} segments or fewer, which says "
+            "nothing about others of their kind, so they are not tested."
+        )
+    if missing:
+        paragraphs.append(
+            f"By {' and by '.join(missing)} there are too many estimates to draw; they are in "
+            f"tables/{_DATA}."
+        )
+    return Section(
+        anchor="heterogeneity",
+        heading="Where the difference comes from",
+        paragraphs=tuple(paragraphs),
+        pictures=tuple(
+            picture
+            for by in KINDS
+            if _drawn(found, by)
+            for picture in _forest(found, by, subject.mark)
+        ),
+        tables=(_tests(found),),
+    )
+
+
+class Effect(NamedTuple):
+    """One effect by emotion, speaker or segment, what it is the effect of, and over all of them."""
+
+    about: str
+    found: PairHeterogeneity | ConditionHeterogeneity
+    whole: Estimate | None
+
+    @property
+    def heading(self) -> str:
+        """What heads its panel."""
+        of = "" if self.found.set is None else f"Set {self.found.set}, "
+        return f"{of}{wording.name(self.found.question)}: {self.about}"
+
+
+def effects(results: Results, reference: str | None) -> tuple[Effect, ...]:
+    """Return all of a report's effects by emotion, speaker and segment.
+
+    Parameters
+    ----------
+    results : PairwiseResults, RatingResults, RankingResults or MismatchResults
+        What was found.
+    reference : str or None
+        The condition from whose side pairwise win shares are seen, where there is one.
+    """
+    wholes = whole_effects(results)
+    comparisons = results.comparisons if isinstance(results, PairwiseResults) else ()
+    from_side = {
+        name: reference_of([c for c in comparisons if c.set == name], reference)
+        for name in dict.fromkeys(c.set for c in comparisons)
+    }
+    return tuple(
+        _effect(one, wholes.get(_key(one)), from_side.get(one.set)) for one in results.heterogeneity
+    )
+
+
+def _effect(
+    found: PairHeterogeneity | ConditionHeterogeneity, whole: Estimate | None, side: str | None
+) -> Effect:
+    if isinstance(found, ConditionHeterogeneity):
+        return Effect(wording.name(found.condition), found, whole)
+    if found.b != side:
+        return Effect(wording.name(f"{found.a} against {found.b}"), found, whole)
+    turned = replace(found, levels=tuple(level.turned() for level in found.levels))
+    about = wording.name(f"{found.b} against {found.a}")
+    return Effect(about, turned, None if whole is None else whole.turned())
+
+
+Key = tuple[str | None, str, tuple[str, ...]]
+"""Set, question and conditions."""
+
+
+def _key(one: Place) -> Key:
+    return one.set, one.question, one.names
+
+
+def whole_effects(results: Results) -> dict[Key, Estimate]:
+    """Return the estimates that a report's headline rests on."""
+    match results:
+        case PairwiseResults():
+            return {_key(one): one.win_share for one in results.comparisons}
+        case RatingResults():
+            return {_key(one): one.difference for one in results.contrasts}
+        case RankingResults():
+            return {_key(one): one.mean_rank for one in results.conditions}
+        case MismatchResults():
+            return {_key(one): one.win_share for one in results.conditions}
+
+
+def _drawn(found: Sequence[Effect], by: By) -> bool:
+    of = [one for one in found if one.found.by == by]
+    return 0 < len(of) <= MOST_PANELS and len(_levels(of)) <= MOST_ROWS
+
+
+def _levels(found: Sequence[Effect]) -> tuple[str, ...]:
+    return tuple(sorted({level.level for one in found for level in one.found.levels}, key=_natural))
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    """Return a key that puts 's2' before 's10'."""
+    return [
+        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
+    ]
+
+
+def _forest(found: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
+    of = [one for one in found if one.found.by == by]
+    names = _levels(of)
+    measure = _MEASURES[of[0].found.measure]
+    return dot_pictures(
+        {one.heading: _dots(one, names, measure) for one in of},
+        [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
+        replace(measure.scale, line=of[0].found.null),
+        About(
+            name=f"by-{by}",
+            title=f"Effects by {by}",
+            caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by "
+            "participant and segment, of one segment by participant alone; after exclusions. "
+            f"Hollow: descriptive, {FEW} segments or fewer. Diamond: over all.",
+            data=_DATA,
+            mark=mark,
+        ),
+    )
+
+
+def _dots(of: Effect, names: Sequence[str], measure: _Measure) -> list[Dot]:
+    by_name = {level.level: level for level in of.found.levels}
+    dots = [_dot(by_name.get(name), measure) for name in names]
+    return [*dots, _dot(of.whole, measure, whole=True)]
+
+
+def _dot(found: Estimate | None, measure: _Measure, *, whole: bool = False) -> Dot:
+    if found is None or not found.n:
+        return Dot(words="–", hint="no answers", whole=whole)
+    written = measure.written(found.estimate)
+    inside = interval(found, measure.written) or f"no interval: {found.reason}"
+    return Dot(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        words=written,
+        hint=f"{written} {inside}, {wording.count(found.segments, 'segment')}",
+        descriptive=isinstance(found, Level) and found.descriptive,
+        whole=whole,
+    )
+
+
+def _tests(found: Sequence[Effect]) -> Table:
+    return table_of(
+        found,
+        ("question", _question),
+        ("of", lambda one: one.about),
+        ("by", lambda one: one.found.by),
+        ("levels", lambda one: count_cell(len(one.found.levels))),
+        ("F", lambda one: number_cell(one.found.test.statistic)),
+        ("df", lambda one: _freedom(one.found.test)),
+        ("p", lambda one: p_cell(one.found.test.p_value)),
+        (HOLM, lambda one: p_cell(one.found.test.p_holm)),
+        caption="Whether effects differ between emotions, speakers or segments. p (Holm) is "
+        "corrected over these tests of the report, which are exploratory.",
+        notes=dict.fromkeys(
+            f"By {by}: {text.rstrip('.')}."
+            for by, test in ((one.found.by, one.found.test) for one in found)
+            for text in (test.method, test.reason and f"no test, {test.reason}")
+            if text
+        ),
+        name="heterogeneity-tests",
+    )
+
+
+def _question(one: Effect) -> str:
+    of = "" if one.found.set is None else f"Set {one.found.set}: "
+    return f"{of}{wording.heading(one.found.question)}"
+
+
+def _freedom(test: DifferenceTest) -> Cell:
+    if math.isnan(test.df):
+        return Cell(text="–")
+    text = f"{wording.fixed(test.df, 0)}, {wording.fixed(test.df_rest, 1)}"
+    return Cell(text=text, value=float(test.df))

@@ -1,1 +1,0 @@
-"""Whether automatic metrics order conditions, and clips, as people do."""

@@ -1,0 +1,329 @@
+"""The rank correlation of a metric with people's preference over conditions, with an interval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.drawn_preferences import DrawnPreferences
+from analysis.results.metric_scores import MetricSide
+from analysis.stats.samples import times_drawn
+
+Floats = NDArray[np.float64]
+
+FEWEST: Final = 3
+"""Two conditions always agree entirely or not at all."""
+
+FEWEST_FOR_INTERVAL: Final = 4
+
+_ROUNDING: Final = 1e-9
+"""Scores nearer to each other, relative to the largest of all, are equal."""
+
+_LEAST_USABLE: Final = 0.5
+"""Share of resamples that must have a correlation."""
+
+METHOD: Final = (
+    "95 % interval: the widest ends of the percentiles of resamples that draw conditions, "
+    "participants and segments again together, of these percentiles reflected about the estimate, "
+    "and of the correlations of which the estimate would be an ordinary sample with so many "
+    "conditions"
+)
+
+Kind = Literal["kendall", "spearman"]
+
+_SEED: Final = 20
+
+_STUDIES: Final = 20_000
+
+_STUDIES_ON_GRID: Final = 4_000
+
+_GRID: Final = np.tanh(np.linspace(0, 3.8, 39))
+"""Correlations of the normal law, from 0 to nearly 1."""
+
+_BLOCK: Final = 2_000_000
+"""Comparisons simulated at a time: bounds the memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankCorrelation:
+    """A rank correlation over conditions, with an interval.
+
+    Attributes
+    ----------
+    estimate, low, high : float
+        In [-1, 1]; above zero where the metric and people agree. NaN where there is none.
+    degenerate : int
+        Resamples without a correlation, which the interval leaves out.
+    reason : str
+        Why the estimate or its interval is missing; empty where both are there.
+    """
+
+    estimate: float
+    low: float
+    high: float
+    degenerate: int = 0
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SamplingRange:
+    """What a study without any other error would show of a correlation of `tau`.
+
+    Attributes
+    ----------
+    tau : float
+        Kendall's tau among all conditions such as these.
+    low, high : float
+        Ends between which 95 % of studies with `conditions` conditions find it.
+    conditions : int
+        How many conditions a study has.
+    """
+
+    tau: float
+    low: float
+    high: float
+    conditions: int
+
+
+def order_signs(values: Floats) -> Floats:
+    """Return which of every two values is the larger.
+
+    Parameters
+    ----------
+    values : ndarray, shape (B, k)
+        Finite.
+
+    Returns
+    -------
+    ndarray, shape (B, k, k)
+        1 where the value of the row is larger than that of the column, -1 where it is smaller,
+        0 where they are equal but for rounding.
+    """
+    apart = values[:, :, None] - values[:, None, :]
+    size = np.abs(values).max(axis=1, initial=0)[:, None, None]
+    return np.asarray(np.sign(apart) * (np.abs(apart) > _ROUNDING * size), np.float64)
+
+
+def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
+    """Return Kendall's tau-b (Kendall 1945).
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (B, k, k)
+        The order of k things in each, as `order_signs` gives it.
+    weights : ndarray, shape (B, k)
+        How often each of them was drawn; one drawn twice is tied with itself.
+
+    Returns
+    -------
+    ndarray, shape (B,)
+        NaN where all that was drawn is tied in either.
+    """
+    return _scaled(
+        *(
+            np.einsum("bi,bij,bij,bj->b", weights, one, other, weights, optimize=True)
+            for one, other in ((first, second), (first, first), (second, second))
+        )
+    )
+
+
+def spearman(first: Floats, second: Floats, weights: Floats) -> Floats:
+    """Return Spearman's rho, ties having the mean of their ranks; see `kendall`."""
+    ranks = [np.einsum("bij,bj->bi", signs, weights) for signs in (first, second)]
+    total = weights.sum(axis=1, keepdims=True)
+    centred = [one - (weights * one).sum(axis=1, keepdims=True) / total for one in ranks]
+    return _scaled(
+        *(
+            (weights * centred[one] * centred[other]).sum(axis=1)
+            for one, other in ((0, 1), (0, 0), (1, 1))
+        )
+    )
+
+
+def _scaled(product: Floats, first: Floats, second: Floats) -> Floats:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = product / np.sqrt(first * second)
+    found[(first < _ROUNDING) | (second < _ROUNDING)] = np.nan
+    return np.asarray(np.clip(found, -1, 1))
+
+
+_CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = MappingProxyType(
+    {"kendall": kendall, "spearman": spearman}
+)
+
+
+def over_conditions(
+    preferences: DrawnPreferences, metric: MetricSide, *, too_few: str, seed: int
+) -> tuple[RankCorrelation, RankCorrelation]:
+    """Return Kendall's tau-b and Spearman's rho.
+
+    Resampling alone gives too narrow an interval: with four conditions in one order every resample
+    agrees entirely, and noise in scores and answers moves resamples towards zero a second time.
+    So it is never narrower than the resamples reflected about the estimate, nor than what the
+    number of conditions allows (`compatible`).
+
+    Parameters
+    ----------
+    preferences : DrawnPreferences
+        People's side.
+    metric : MetricSide
+        The metric, of the same conditions and segments.
+    too_few : str
+        Why there are no resamples of participants or segments; empty where there are.
+    seed : int
+        The same seed gives the same resamples.
+    """
+    present = metric.present
+    whole = np.ones((1, preferences.segments.shape[1]))
+    sides = [metric.drawn(whole), preferences.estimates[None, present]]
+    if len(present) < FEWEST:
+        return _neither(f"{len(present)} conditions have scores and answers; it takes {FEWEST}")
+    if np.isnan(sides[1]).any():
+        return _neither("the conditions fall into groups that were never compared with each other")
+    drawn = [metric.drawn(preferences.segments), preferences.draws[:, present]]
+    usable = np.asarray(~np.isnan(np.concatenate(drawn, axis=1)).any(axis=1))
+    resamples = len(preferences.draws)
+    weights = times_drawn(np.random.default_rng(seed), resamples, len(present))[usable]
+    once = np.ones((1, len(present)))
+    metric_signs, people_signs = map(order_signs, sides)
+    metric_orders, people_orders = (order_signs(one[usable]) for one in drawn)
+    found = {}
+    for kind, correlation in _CORRELATIONS.items():
+        estimate = float(correlation(metric_signs, people_signs, once)[0])
+        if math.isnan(estimate):
+            return _neither("all conditions are equal in the metric or in the answers")
+        draws = correlation(metric_orders, people_orders, weights)
+        draws = draws[~np.isnan(draws)]
+        found[kind] = _with_interval(estimate, draws, resamples, len(present), kind, too_few)
+    return found["kendall"], found["spearman"]
+
+
+def _with_interval(
+    estimate: float, draws: Floats, resamples: int, conditions: int, kind: Kind, too_few: str
+) -> RankCorrelation:
+    degenerate = resamples - len(draws)
+    reason = too_few
+    if conditions < FEWEST_FOR_INTERVAL:
+        reason = f"{conditions} conditions are too few for an interval"
+    elif not reason and len(draws) < _LEAST_USABLE * resamples:
+        reason = f"{degenerate} of {resamples} resamples have no correlation"
+    if reason:
+        return RankCorrelation(
+            estimate=estimate, low=math.nan, high=math.nan, degenerate=degenerate, reason=reason
+        )
+    low, high = np.quantile(draws, [0.025, 0.975])
+    least, most = compatible(estimate, conditions, kind)
+    return RankCorrelation(
+        estimate=estimate,
+        low=float(max(-1, min(low, 2 * estimate - high, least))),
+        high=float(min(1, max(high, 2 * estimate - low, most))),
+        degenerate=degenerate,
+    )
+
+
+def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
+    missing = RankCorrelation(estimate=math.nan, low=math.nan, high=math.nan, reason=reason)
+    return missing, missing
+
+
+def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
+    """Return between which values Kendall's tau lies in 95 % of studies, if it is `tau` truly.
+
+    Parameters
+    ----------
+    conditions : int
+        Of a study; at least two.
+    tau : float
+        Among all conditions, in [-1, 1].
+    """
+    chance = np.random.default_rng(_SEED)
+    found = _simulated(chance, conditions, float(np.sin(np.pi * tau / 2)), _STUDIES)["kendall"]
+    low, high = np.quantile(found, [0.025, 0.975])
+    return SamplingRange(tau=tau, low=float(low), high=float(high), conditions=conditions)
+
+
+def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, float]:
+    """Return the correlations of which `estimate` would be an ordinary sample.
+
+    They are those whose 95 % sampling range holds it (the interval that inverts a test), so that
+    few conditions give a wide interval even where they agree entirely.
+
+    Parameters
+    ----------
+    estimate : float
+        In [-1, 1].
+    conditions : int
+        That it was found in.
+    kind : {'kendall', 'spearman'}
+        Which correlation.
+    """
+    if estimate < 0:
+        low, high = compatible(-estimate, conditions, kind)
+        return -high, -low
+    law = _laws(conditions)[kind]
+    fits = (law.low <= estimate + 1e-9) & (estimate - 1e-9 <= law.high)
+    places = np.flatnonzero(fits)
+    if not len(places):
+        return estimate, estimate
+    # One step of the grid further on both sides, since the ends lie between its points.
+    low = law.true[max(places[0] - 1, 0)]
+    high = law.true[places[-1] + 1] if places[-1] + 1 < len(law.true) else 1.0
+    if fits[0]:
+        low = -1.0
+    return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class _Law:
+    """Sampling ranges of true correlations, in ascending order."""
+
+    true: Floats
+    low: Floats
+    high: Floats
+
+
+@lru_cache(maxsize=64)
+def _laws(conditions: int) -> dict[Kind, _Law]:
+    chance = np.random.default_rng(_SEED)
+    upper = [_simulated(chance, conditions, float(rho), _STUDIES_ON_GRID) for rho in _GRID]
+    signed = np.concatenate([-_GRID[:0:-1], _GRID])
+    true: dict[Kind, Floats] = {
+        "kendall": 2 / np.pi * np.arcsin(signed),
+        "spearman": 6 / np.pi * np.arcsin(signed / 2),
+    }
+    laws: dict[Kind, _Law] = {}
+    for kind, truth in true.items():
+        low, high = np.quantile([one[kind] for one in upper], [0.025, 0.975], axis=1)
+        laws[kind] = _Law(
+            truth, np.concatenate([-high[:0:-1], low]), np.concatenate([-low[:0:-1], high])
+        )
+    return laws
+
+
+def _simulated(
+    chance: np.random.Generator, conditions: int, rho: float, studies: int
+) -> dict[Kind, Floats]:
+    """Return what `studies` studies find where the normal law has the correlation `rho`."""
+    one, other = np.triu_indices(conditions, 1)
+    taus, rhos = [], []
+    block = max(1, _BLOCK // len(one))
+    for start in range(0, studies, block):
+        shape = (min(block, studies - start), conditions)
+        first = chance.standard_normal(shape)
+        second = rho * first + np.sqrt(1 - rho**2) * chance.standard_normal(shape)
+        agree = (first[:, one] > first[:, other]) == (second[:, one] > second[:, other])
+        taus.append(2 * agree.mean(axis=1) - 1)
+        apart = _ranks(first) - _ranks(second)
+        rhos.append(1 - 6 * np.square(apart).sum(axis=1) / (conditions * (conditions**2 - 1)))
+    return {"kendall": np.concatenate(taus), "spearman": np.concatenate(rhos)}
+
+
+def _ranks(values: Floats) -> Floats:
+    return np.asarray(np.argsort(np.argsort(values, axis=1), axis=1), np.float64)

@@ -1,0 +1,276 @@
+"""How far participants agree: with one another (Krippendorff's alpha), and with themselves (kappa).
+
+Alpha is 1 where all participants agree, 0 where they agree as far as chance would make them. A
+real effect may come with an alpha near zero: that all prefer one condition slightly, each in other
+items, is agreement about the condition and not about the items.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.samples import finite, percentile_interval
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+Level = Literal["nominal", "ordinal", "interval", "ratio"]
+
+RESAMPLES: Final = 2000
+BLOCK: Final = 200
+"""Resamples drawn at a time: bounds the memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alpha:
+    """Krippendorff's alpha.
+
+    Attributes
+    ----------
+    estimate : float
+        At most 1; NaN where there is none.
+    low, high : float
+        Ends of its 95 % interval over items; NaN where there is none.
+    level : {'nominal', 'ordinal', 'interval', 'ratio'}
+        How far apart two values are taken to be.
+    n, items, participants : int
+        What it rests on: answers about items that at least two participants answered about.
+    method : str
+        How the interval was found; empty where there is none.
+    reason : str
+        Why there is no alpha, or no interval; empty where there are both.
+    """
+
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    level: Level
+    n: int
+    items: int
+    participants: int
+    method: str = ""
+    reason: str = ""
+
+
+def krippendorff_alpha(
+    values: NDArray[np.number],
+    raters: NDArray[np.generic],
+    items: NDArray[np.generic],
+    *,
+    level: Level = "ordinal",
+    resamples: int = RESAMPLES,
+    seed: int = 0,
+) -> Alpha:
+    """Estimate alpha from answers, of which some may be missing (Krippendorff 2011).
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Answers as numbers in their order.
+    raters, items : ndarray, shape (N,)
+        Who answered about what; one answer of each about each.
+    level : {'nominal', 'ordinal', 'interval', 'ratio'}
+        Scale of the values.
+    resamples, seed : int
+        Bootstrap resamples of the items, and what draws them.
+
+    Raises
+    ------
+    InputError
+        If somebody answered twice about an item.
+    """
+    table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
+    if table.duplicated(["rater", "item"]).any():
+        raise InputError(
+            "a participant answered twice about an item",
+            remedy="Measure agreement for one question and one comparison at a time",
+        )
+    table = table[table.groupby("item")["rater"].transform("size") > 1]
+    domain, codes = np.unique(table["value"].to_numpy(), return_inverse=True)
+    rows = pd.factorize(table["item"])[0]
+    count = int(rows.max(initial=-1)) + 1
+    unknown = Alpha(
+        level=level, n=len(table), items=count, participants=int(table["rater"].nunique())
+    )
+    if not count:
+        return replace(unknown, reason="no item was answered about by two participants")
+    if len(domain) < 2:
+        return replace(unknown, reason="all answers alike")
+    cells = np.bincount(rows * len(domain) + codes, minlength=count * len(domain))
+    coincidences = _coincidences(cells.reshape(count, len(domain)).astype(np.float64))
+    [estimate] = _alphas(coincidences.sum(axis=0)[None], domain, level)
+    found = replace(unknown, estimate=float(estimate))
+    if count < 2:
+        return replace(found, reason="one item gives no interval")
+    low, high = percentile_interval(
+        np.concatenate(
+            [
+                _alphas(drawn, domain, level)
+                for drawn in _drawn_tables(coincidences, resamples, seed)
+            ]
+        )
+    )
+    return replace(found, low=low, high=high, method=f"bootstrap over items, {resamples} resamples")
+
+
+def _coincidences(counts: Floats) -> Floats:
+    """Return each item's pairs of values, (items, values, values), from its counts of values."""
+    pairs = counts[:, :, None] * counts[:, None, :]
+    places = np.arange(counts.shape[1])
+    pairs[:, places, places] -= counts
+    return np.asarray(pairs / (counts.sum(axis=1) - 1)[:, None, None], np.float64)
+
+
+def _alphas(coincidences: Floats, domain: Floats, level: Level) -> Floats:
+    """Return alpha of each table of coincidences, (tables, values, values); NaN for one value."""
+    totals = coincidences.sum(axis=2)
+    count = totals.sum(axis=1)
+    apart = _squared_distances(domain, totals, level)
+    observed = np.einsum("tij,tij->t", coincidences, apart)
+    expected = np.einsum("ti,tj,tij->t", totals, totals, apart) / (count - 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(expected > 0, 1 - observed / expected, math.nan)
+
+
+def _squared_distances(domain: Floats, totals: Floats, level: Level) -> Floats:
+    """Return how far values are apart, squared; between ordinal ones lie the answers between."""
+    if level == "ordinal":
+        middles = np.cumsum(totals, axis=1) - totals / 2
+        return np.asarray((middles[:, :, None] - middles[:, None, :]) ** 2, np.float64)
+    difference = domain[:, None] - domain
+    if level == "nominal":
+        return np.asarray(difference != 0, np.float64)[None]
+    if level == "ratio":
+        total = domain[:, None] + domain
+        difference = np.divide(difference, total, out=np.zeros_like(difference), where=total != 0)
+    return np.asarray(difference[None] ** 2, np.float64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Retest:
+    """How far participants agree with themselves.
+
+    Attributes
+    ----------
+    kappa : float
+        Cohen's weighted kappa, quadratic weights: 1 for the same answers, 0 for as much agreement
+        as chance gives; NaN where there is none.
+    low, high : float
+        Ends of its 95 % interval, participants drawn again; NaN where there is none.
+    equal_share : float
+        Share of the pairs with the same answer; NaN without any.
+    equal_low, equal_high : float
+        Ends of its 95 % interval; NaN where there is none.
+    spearman : float
+        Rank correlation; NaN where one side's answers are all alike.
+    n, participants : int
+        Trials answered twice, and by how many.
+    method : str
+        How the intervals were found; empty where there are none.
+    reason : str
+        Why a number is missing; empty where none is.
+    """
+
+    kappa: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    equal_share: float = math.nan
+    equal_low: float = math.nan
+    equal_high: float = math.nan
+    spearman: float = math.nan
+    n: int
+    participants: int
+    method: str = ""
+    reason: str = ""
+
+
+def retest_agreement(
+    first: NDArray[np.integer],
+    again: NDArray[np.integer],
+    participants: NDArray[np.generic],
+    *,
+    resamples: int = RESAMPLES,
+    seed: int = 0,
+) -> Retest:
+    """Compare the answers to trials with those to their repeats (Cohen 1968).
+
+    Parameters
+    ----------
+    first, again : ndarray of int, shape (N,)
+        Answers as equally spaced numbers.
+    participants : ndarray, shape (N,)
+        Who gave them.
+    resamples, seed : int
+        Bootstrap resamples of the participants, and what draws them.
+    """
+    before, after = np.asarray(first, np.int64), np.asarray(again, np.int64)
+    who = np.unique(participants, return_inverse=True)[1]
+    people = int(who.max(initial=-1)) + 1
+    unknown = Retest(n=len(before), participants=people)
+    if not len(before):
+        return replace(unknown, reason="no trial was answered again")
+    lowest = int(min(before.min(), after.min()))
+    scores = int(max(before.max(), after.max())) - lowest + 1
+    cells = (who * scores + before - lowest) * scores + after - lowest
+    tables = np.bincount(cells, minlength=people * scores**2).astype(np.float64)
+    tables = tables.reshape(people, scores, scores)
+    [kappa] = _kappas(tables.sum(axis=0)[None])
+    found = replace(
+        unknown,
+        kappa=float(kappa),
+        spearman=_spearman(before, after),
+        equal_share=float((before == after).mean()),
+    )
+    if people < 2:
+        return replace(found, reason="one participant gives no interval")
+    drawn = list(_drawn_tables(tables, resamples, seed))
+    equal_low, equal_high = percentile_interval(
+        np.concatenate([np.trace(one, axis1=1, axis2=2) / one.sum(axis=(1, 2)) for one in drawn])
+    )
+    found = replace(
+        found,
+        equal_low=equal_low,
+        equal_high=equal_high,
+        method=f"bootstrap over participants, {resamples} resamples",
+    )
+    if math.isnan(found.kappa):
+        return replace(found, reason="all answers alike")
+    low, high = percentile_interval(np.concatenate([_kappas(one) for one in drawn]))
+    reason = "one side's answers are all alike" if math.isnan(found.spearman) else ""
+    return replace(found, low=low, high=high, reason=reason)
+
+
+def _kappas(tables: Floats) -> Floats:
+    """Return weighted kappa of each table of first by second answers; NaN for one answer only."""
+    score = np.arange(tables.shape[1])
+    weights = ((score[:, None] - score) ** 2).astype(np.float64)
+    count = tables.sum(axis=(1, 2))
+    observed = np.einsum("tij,ij->t", tables, weights)
+    before, after = tables.sum(axis=2), tables.sum(axis=1)
+    expected = np.einsum("ti,tj,ij->t", before, after, weights) / count
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(expected > 0, 1 - observed / expected, math.nan)
+
+
+def _spearman(first: NDArray[np.int64], again: NDArray[np.int64]) -> float:
+    if not (np.ptp(first) and np.ptp(again)):
+        return math.nan
+    return float(stats.spearmanr(first, again).statistic)
+
+
+def _drawn_tables(tables: Floats, resamples: int, seed: int) -> Iterator[Floats]:
+    """Give the summed tables of resampled items or participants, shape (resamples, k, k)."""
+    chance = np.random.default_rng(seed)
+    count, size, _ = tables.shape
+    flat = tables.reshape(count, -1)
+    for start in range(0, resamples, BLOCK):
+        block = min(BLOCK, resamples - start)
+        times = chance.multinomial(count, np.full(count, 1 / count), size=block)
+        yield (times @ flat).reshape(block, size, size)

@@ -1,1 +1,0 @@
-"""Rankings of conditions: summaries as papers show them, concordance, and secondary tests."""

@@ -1,0 +1,199 @@
+"""Samples of answers: checked, grouped and ranked, and drawn again by the two-way bootstrap.
+
+The bootstrap draws participants and items. Every answer of a drawn participant about a drawn item
+counts as often as both were drawn together (the pigeonhole bootstrap of Owen 2007). It needs no
+more than the sums of each participant-item cell, so that drawing costs two matrix products.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse, stats
+
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+
+ROUNDING: Final = 1e-9
+"""Numbers nearer to each other, relative to the largest, are equal."""
+
+
+def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
+    """Return `values` as floats.
+
+    Raises
+    ------
+    InputError
+        If one of them is missing or infinite.
+    """
+    numbers = np.asarray(values, np.float64)
+    if not np.isfinite(numbers).all():
+        raise InputError(
+            f"value {int(np.argmin(np.isfinite(numbers.ravel()))) + 1} of {numbers.size} is "
+            "missing or infinite",
+            remedy="Leave answers out that are not there",
+        )
+    return numbers
+
+
+def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
+    """Return the mean of each group's values, in the order of the groups' names.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        One per answer.
+    groups : ndarray, shape (N,)
+        Whose it is: the participant's, or the segment's.
+    """
+    codes = np.unique(groups, return_inverse=True)[1]
+    counts = np.bincount(codes)
+    return np.asarray(np.bincount(codes, weights=values) / counts, np.float64)
+
+
+def levels(values: Floats) -> NDArray[np.intp]:
+    """Return the number of each value among the different ones, from 0, the smallest.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of any shape; finite.
+    """
+    flat = np.ravel(values)
+    if not flat.size:
+        return np.zeros(np.shape(values), np.intp)
+    order = np.argsort(flat, kind="stable")
+    apart = np.diff(flat[order], prepend=flat[order[0]]) > ROUNDING * np.abs(flat).max()
+    found = np.empty(flat.size, np.intp)
+    found[order] = np.cumsum(apart)
+    return found.reshape(np.shape(values))
+
+
+def tied_ranks(values: Floats) -> Floats:
+    """Return the ranks of `values` along the last axis, from 1; ties share the mean of theirs."""
+    return np.asarray(stats.rankdata(levels(values), axis=-1), np.float64)
+
+
+Table = Floats | sparse.csr_array
+
+BLOCK: Final = 500
+"""Resamples drawn at a time: bounds the memory."""
+
+FULL: Final = 0.05
+"""Share of the cells that have answers from which on empty ones are kept too: products of whole
+tables are so much faster."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cells:
+    """Sums and counts of answers by participant and item.
+
+    Attributes
+    ----------
+    sums : array or sparse array, shape (participants, items), for each column of values
+        Sum of the values.
+    counts : array or sparse array, shape (participants, items)
+        Number of answers.
+    """
+
+    sums: tuple[Table, ...]
+    counts: Table
+
+
+def cells_of(
+    values: Floats, participants: NDArray[np.generic], items: NDArray[np.generic]
+) -> Cells:
+    """Tabulate answers.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,) or (N, k)
+        What was answered, in one or more columns.
+    participants, items : ndarray, shape (N,)
+        Who answered about what.
+    """
+    columns = np.atleast_2d(np.asarray(values, np.float64).T)
+    people, who = np.unique(participants, return_inverse=True)
+    things, what = np.unique(items, return_inverse=True)
+    shape = (len(people), len(things))
+
+    return Cells(
+        sums=tuple(table_of(column, who, what, shape) for column in columns),
+        counts=table_of(np.ones(len(who)), who, what, shape),
+    )
+
+
+def table_of(
+    values: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, int]
+) -> Table:
+    """Return the sums of `values` by row and column; sparse where most cells are empty."""
+    found = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
+    return found if found.nnz < FULL * shape[0] * shape[1] else found.toarray()
+
+
+def bootstrap_means(cells: Cells, *, resamples: int = 10_000, seed: int = 0) -> Floats:
+    """Return the means of resampled studies.
+
+    Parameters
+    ----------
+    cells : Cells
+        See `cells_of`.
+    resamples : int
+        How many to draw.
+    seed : int
+        The same seed gives the same resamples.
+
+    Returns
+    -------
+    ndarray, shape (resamples, k)
+        NaN where no answer belongs to a drawn participant and a drawn item.
+    """
+    chance = np.random.default_rng(seed)
+    people, things = cells.counts.shape
+    found = []
+    for start in range(0, resamples, BLOCK):
+        size = min(BLOCK, resamples - start)
+        who = times_drawn(chance, size, people)
+        what = times_drawn(chance, size, things)
+        totals = _drawn_sums(cells.counts, who, what)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found.append(
+                np.column_stack([_drawn_sums(table, who, what) / totals for table in cells.sums])
+            )
+    return np.concatenate(found)
+
+
+def percentile_interval(draws: Floats) -> tuple[float, float]:
+    """Return the ends between which the middle 95 % of the draws lie."""
+    low, high = np.nanquantile(draws, [(1 - 0.95) / 2, (1 + 0.95) / 2])
+    return float(low), float(high)
+
+
+def times_drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
+    """Return how often each of `count` was drawn in each of `size` resamples.
+
+    Returns
+    -------
+    ndarray, shape (size, count)
+        Every row adds up to `count`.
+    """
+    drawn = chance.integers(count, size=(size, count))
+    drawn += count * np.arange(size)[:, None]
+    counted = np.bincount(drawn.ravel(), minlength=size * count)
+    return counted.reshape(size, count).astype(np.float64)
+
+
+def _drawn_sums(table: Table, who: Floats, what: Floats) -> Floats:
+    """Return the sum of `table` over drawn rows and columns, for each resample."""
+    return np.asarray(np.einsum("bi,bi->b", drawn_rows(table, who), what), np.float64)
+
+
+def drawn_rows(table: Table, who: Floats) -> Floats:
+    """Return the sums over drawn rows, shape (resamples, columns); `who` as `times_drawn`."""
+    if isinstance(table, np.ndarray):
+        return np.asarray(who @ table, np.float64)
+    return np.asarray((table.T @ who.T).T, np.float64)

@@ -1,1 +1,0 @@
-"""Strengths of conditions from choices among them: Bradley-Terry and Plackett-Luce."""

@@ -1,0 +1,291 @@
+"""Controls: conditions that a study compares generators with, and a flaw that nobody overlooks.
+
+`Static` is the least that a condition can do. `Mismatched` is right motion to wrong speech: what
+the same condition does to another segment.
+
+`Broken` is for catch trials, in which AMUSE shows "a broken motion filled with artifacts" (Chhatre
+et al. 2024, appendix H) against the recording; whoever does not prefer the recording was not
+watching. So the faults must be plain within two seconds and never stop: limbs pop, joints twist
+beyond what a body can do, everything jitters, and at times it freezes and jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.transform import Rotation
+
+from generators.interface import (
+    OnPart,
+    SpeechSegment,
+    StudyClips,
+    provenance_of,
+    required_source,
+    seeded_stream,
+    unheard,
+    with_length,
+)
+from generators.rule_based.body_pose import Trunk, pose_body
+from generators.rule_based.hand_pose import BY_THE_SIDE
+from motion.clip import ARKIT_NAMES, MotionClip
+from motion.errors import InputError
+from motion.resample import resample
+from motion.segment import Segment
+from motion.skeleton import joint_index
+
+FloatArray = NDArray[np.float64]
+
+_COST_OF_MISSING_SECOND: Final = 4.0
+_COST_OF_OWN_MOTION: Final = 1e9
+
+_SLOT: Final = 0.8
+_POP_SECONDS: Final = (0.1, 0.25)
+_TWIST_SECONDS: Final = (0.35, 0.7)
+_FREEZE_SECONDS: Final = (0.25, 0.45)
+_POPS_IN_SLOT: Final = 2
+_POP_DEGREES: Final = (60.0, 110.0)
+_TWIST_DEGREES: Final = (120.0, 165.0)
+_BACKWARD_DEGREES: Final = (70.0, 110.0)
+_JITTER_DEGREES: Final = 5.0
+_FINGER_JITTER_DEGREES: Final = 14.0
+_ROOT_JITTER: Final = 0.008
+_FACE_JITTER: Final = 0.08
+_SIDES: Final = ("left", "right")
+_POPPING: Final = tuple(f"{side}_{part}" for part in ("shoulder", "elbow") for side in _SIDES)
+_TWISTING: Final = ("neck", "left_wrist", "right_wrist")
+_BENDING_BACK: Final = MappingProxyType({"left_elbow": 1.0, "right_elbow": -1.0})
+_JITTERING: Final = (
+    *("spine1", "spine2", "spine3", "neck", "head"),
+    *(f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist") for side in _SIDES),
+)
+
+
+class Static:
+    """Stands with the arms down and a neutral face; nothing moves."""
+
+    name: Final = "static"
+    version: Final = "1"
+    needs_source: Final = False
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        Every seed gives the same stance: nothing in it is random.
+        """
+        seeded_stream(seed)
+        frames = speech.frame_count(frame_rate)
+        still, level = np.zeros((1, 3)), np.zeros(1)
+        trunk = Trunk(
+            pelvis=still,
+            spine=still,
+            head=still,
+            shift=still,
+            shoulders_up=level,
+            shoulders_forward=level,
+        )
+        hand = BY_THE_SIDE.channels()[None]
+        poses, trans = pose_body(trunk, {"left": hand, "right": hand})
+        return MotionClip(
+            poses=np.repeat(poses, frames, axis=0).astype(np.float32),
+            trans=np.repeat(trans, frames, axis=0).astype(np.float32),
+            frame_rate=frame_rate,
+            arkit=np.zeros((frames, len(ARKIT_NAMES)), np.float32),
+            provenance=provenance_of(self.name, seed, speech),
+        )
+
+
+class Mismatched:
+    """Gives each segment the source condition's clip of another segment."""
+
+    name: Final = "mismatched"
+    version: Final = "1"
+    needs_source: Final = True
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        A clip that is too short goes on by running backwards from its last frame, so that
+        nothing jumps; the provenance then says so.
+        """
+        clips = required_source(source, self.name)
+        partner = _partner(speech.segment, clips.segments, seed)
+        clip = resample(clips.clip(partner), frame_rate)
+        frames = speech.frame_count(frame_rate)
+        return with_length(clip, frames).with_provenance(
+            **provenance_of(self.name, seed, speech),
+            motion_of_segment=partner,
+            continued_by_reversal=str(frames > len(clip)).lower(),
+        )
+
+
+def partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
+    """Return for each segment of a study the one whose motion it gets.
+
+    Nobody keeps their own motion and no two get the same: of all such exchanges, one that has
+    few seconds missing where a partner is shorter, and among equals a random one. (The optimal
+    assignment of Kuhn 1955, with random costs for the choice among equals.)
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        All of the study, in any order.
+    seed : int
+        Not negative.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two segments.
+    """
+    if len(segments) < 2:
+        raise InputError(
+            "mismatched motion needs the motion of another segment, and the study has "
+            f"{len(segments)}",
+            remedy="Add a second segment, or leave this condition out",
+        )
+    ordered = sorted(segments, key=lambda segment: segment.name)
+    length = np.array([segment.duration for segment in ordered])
+    missing = np.maximum(length[:, None] - length[None, :], 0)
+    chance = np.random.default_rng(seeded_stream(seed, Mismatched.name)).random(missing.shape)
+    cost = chance + _COST_OF_MISSING_SECOND * missing
+    np.fill_diagonal(cost, _COST_OF_OWN_MOTION)
+    takers, givers = linear_sum_assignment(cost)
+    return {
+        ordered[taker].name: ordered[giver].name
+        for taker, giver in zip(takers, givers, strict=True)
+    }
+
+
+def _partner(segment: Segment, segments: Sequence[Segment], seed: int) -> str:
+    chosen = partners(segments, seed)
+    if segment.name not in chosen:
+        raise InputError(
+            f"segment {segment.name} is none of the study's",
+            remedy=f"Use one of {', '.join(sorted(chosen))}",
+        )
+    return chosen[segment.name]
+
+
+class Broken:
+    """Breaks the source condition's clip of the same segment."""
+
+    name: Final = "broken"
+    version: Final = "1"
+    needs_source: Final = True
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`."""
+        clips = required_source(source, self.name)
+        rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
+        frames = speech.frame_count(frame_rate)
+        whole = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)
+        stuttering = whole.frames(_stutter(frames, frame_rate, rng))
+        broken = _break_face(stuttering, rng)
+        return MotionClip(
+            poses=_break_body(stuttering, rng),
+            trans=stuttering.trans + rng.normal(0, _ROOT_JITTER, (frames, 3)).astype(np.float32),
+            frame_rate=frame_rate,
+            betas=whole.betas,
+            expressions=whole.expressions,
+            arkit=broken,
+            gender=whole.gender,
+            provenance={**whole.provenance, **provenance_of(self.name, seed, speech)},
+        )
+
+
+def _slots(frames: int, frame_rate: float) -> NDArray[np.int_]:
+    """Return the first frame of each stretch that gets its own faults."""
+    return np.arange(0, frames, max(1, round(_SLOT * frame_rate)))
+
+
+def _span(
+    slot: int, seconds: tuple[float, float], frame_rate: float, rng: np.random.Generator
+) -> slice:
+    """Return frames that begin in the slot's first half."""
+    begin = slot + round(rng.uniform(0, _SLOT / 2) * frame_rate)
+    return slice(begin, begin + max(1, round(rng.uniform(*seconds) * frame_rate)))
+
+
+def _stutter(frames: int, frame_rate: float, rng: np.random.Generator) -> NDArray[np.int_]:
+    """Return frame indices that stop for a while in every other slot and then jump on."""
+    index = np.arange(frames)
+    for slot in _slots(frames, frame_rate)[1::2]:
+        frozen = _span(slot, _FREEZE_SECONDS, frame_rate, rng)
+        index[frozen] = min(frozen.start, frames - 1)
+    return index
+
+
+def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return the clip's poses, shape (T, 55, 3), with faults from its first half second on."""
+    poses = clip.poses.astype(float)
+    rate = clip.frame_rate
+    for slot in _slots(len(clip), rate):
+        for joint in rng.choice(_POPPING, _POPS_IN_SLOT, replace=False):
+            span = _span(slot, _POP_SECONDS, rate, rng)
+            _turn(poses[span, joint_index(joint)], _random_turn(_POP_DEGREES, rng))
+        joint = rng.choice(_TWISTING)
+        span = _span(slot, _TWIST_SECONDS, rate, rng)
+        poses[span, joint_index(joint)] = _random_turn(_TWIST_DEGREES, rng)
+        elbow = rng.choice(list(_BENDING_BACK))
+        backward = _BENDING_BACK[elbow] * np.radians(rng.uniform(*_BACKWARD_DEGREES))
+        span = _span(slot, _TWIST_SECONDS, rate, rng)
+        poses[span, joint_index(elbow)] = (0.0, backward, 0.0)
+    for name in _JITTERING:
+        joint = joint_index(name)
+        poses[:, joint] += rng.normal(0, np.radians(_JITTER_DEGREES), (len(clip), 3))
+    fingers = poses[:, joint_index("left_index1") :]
+    fingers += rng.normal(0, np.radians(_FINGER_JITTER_DEGREES), fingers.shape)
+    return poses.astype(np.float32)
+
+
+def _random_turn(degrees: tuple[float, float], rng: np.random.Generator) -> FloatArray:
+    """Return a turn, axis-angle, about a random axis by an angle within `degrees`."""
+    axis = rng.normal(size=3)
+    turn: FloatArray = axis / np.linalg.norm(axis) * np.radians(rng.uniform(*degrees))
+    return turn
+
+
+def _turn(rotvecs: FloatArray, turn: FloatArray) -> None:
+    """Turn `rotvecs`, shape (T, 3), by `turn` in place."""
+    if len(rotvecs):
+        rotvecs[:] = (Rotation.from_rotvec(turn) * Rotation.from_rotvec(rotvecs)).as_rotvec()
+
+
+def _break_face(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32] | None:
+    """Return the clip's facial actions, flickering and at times at full strength."""
+    if clip.arkit is None:
+        return None
+    arkit = clip.arkit + rng.normal(0, _FACE_JITTER, clip.arkit.shape)
+    for slot in _slots(len(clip), clip.frame_rate):
+        for action in rng.choice(arkit.shape[1], 4, replace=False):
+            arkit[_span(slot, _POP_SECONDS, clip.frame_rate, rng), action] = 1.0
+    return np.clip(arkit, 0, 1).astype(np.float32)

@@ -1,0 +1,227 @@
+"""What learned generators share: how their networks are trained, and what motion these tell."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Final, Generic, TypedDict, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from torch import nn
+
+from generators.interface import (
+    OnPart,
+    SpeechSegment,
+    StudyClips,
+    provenance_of,
+    seeded_stream,
+    unheard,
+    with_length,
+)
+from generators.registry import TrainedGenerator, TrainingRequest
+from generators.settings import ModelSettings
+from motion.clip import MotionClip, check_frame_rate
+from motion.errors import InputError
+from motion.resample import resample
+from training.config import TrainingConfig
+from training.data.feature_cache import prepare
+from training.data.take import Feature
+from training.data.windows import Windows
+from training.device import check_device
+from training.run.loop import Trained, train
+from training.run.records import RunFolder, run_facts
+from training.run.task import Task, WindowTask
+from training.speakers import Speakers
+
+Given = TypeVar("Given", bound=ModelSettings)
+
+Network = TypeVar("Network", bound=nn.Module)
+
+
+class NetworkGenerator(ABC, Generic[Given]):
+    """A generator whose motion a network tells at a frame rate of its own.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+        Checkpoint and what belongs to it. Networks are read when the first clip is made.
+    device : {'cpu', 'cuda'}
+        Where they run.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[str]
+    needs_source: Final = False
+
+    def __init__(self, settings: Given, device: str = "cpu") -> None:
+        check_device(device)
+        self._settings = settings
+        self._device = device
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        It is made at the network's frame rate and resampled; its provenance further holds what
+        `made` says.
+        """
+        seeded_stream(seed)
+        count = speech.frame_count(frame_rate)
+        check_frame_rate(frame_rate)
+        clip, facts = self.made(speech, seed, on_part)
+        return with_length(resample(clip, frame_rate), count).with_provenance(
+            **provenance_of(self.name, seed, speech), **facts
+        )
+
+    @abstractmethod
+    def made(
+        self, speech: SpeechSegment, seed: int, on_part: OnPart
+    ) -> tuple[MotionClip, dict[str, str]]:
+        """Return motion at the network's frame rate, and what its provenance further holds."""
+
+
+def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
+    """Check what a network told.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite.
+    """
+    if not np.isfinite(motion).all():
+        raise InputError(
+            "the network tells motion that is not finite",
+            where=checkpoint,
+            remedy="Its training has diverged: give another checkpoint",
+        )
+
+
+def joined(
+    parts: Iterable[NDArray[np.float64]], frames: int, on_part: OnPart
+) -> NDArray[np.float64]:
+    """Return parts (some frames, values) one after the other, telling of how many `frames`."""
+    found: list[NDArray[np.float64]] = []
+    made = 0
+    for part in parts:
+        found.append(part)
+        made += len(part)
+        on_part(made, frames)
+    return np.concatenate(found)
+
+
+def network_facts(
+    settings: ModelSettings,
+    device: str,
+    *,
+    frames: int,
+    overlap: int,
+    frame_rate: float,
+    stand_ins: Sequence[str] = (),
+) -> dict[str, str]:
+    """Return what provenance says of any network: its file, how its windows lie, what stood in."""
+    facts = {
+        "window_frames": str(frames),
+        "window_overlap": str(overlap),
+        "window_frame_rate": f"{frame_rate:g}",
+        "device": device,
+        "checkpoint": settings.checkpoint.name,
+        "checkpoint_sha256": settings.checkpoint_sha256,
+    }
+    return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
+
+
+class Cut(TypedDict):
+    """The windows of a `training.run.task.WindowTask`, and where it is computed."""
+
+    training: Windows
+    held_out: Windows
+    device: str
+
+
+def cut_windows(
+    request: TrainingRequest,
+    features: Sequence[Feature],
+    frame_rate: float,
+    frames: int,
+    stride: int,
+    *,
+    held_out: int | None = None,
+) -> Cut:
+    """Return windows of the request's recordings with their features.
+
+    Those to learn from are `stride` frames apart; held-out ones lie side by side, or so many
+    frames apart.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable, or no recording.
+    """
+    check_device(request.device)
+    prepared = prepare(
+        request.takes, features, request.cache, frame_rate=frame_rate, show=request.show_preparing
+    )
+    return {
+        "training": Windows(prepared, split="train", frames=frames, stride=stride),
+        "held_out": Windows(prepared, split="validation", frames=frames, stride=held_out or frames),
+        "device": request.device,
+    }
+
+
+def learned_from(windows: Windows, speakers: Speakers) -> str:
+    """Say how much somebody learned from, and from whom."""
+    takes = sum(take.split == "train" for take in windows.prepared.takes)
+    return (
+        f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} speakers "
+        f"({', '.join(speakers.names)})."
+    )
+
+
+def outcome(
+    task: WindowTask, trained: Trained[Any], *said: str, warnings: Sequence[str] = ()
+) -> TrainedGenerator:
+    """Return what came out, by what is said of it and by which step's weights were kept."""
+    kept = f"Its weights are those of step {trained.best.step} of {trained.steps}."
+    return TrainedGenerator(
+        sentences=(*said, kept),
+        skipped=task.training.prepared.skipped,
+        warnings=tuple(warnings),
+    )
+
+
+def learn(
+    request: TrainingRequest,
+    task: Task[Network],
+    config: TrainingConfig,
+    packages: Sequence[str] = (),
+) -> tuple[Trained[Network], dict[str, Any]]:
+    """Return what came out of a training, and what the network's file says of it.
+
+    Parameters
+    ----------
+    request : TrainingRequest
+        Where it is kept, and whom to tell how it goes.
+    task : Task
+        What is learned.
+    config : TrainingConfig
+        How.
+    packages : sequence of str
+        What further was used, whose versions are told.
+    """
+    trained = train(task, config, RunFolder(request.run), show=request.show_training)
+    facts = run_facts(config, trained, request.takes.kind, task.data_sha256, packages)
+    return trained, {**facts, "ablation": request.choices.get("ablation")}

@@ -1,0 +1,118 @@
+"""librosa, which several processes may load at the same time, and the onsets that it finds.
+
+Onsets are the audio beats that beat alignment compares a motion with. They come from spectral flux
+and share nothing with the accents of `motion.prosody`, to which a rule-based generator ties its
+gestures: a score must not measure a generator with its own ruler.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache, wraps
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import Audio
+
+DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
+"""What `speech_onsets` runs, in words for a footnote."""
+
+_RATE: Final = 16000
+_HOP: Final = 160
+_SILENCE: Final = 1e-4
+
+
+@cache
+def load_librosa() -> ModuleType:
+    """Return librosa, which is imported here and not before: it takes seconds, and few need it.
+
+    It compiles functions when they are first used, and numba keeps them beside its source, in files
+    that it reads, changes and writes without a lock. Two processes that do so at the same time
+    leave an index that names the wrong function, or the two halves of a vectorised function from
+    two compilers (numba issue 10128), and every later use ends in a segmentation fault (seen with
+    librosa 0.11 and numba 0.68). So each look into these files, each change of them, and the making
+    of a vectorised function are one process' at a time; what librosa computes is not.
+    """
+    from numba.core.caching import IndexDataCacheFile
+    from numba.np.ufunc.ufuncbuilder import UFuncDispatcher
+
+    for owner, name in (
+        (IndexDataCacheFile, "load"),
+        (IndexDataCacheFile, "save"),
+        (UFuncDispatcher, "compile"),
+    ):
+        setattr(owner, name, _alone(getattr(owner, name)))
+    import librosa
+
+    return librosa
+
+
+def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return `function`, run while no other process of this user runs such a one."""
+    from numba.core.compiler_lock import global_compiler_lock
+
+    @wraps(function)
+    def run(*given: Any, **named: Any) -> Any:
+        # The compiler's lock first, as where numba looks into the files while it compiles: two
+        # threads that took the two in different orders would wait for each other.
+        with global_compiler_lock, _lock():
+            return function(*given, **named)
+
+    return run
+
+
+_here = threading.local()
+"""Whether this thread holds the lock."""
+
+
+@contextmanager
+def _lock() -> Iterator[None]:
+    if getattr(_here, "held", False):
+        yield
+        return
+    path = Path(tempfile.gettempdir()) / f"motionjury-{os.getuid()}-librosa.lock"
+    lock = os.open(path, os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        _here.held = True
+        yield
+    finally:
+        _here.held = False
+        os.close(lock)
+
+
+def speech_onsets(audio: Audio) -> NDArray[np.float64]:
+    """Return when sounds begin in `audio`.
+
+    Parameters
+    ----------
+    audio : Audio
+        Speech, mono.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Onset times in seconds, ascending; empty for silence.
+
+    Notes
+    -----
+    Onset strength is spectral flux over 128 mel bands (Böck & Widmer 2013), picked by librosa's
+    own defaults, as in BEAT's evaluation (Liu et al. 2022) but at a finer hop.
+    """
+    samples = np.asarray(audio.samples, np.float32)
+    if float(np.max(np.abs(samples), initial=0.0)) < _SILENCE:
+        return np.zeros(0)
+    librosa = load_librosa()
+    if audio.sample_rate != _RATE:
+        samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
+    onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
+    return np.asarray(onsets, np.float64)

@@ -1,0 +1,291 @@
+"""The motion of a BVH file: its skeleton, where it puts each joint, and how it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.errors import InputError
+from motion.files import write_text
+
+FloatArray = NDArray[np.float64]
+
+_STILL: Final = 1e-3
+"""Change of a channel, in degrees or length units, below which it does not move."""
+
+_JUMP: Final = 180.0
+"""Degrees, summed over all joints, that a calibration pose is at least away from the motion."""
+
+_JUMPS_AS_LARGE: Final = 3.0
+"""How many times the later changes from row to row that must be."""
+
+_NEARLY_ALL: Final = 0.95
+"""Share of the later changes that counts: a glitch somewhere is not a reason to show a T-pose."""
+
+_DECIMALS: Final = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class BvhJoint:
+    """One joint of a BVH skeleton.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the file.
+    parent : int
+        Index of its parent among the joints; -1 for the root.
+    offset : tuple of float
+        Where it lies in its parent's frame when nothing is turned, in the file's length unit.
+    channels : tuple of str
+        Its columns in the order in which they apply, such as ``Zrotation``.
+    """
+
+    name: str
+    parent: int
+    offset: tuple[float, float, float]
+    channels: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BvhMotion:
+    """A parsed BVH file.
+
+    Attributes
+    ----------
+    joints : tuple of BvhJoint
+        Parents before children.
+    values : ndarray, shape (T, C)
+        One column a channel, in joint order: degrees and length units.
+    frame_rate : float
+        Frames per second.
+    calibration : ndarray, shape (C,), or None
+        Values of a T-pose that the file held as its first row and that is no part of the motion.
+    notes : tuple of str
+        What was unusual about the file.
+    """
+
+    joints: tuple[BvhJoint, ...]
+    values: FloatArray
+    frame_rate: float
+    calibration: FloatArray | None = None
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints, parents before children."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def rest_positions(self) -> FloatArray:
+        """Joint positions (J, 3) when nothing is turned, in the file's length unit."""
+        positions = np.zeros((len(self.joints), 3))
+        for index, joint in enumerate(self.joints):
+            if joint.parent >= 0:
+                positions[index] = positions[joint.parent] + joint.offset
+        return positions
+
+    def columns(self, index: int) -> slice:
+        """Return which columns of `values` belong to joint `index`."""
+        first = sum(len(joint.channels) for joint in self.joints[:index])
+        return slice(first, first + len(self.joints[index].channels))
+
+    def forward_kinematics(self) -> tuple[FloatArray, FloatArray]:
+        """Return where each joint is and how it is turned in the world.
+
+        Returns
+        -------
+        positions : ndarray, shape (T, J, 3)
+            In the file's length unit. Position channels take the place of the offset.
+        rotations : ndarray, shape (T, J, 3, 3)
+            World rotation matrices.
+        """
+        frames, count = len(self.values), len(self.joints)
+        positions = np.empty((frames, count, 3))
+        rotations = np.empty((frames, count, 3, 3))
+        for index, joint in enumerate(self.joints):
+            local, turn = self._local(index)
+            if joint.parent < 0:
+                positions[:, index], rotations[:, index] = local, turn
+                continue
+            above = rotations[:, joint.parent]
+            positions[:, index] = positions[:, joint.parent] + np.einsum("tij,tj->ti", above, local)
+            rotations[:, index] = above @ turn
+        return positions, rotations
+
+    def local_rotations(self) -> FloatArray:
+        """Return how each joint is turned relative to its parent, shape (T, J, 3, 3)."""
+        return np.stack([self._local(index)[1] for index in range(len(self.joints))], axis=1)
+
+    def _local(self, index: int) -> tuple[FloatArray, FloatArray]:
+        """Return the position (T, 3) and rotation (T, 3, 3) of a joint in its parent's frame."""
+        joint = self.joints[index]
+        values = self.values[:, self.columns(index)]
+        position = np.tile(np.array(joint.offset), (len(values), 1))
+        axes, angles = "", []
+        for column, channel in enumerate(joint.channels):
+            if channel.endswith("position"):
+                position[:, "XYZ".index(channel[0])] = values[:, column]
+            else:
+                axes += channel[0]
+                angles.append(values[:, column])
+        if not axes:
+            return position, np.tile(np.eye(3), (len(values), 1, 1))
+        turns = Rotation.from_euler(axes, np.stack(angles, axis=1), degrees=True)
+        return position, turns.as_matrix()
+
+
+def settle_first_frame(motion: BvhMotion) -> BvhMotion:
+    """Return `motion` without a pose left over in its first row.
+
+    Motion capture software writes the T-pose in which it calibrated the skeleton as the first row;
+    it is kept apart as `BvhMotion.calibration`. Files cut down to some joints (BEAT's as prepared
+    for its baselines) still hold all joints in row 0 while the others stay at one value from row 1
+    on. Both would make the body jump once; what was left over takes its values of row 1 there.
+    """
+    return _without_leftover_joints(_without_calibration(motion))
+
+
+def _without_calibration(motion: BvhMotion) -> BvhMotion:
+    """Take a first row that stands apart from all others out of the motion."""
+    if len(motion.values) < 3 or np.abs(motion.values[0] - motion.values[1]).max() <= _STILL:
+        return motion
+    # The first step alone tells nearly always, and a recording has thousands.
+    if _changes(replace(motion, values=motion.values[:2]))[0] < _JUMP:
+        return motion
+    changes = _changes(motion)
+    if changes[0] < max(_JUMP, _JUMPS_AS_LARGE * np.quantile(changes[1:], _NEARLY_ALL)):
+        return motion
+    values = motion.values.copy()
+    values[0] = values[1]
+    note = "the first frame is a pose apart from the motion; the second is shown in its place"
+    return replace(motion, values=values, calibration=motion.values[0], notes=(*motion.notes, note))
+
+
+def _changes(motion: BvhMotion) -> NDArray[np.float64]:
+    """Return by how many degrees all joints turn from each row to the next, shape (T - 1,)."""
+    turns = motion.local_rotations()
+    steps = np.swapaxes(turns[:-1], 2, 3) @ turns[1:]
+    angles = Rotation.from_matrix(steps.reshape(-1, 3, 3)).magnitude()
+    return np.asarray(np.degrees(angles.reshape(len(steps), -1)).sum(axis=1))
+
+
+def _without_leftover_joints(motion: BvhMotion) -> BvhMotion:
+    """Give joints that never move after row 0 their later values there too."""
+    values = motion.values.copy()
+    settled = 0
+    for index in range(len(motion.joints)):
+        columns = values[:, motion.columns(index)]
+        if len(columns) < 3 or not columns.shape[1]:
+            continue
+        still_later = np.ptp(columns[1:], axis=0).max() <= _STILL
+        if still_later and np.abs(columns[0] - columns[1]).max() > _STILL:
+            columns[0] = columns[1]
+            settled += 1
+    if not settled:
+        return motion
+    note = (
+        f"{settled} joints that never move after the first frame had another pose in it; "
+        "they take their later values there"
+    )
+    return replace(motion, values=values, notes=(*motion.notes, note))
+
+
+def write_bvh(path: Path, motion: BvhMotion) -> None:
+    """Write `motion` to `path`, in one step.
+
+    Joints are written depth first, whatever their order in `motion`, and their columns with them.
+    Numbers have four decimals. A joint without children gets an end site where it lies itself, for
+    the many readers that expect one.
+
+    Parameters
+    ----------
+    path : Path
+        The file; missing folders are made.
+    motion : BvhMotion
+        With at least one frame, all finite.
+
+    Raises
+    ------
+    InputError
+        If there is no frame, a value is not finite, the number of columns is not that of the
+        channels, or there is not exactly one root.
+    """
+    _check(path, motion)
+    order = list(_depth_first(motion.joints, _root(path, motion.joints)))
+    columns = np.concatenate([np.r_[motion.columns(index)] for index in order]).astype(int)
+    lines = ["HIERARCHY", *_written_hierarchy(motion.joints, order[0], 0)]
+    lines += ["MOTION", f"Frames: {len(motion.values)}"]
+    lines.append(f"Frame Time: {1 / motion.frame_rate:.8f}")
+    # Adding zero turns -0 into 0: a column that never changes is always written alike.
+    rounded = np.round(motion.values[:, columns], _DECIMALS) + 0.0
+    lines += [" ".join(_number(value) for value in row) for row in rounded.tolist()]
+    write_text(Path(path), "\n".join(lines) + "\n")
+
+
+def _check(path: Path, motion: BvhMotion) -> None:
+    channels = sum(len(joint.channels) for joint in motion.joints)
+    if not len(motion.values):
+        raise InputError("there is no frame to write", where=path, remedy="Give at least one")
+    if motion.values.shape[1] != channels:
+        raise InputError(
+            f"the motion has {motion.values.shape[1]} columns, the skeleton {channels} channels",
+            where=path,
+            remedy="Give one column a channel",
+        )
+    bad = ~np.isfinite(motion.values).all(axis=1)
+    if bad.any():
+        raise InputError(
+            "the motion holds a value that is not finite",
+            where=f"{path}, frame {int(np.argmax(bad))}",
+            remedy="Repair or remove the frame",
+        )
+
+
+def _root(path: Path, joints: Sequence[BvhJoint]) -> int:
+    roots = [index for index, joint in enumerate(joints) if joint.parent < 0]
+    if len(roots) != 1:
+        raise InputError(
+            f"the skeleton has {len(roots)} roots", where=path, remedy="Give it exactly one"
+        )
+    return roots[0]
+
+
+def _children(joints: Sequence[BvhJoint], parent: int) -> list[int]:
+    return [index for index, joint in enumerate(joints) if joint.parent == parent]
+
+
+def _depth_first(joints: Sequence[BvhJoint], index: int) -> Iterator[int]:
+    yield index
+    for child in _children(joints, index):
+        yield from _depth_first(joints, child)
+
+
+def _written_hierarchy(joints: Sequence[BvhJoint], index: int, depth: int) -> Iterator[str]:
+    """Yield the lines of a joint and all below it."""
+    joint, outside, inside = joints[index], "\t" * depth, "\t" * (depth + 1)
+    yield f"{outside}{'ROOT' if depth == 0 else 'JOINT'} {joint.name}"
+    yield f"{outside}{{"
+    yield f"{inside}OFFSET {_written_offset(joint.offset)}"
+    yield f"{inside}CHANNELS {len(joint.channels)} {' '.join(joint.channels)}".rstrip()
+    children = _children(joints, index)
+    for child in children:
+        yield from _written_hierarchy(joints, child, depth + 1)
+    if not children:
+        yield from (f"{inside}End Site", f"{inside}{{")
+        yield from (f"{inside}\tOFFSET {_written_offset((0.0, 0.0, 0.0))}", f"{inside}}}")
+    yield f"{outside}}}"
+
+
+def _written_offset(offset: tuple[float, float, float]) -> str:
+    return " ".join(f"{value + 0.0:.6f}" for value in offset)
+
+
+def _number(value: float) -> str:
+    return f"{value:.{_DECIMALS}f}".rstrip("0").rstrip(".") if value else "0"

@@ -1,1 +1,0 @@
-"""Speech: what is heard in it, and speech without a recording."""

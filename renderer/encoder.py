@@ -1,0 +1,244 @@
+"""H.264 and AAC into one file through PyAV, the same bytes for the same input.
+
+Neither by its size nor by a bit rate does an MP4 file tell what it shows.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, BinaryIO, Final, Self
+
+import av
+import numpy as np
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
+from numpy.typing import NDArray
+
+from motion.audio import Audio
+from motion.files import replacing
+
+SOUND_RATE: Final = 48000
+"""Samples per second of the sound in a video."""
+
+# With the codecs' flag of that name: no version texts, no random identifiers.
+_BITEXACT: Final = {"fflags": "+bitexact"}
+MP4_OPTIONS: Final = {**_BITEXACT, "movflags": "+faststart", "write_btrt": "0"}
+"""How MP4 files are written: they play while they load, and say nothing of their making.
+
+A box of bit rates would tell what was encoded from what was copied."""
+
+# Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
+# figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
+_STREAM_OPTIONS: Final = {
+    "crf": "18",
+    "preset": "veryfast",
+    "x264-params": "mbtree=0:b-adapt=0:scenecut=0:rc-lookahead=0",
+}
+_LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
+_SOUND_BITS_PER_SECOND: Final = 128_000
+
+_HEADER: Final = 8
+"""Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
+_WAY: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
+_BEFORE_BOXES: Final = {b"stsd": 8, b"mp4a": 28}
+"""Bytes of a box's own between its header and the boxes in it (ISO/IEC 14496-12, 8.5 and 12.2)."""
+_DECODER: Final = 0x04
+"""The descriptor that tells how the sound is decoded (ISO/IEC 14496-1, 7.2.6.6)."""
+_BEFORE_RATES: Final = 5
+_RATES: Final = 8
+
+
+def video_frame(picture: NDArray[np.uint8]) -> Any:
+    """Return an RGB `picture`, shape (H, W, 3), as an `av.VideoFrame` in BT.709 yuv420p."""
+    return av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+        format="yuv420p",
+        src_color_range=ColorRange.JPEG,
+        dst_color_range=ColorRange.MPEG,
+        dst_colorspace=Colorspace.ITU709,
+    )
+
+
+def encoded_sound(container: Any, sound: Audio) -> list[Any]:
+    """Add a stream of AAC to `container` and return its packets; speech is short, so all at once.
+
+    Parameters
+    ----------
+    container : av.container.OutputContainer
+        Where they will be written.
+    sound : Audio
+        What is heard, at `SOUND_RATE`.
+    """
+    stream = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
+    stream.bit_rate = _SOUND_BITS_PER_SECOND
+    stream.codec_context.options = {"flags": "+bitexact"}
+    frame = av.AudioFrame.from_ndarray(
+        np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
+    )
+    frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
+    return [*stream.encode(frame), *stream.encode(None)]
+
+
+class VideoWriter:
+    """Writes one video file frame by frame; use it as a context manager.
+
+    Nothing in the file says when, where, by what name or from what it was made, and encoding
+    runs on one thread, so that the same frames give the same bytes.
+
+    Parameters
+    ----------
+    path : Path
+        Where to write. With sound it is an MP4 whose index comes first, so that it plays while
+        it loads; without, a Matroska file of frames kept without loss.
+    width, height : int
+        Pixels, even.
+    frame_rate : float
+        Frames per second.
+    sound : Audio or None
+        What is heard, at `SOUND_RATE`. Without it, the video is lossless.
+    """
+
+    def __init__(
+        self, path: Path, width: int, height: int, frame_rate: float, sound: Audio | None = None
+    ) -> None:
+        self._rate = Fraction(frame_rate).limit_denominator(1001)
+        self._count = 0
+        lossless = sound is None
+        self._heard_in = None if lossless else path
+        self._container: Any = av.open(
+            str(path),
+            "w",
+            format="matroska" if lossless else "mp4",
+            options=_BITEXACT if lossless else MP4_OPTIONS,
+        )
+        options = _LOSSLESS_OPTIONS if lossless else _STREAM_OPTIONS
+        stream = self._container.add_stream(
+            "libx264", rate=self._rate, options={**options, "flags": "+bitexact"}
+        )
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        stream.thread_count = 1
+        stream.time_base = 1 / self._rate
+        context = stream.codec_context
+        context.color_range = ColorRange.MPEG
+        context.color_primaries = ColorPrimaries.BT709
+        context.color_trc = ColorTrc.BT709
+        context.colorspace = Colorspace.ITU709
+        self._video = stream
+        self._sound_packets: list[Any] = []
+        if sound is not None:
+            self._sound_packets = encoded_sound(self._container, sound)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self._container.mux(self._video.encode(None))
+            self._mux_sound(until=None)
+        self._container.close()
+        if kind is None and self._heard_in is not None:
+            forget_bit_rates(self._heard_in)
+
+    def write(self, frame: Any) -> None:
+        """Add `frame`, an `av.VideoFrame` in yuv420p of the video's size."""
+        frame.pts = self._count
+        frame.time_base = 1 / self._rate
+        frame.color_range = ColorRange.MPEG
+        frame.colorspace = Colorspace.ITU709
+        self._count += 1
+        self._container.mux(self._video.encode(frame))
+        self._mux_sound(until=self._count / self._rate)
+
+    def _mux_sound(self, until: Fraction | None) -> None:
+        """Write the sound that is heard before `until` seconds; all that is left for None."""
+        while self._sound_packets:
+            packet = self._sound_packets[0]
+            if until is not None and packet.pts * packet.time_base > until:
+                return
+            self._container.mux(self._sound_packets.pop(0))
+
+
+def forget_bit_rates(video: Path) -> None:
+    """Write 0, for unknown, over the largest and the mean bit rate of the sound of an MP4 file.
+
+    The writer of the file computes them from the encoded sound, so that they tell by which
+    settings it was encoded. Players do not need them (ISO/IEC 14496-1, 7.2.6.6).
+
+    Parameters
+    ----------
+    video : Path
+        Changed in its place; a file without sound stays as it is.
+    """
+    with video.open("r+b") as file:
+        _forget(file, 0, file.seek(0, 2), _WAY)
+
+
+def _forget(file: BinaryIO, start: int, stop: int, way: tuple[bytes, ...]) -> None:
+    """Follow `way` through the boxes between `start` and `stop`."""
+    while start + _HEADER <= stop:
+        file.seek(start)
+        header = file.read(_HEADER)
+        size, kind = int.from_bytes(header[:4], "big"), header[4:]
+        if size < _HEADER:  # the last box, to the end of the file, or one above 4 GiB: no index
+            return
+        if kind == way[0]:
+            inner = start + _HEADER + _BEFORE_BOXES.get(kind, 0)
+            if len(way) > 1:
+                _forget(file, inner, start + size, way[1:])
+            else:
+                _overwrite(file, inner, start + size)
+        start += size
+
+
+def _overwrite(file: BinaryIO, start: int, stop: int) -> None:
+    """Write over the rates in the descriptors of an ``esds`` box."""
+    file.seek(start)
+    content = file.read(stop - start)
+    # Four bytes of version and flags, then the stream's descriptor: tag, length, name and flags.
+    _, inner = _descriptor(content, 4)
+    flags = content[inner + 2]
+    inner += 3 + (2 if flags & 0x80 else 0) + (2 if flags & 0x20 else 0)
+    if flags & 0x40:
+        inner += 1 + content[inner]
+    tag, inner = _descriptor(content, inner)
+    if tag == _DECODER:
+        file.seek(start + inner + _BEFORE_RATES)
+        file.write(bytes(_RATES))
+
+
+def _descriptor(content: bytes, at: int) -> tuple[int, int]:
+    """Return the tag of the descriptor at `at`, and where it begins behind its length."""
+    tag, at = content[at], at + 1
+    while content[at] & 0x80:  # a length has seven bits a byte, and the last byte no eighth
+        at += 1
+    return tag, at + 1
+
+
+def pad_to_equal_size(videos: Sequence[Path]) -> None:
+    """Lengthen the smaller MP4 files until all have the size of the largest.
+
+    A ``free`` box is appended, which players skip (ISO/IEC 14496-12, 8.1.2).
+
+    Parameters
+    ----------
+    videos : sequence of Path
+        MP4 files that must not be told apart by their size.
+    """
+    sizes = {video: video.stat().st_size for video in videos}
+    largest = max(sizes.values(), default=0)
+    if all(size == largest for size in sizes.values()):
+        return
+    if any(0 < largest - size < _HEADER for size in sizes.values()):
+        largest += _HEADER
+    for video, size in sizes.items():
+        missing = largest - size
+        if missing:
+            _append_free_box(video, missing)
+
+
+def _append_free_box(video: Path, size: int) -> None:
+    with replacing(video) as temporary:
+        shutil.copyfile(video, temporary)
+        with temporary.open("ab") as file:
+            file.write(size.to_bytes(4, "big") + b"free" + bytes(size - _HEADER))

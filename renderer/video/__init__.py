@@ -1,1 +1,0 @@
-"""Pictures and sound into files, and files copied and dubbed."""

@@ -1,1 +1,0 @@
-"""`motionjury recruit`, for every place where participants come from."""

@@ -1,0 +1,249 @@
+"""What may spoil the data: checks that were failed, and videos that did not play well.
+
+Catch trials and attention checks tell who failed them, and which of them good raters fail.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from sqlalchemy import ColumnElement, and_, case, exists, func, or_, select
+from sqlalchemy.orm import Session, aliased
+
+from studyapp.database.tables import Response, Trial, TrialStimulus, Video, WatchRecord
+from studyapp.session.ending import JUDGED, JudgedTrial
+from studyapp.study.settings.study import Study
+
+
+class Check(NamedTuple):
+    """One catch trial or attention check that somebody is done with.
+
+    Attributes
+    ----------
+    item : str
+        What it is: its segment and, of a catch trial, the conditions shown.
+    failed : bool
+        To leave one out is to fail it.
+    answered : bool
+        Whether it was answered, not left out.
+    """
+
+    study_session: int
+    kind: str
+    item: str
+    failed: bool
+    answered: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedItem:
+    """One catch trial or attention check that several participants were given.
+
+    Attributes
+    ----------
+    answered, failed : int
+    careful, careful_failed : int
+        The same, of participants who failed none of their other checks.
+    """
+
+    kind: str
+    item: str
+    answered: int
+    failed: int
+    careful: int
+    careful_failed: int
+
+
+def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Check]:
+    """Judge every check that was answered, or left out, in the study sessions `wanted`."""
+    settled = or_(Trial.answered_at.is_not(None), Trial.unplayable_at.is_not(None))
+    query = select(
+        Trial.id,
+        Trial.study_session_id,
+        Trial.kind,
+        Trial.part,
+        Trial.segment,
+        Trial.expected,
+        Trial.instructed,
+        Trial.answered_at.is_not(None),
+    )
+    rows = session.connection().execute(
+        query.where(Trial.kind.in_(JUDGED), settled).order_by(Trial.id)
+    )
+    shown = _conditions(session)
+    answers = _answers(session)
+    found = []
+    for trial_id, study_session, kind, part, segment, expected, instructed, answered in rows:
+        if study_session not in wanted:
+            continue
+        conditions = shown.get(trial_id, ())
+        judged = JudgedTrial(kind, part, conditions, expected, instructed)
+        pair = f": {' and '.join(sorted(conditions))}" if kind == "catch" else ""
+        failed = not answered or study.failed(judged, answers.get(trial_id, {}))
+        found.append(Check(study_session, kind, f"{segment}{pair}", failed, answered))
+    return found
+
+
+def checked_items(found: Iterable[Check]) -> tuple[CheckedItem, ...]:
+    """Return how each check was answered, those failed most often first.
+
+    That one was left out says nothing of it; it does of the participant.
+    """
+    found = list(found)
+    failures: dict[int, int] = defaultdict(int)
+    for check in found:
+        failures[check.study_session] += check.failed
+    by_item: dict[tuple[str, str], list[Check]] = defaultdict(list)
+    for check in found:
+        if check.answered:
+            by_item[check.kind, check.item].append(check)
+    items = [
+        _item(kind, item, of_item, failures) for (kind, item), of_item in sorted(by_item.items())
+    ]
+    return tuple(sorted(items, key=lambda each: -each.failed / each.answered))
+
+
+def failed_by_session(found: Iterable[Check], kind: str) -> dict[int, int]:
+    """Return how many checks of `kind` each study session failed, of those that had any."""
+    failures: dict[int, int] = {}
+    for check in found:
+        if check.kind == kind:
+            failures[check.study_session] = failures.get(check.study_session, 0) + check.failed
+    return failures
+
+
+def _item(kind: str, item: str, of_item: Sequence[Check], failures: dict[int, int]) -> CheckedItem:
+    careful = [each for each in of_item if failures[each.study_session] - each.failed == 0]
+    return CheckedItem(
+        kind=kind,
+        item=item,
+        answered=len(of_item),
+        failed=sum(each.failed for each in of_item),
+        careful=len(careful),
+        careful_failed=sum(each.failed for each in careful),
+    )
+
+
+def _conditions(session: Session) -> dict[int, tuple[str, ...]]:
+    """Return the conditions that each check shows, number 1 first."""
+    query = select(TrialStimulus.trial_id, TrialStimulus.condition).join(TrialStimulus.trial)
+    query = query.where(Trial.kind.in_(JUDGED), TrialStimulus.number > 0)
+    found: dict[int, tuple[str, ...]] = defaultdict(tuple)
+    for trial, condition in session.connection().execute(query.order_by(TrialStimulus.number)):
+        found[trial] += (condition,)
+    return found
+
+
+def _answers(session: Session) -> dict[int, dict[tuple[str, int | None], int]]:
+    query = select(Response.trial_id, Response.question, Response.stimulus, Response.value)
+    query = query.join(Response.trial).where(Trial.kind.in_(JUDGED))
+    found: dict[int, dict[tuple[str, int | None], int]] = defaultdict(dict)
+    for trial, question, stimulus, value in session.connection().execute(query):
+        found[trial][question, stimulus] = value
+    return found
+
+
+NOTICEABLE: Final = 0.05
+"""Share of left out pictures that an attentive eye may notice."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayedVideo:
+    """How one video played, to all who saw it.
+
+    Attributes
+    ----------
+    what : str
+        What it shows: its segment and conditions, from left to right.
+    shown : int
+        How often any of it was played, or was said not to play.
+    stalled : int
+        In how many of these it waited for data.
+    stalled_seconds : float
+        For how long in all.
+    dropped_share : float or None
+        Share of the pictures that browsers left out, in [0, 1].
+    reason : str
+        Why there is no such share; empty where there is one.
+    unplayable : int
+        How often somebody said that it does not play.
+    """
+
+    what: str
+    shown: int
+    stalled: int
+    stalled_seconds: float
+    dropped_share: float | None
+    reason: str
+    unplayable: int
+
+    @property
+    def troubled(self) -> bool:
+        """Whether anything did not go as it should."""
+        some_left_out = self.dropped_share is not None and self.dropped_share >= NOTICEABLE
+        return self.stalled > 0 or self.unplayable > 0 or some_left_out
+
+
+def played_videos(session: Session) -> tuple[PlayedVideo, ...]:
+    """Return how each video played that anybody began to watch, the most trouble first."""
+    played = [_played(*row) for row in session.connection().execute(_PLAYED).all()]
+    return tuple(
+        sorted(played, key=lambda each: (-each.unplayable, -each.stalled / each.shown, each.what))
+    )
+
+
+def _played(
+    segment: str,
+    condition: str,
+    beside: str | None,
+    shown: int,
+    stalled: int,
+    stalled_seconds: float,
+    frames: int | None,
+    dropped: int | None,
+    unplayable: int,
+) -> PlayedVideo:
+    return PlayedVideo(
+        what=f"{segment}: {condition}" if beside is None else f"{segment}: {condition} | {beside}",
+        shown=shown,
+        stalled=stalled,
+        stalled_seconds=float(stalled_seconds),
+        dropped_share=int(dropped or 0) / int(frames) if frames else None,
+        reason="" if frames else "no browser counts them",
+        unplayable=unplayable,
+    )
+
+
+# A video shows one stimulus, or two beside each other.
+_FIRST, _SECOND, _EARLIER = (aliased(TrialStimulus) for _ in range(3))
+
+
+def _same_video(one: type[TrialStimulus], other: type[TrialStimulus]) -> ColumnElement[bool]:
+    return and_(one.trial_id == other.trial_id, one.video_id == other.video_id)
+
+
+_PLAYED = (
+    select(
+        _FIRST.segment,
+        _FIRST.condition,
+        _SECOND.condition,
+        func.count(),
+        func.sum(case((WatchRecord.stalls > 0, 1), else_=0)),
+        func.coalesce(func.sum(WatchRecord.stalled_seconds), 0.0),
+        func.sum(case((WatchRecord.frames > 0, WatchRecord.frames))),
+        func.sum(case((WatchRecord.frames > 0, WatchRecord.dropped_frames))),
+        func.count(Video.unplayable_at),
+    )
+    .select_from(Video)
+    .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
+    .join(_FIRST, and_(_FIRST.trial_id == Video.trial_id, _FIRST.video_id == Video.id))
+    .outerjoin(_SECOND, and_(_same_video(_SECOND, _FIRST), _SECOND.number > _FIRST.number))
+    .where(
+        WatchRecord.id.is_not(None) | Video.unplayable_at.is_not(None),
+        ~exists().where(_same_video(_EARLIER, _FIRST), _EARLIER.number < _FIRST.number),
+    )
+    .group_by(_FIRST.segment, _FIRST.condition, _SECOND.condition)
+)

@@ -1,1 +1,0 @@
-"""What came of a rehearsal: what the analysis finds beside what was put in."""

@@ -1,0 +1,221 @@
+"""Writing what came of a rehearsal: its tables as CSV, and all of them on a short page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from analysis.report.content import Cell, Section, Table
+from analysis.report.page import Page, render_page
+from analysis.report.tables import write_frame
+from analysis.report.wording import fixed
+from motion.files import write_text
+from studyapp.rehearsal.recovered import Recovery
+from studyapp.rehearsal.recovery_words import (
+    counts_in_words,
+    difference_in_words,
+    exclusions_in_words,
+    intervals_in_words,
+    signs_in_words,
+)
+from studyapp.rehearsal.simulation.population import DESCRIPTIONS
+from studyapp.study.folder import StudyFolder
+
+PAGE = "recovery.html"
+
+
+def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
+    """Write page and tables into the rehearsal's folder and return the page."""
+    for name, table in recovery_tables(recovery).items():
+        write_frame(folder.rehearsal_findings / name, table)
+    path = folder.rehearsal_findings / PAGE
+    write_text(path, render_page(recovery_page(recovery)))
+    return path
+
+
+def recovery_page(recovery: Recovery) -> Page:
+    """Return the page that says what came of a rehearsal."""
+    return Page(
+        title=f"{recovery.title}: what the rehearsal found",
+        mark="Rehearsal: simulated raters, no person answered",
+        mark_short="rehearsal",
+        answer=(intervals_in_words(recovery), signs_in_words(recovery), counts_in_words(recovery)),
+        picture=None,
+        flow="",
+        sections=_sections(recovery, recovery_tables(recovery)),
+    )
+
+
+def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[Section, ...]:
+    values = tables["values.csv"].drop(columns=["true_value_on_these_segments", "participants"])
+    differences = tables["differences.csv"].drop(columns=["measure", "participants"])
+    return (
+        Section(
+            anchor="values",
+            heading="True values, and what the analysis finds",
+            paragraphs=(
+                "The true value is what very many attentive raters would say of all segments such "
+                "as these. Others answer too, as they do in studies, so that what they blur is "
+                "blurred here.",
+            ),
+            tables=(
+                _table(
+                    "Each true value, and its estimate after exclusions. Inside: "
+                    "whether its 95 % interval, from low to high, holds the true value.",
+                    values,
+                    text_columns=["part", "question", "measure", "about"],
+                ),
+            ),
+        ),
+        Section(
+            anchor="differences",
+            heading="Which is the better one",
+            paragraphs=(signs_in_words(recovery),),
+            bullets=tuple(
+                difference_in_words(each)
+                for each in recovery.differences
+                if each.sign in ("undecided", "wrong")
+            ),
+            tables=(
+                _table(
+                    "How much better the first is than the second: of shares from one half, of "
+                    "ranks how much further in front. Low and high are the 95 % interval.",
+                    differences,
+                    text_columns=["part", "question", "first", "second"],
+                ),
+            ),
+        ),
+        Section(
+            anchor="raters",
+            heading="Who came, and who was left out",
+            paragraphs=tuple(line.strip() for line in exclusions_in_words(recovery.kinds)),
+            bullets=tuple(f"Rule: {rule}" for rule in recovery.rules),
+            tables=(
+                _table(
+                    "Participants by kind. Who is analysed and should not be is missed.",
+                    tables["raters.csv"],
+                    text_columns=["kind", "description"],
+                    notes=(
+                        "Times in a rehearsal are those of its clock, which runs faster, the "
+                        "server's own delays included: rules about time find fewer here than in a "
+                        "study.",
+                    ),
+                ),
+            ),
+        ),
+        Section(
+            anchor="bookkeeping",
+            heading="Whether all was counted right",
+            paragraphs=(counts_in_words(recovery),),
+            tables=(
+                _table(
+                    "What happened, as the simulated participants know it, and what the study "
+                    "counts.",
+                    tables["bookkeeping.csv"],
+                    text_columns=["what"],
+                ),
+            ),
+        ),
+    )
+
+
+def _table(
+    caption: str, frame: pd.DataFrame, *, text_columns: list[str], notes: tuple[str, ...] = ()
+) -> Table:
+    """Return a table of the columns of `frame` that say anything."""
+    said = frame.loc[:, [frame[name].astype(str).ne("").any() for name in frame]]
+    told_plainly = [name for name in ("kind", "measure") if name in said]
+    said = said.assign(**{name: said[name].str.replace("_", " ") for name in told_plainly})
+    return Table(
+        caption=caption,
+        header=tuple(str(name).replace("_", " ") for name in said),
+        rows=tuple(tuple(map(_cell, row)) for row in said.itertuples(index=False, name=None)),
+        text_columns=sum(name in said for name in text_columns),
+        notes=notes,
+    )
+
+
+def _cell(value: object) -> Cell:
+    match value:
+        case bool():
+            return Cell(text="yes" if value else "NO")
+        case float() if math.isnan(value):
+            return Cell(text="–")
+        case float():
+            return Cell(text=fixed(value, 2), value=value)
+        case int():
+            return Cell(text=str(value), value=value)
+        case _:
+            return Cell(text="–" if value is None else str(value))
+
+
+VALUES = (
+    *("part", "question", "measure", "about", "true_value", "true_value_on_these_segments"),
+    *("found", "low", "high", "inside", "participants", "reason"),
+)
+DIFFERENCES = (
+    *("part", "question", "measure", "first", "second", "true_value", "found", "low", "high"),
+    *("sign", "participants", "reason"),
+)
+
+
+def recovery_tables(recovery: Recovery) -> dict[str, pd.DataFrame]:
+    """Return every table under the name of its file."""
+    return {
+        "values.csv": _values(recovery),
+        "differences.csv": _differences(recovery),
+        "raters.csv": _raters(recovery),
+        "bookkeeping.csv": pd.DataFrame(
+            [vars(check) | {"agrees": check.agrees} for check in recovery.checks],
+            columns=["what", "happened", "counted", "agrees", "remark"],
+        ),
+    }
+
+
+def _values(recovery: Recovery) -> pd.DataFrame:
+    rows = [
+        vars(known)
+        | vars(found)
+        | {
+            "true_value": known.value,
+            "true_value_on_these_segments": known.on_these_segments,
+            "found": found.estimate,
+            "inside": found.covers(known.value) if found.has_interval else None,
+        }
+        for known, found in recovery.values
+    ]
+    return pd.DataFrame(rows, columns=VALUES)
+
+
+def _differences(recovery: Recovery) -> pd.DataFrame:
+    rows = [
+        vars(each)
+        | vars(each.found)
+        | {"true_value": each.truth, "found": each.found.estimate, "sign": each.sign}
+        for each in recovery.differences
+    ]
+    return pd.DataFrame(rows, columns=DIFFERENCES)
+
+
+def _raters(recovery: Recovery) -> pd.DataFrame:
+    rules = sorted({rule for kind in recovery.kinds for rule in kind.excluded_by})
+    return pd.DataFrame(
+        [
+            {
+                "kind": kind.kind,
+                "description": DESCRIPTIONS[kind.kind],
+                "came": kind.came,
+                "completed": kind.completed,
+                "no_answer": kind.silent,
+                "analysed": kind.analysed,
+                "excluded": kind.excluded,
+                **{f"excluded_by_{rule}": kind.excluded_by.get(rule, 0) for rule in rules},
+                "missed": kind.missed,
+                "wrongly_excluded": kind.wrongly_excluded,
+            }
+            for kind in recovery.kinds
+        ]
+    )

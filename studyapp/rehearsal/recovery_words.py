@@ -1,0 +1,220 @@
+"""What came of a rehearsal, in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Final
+
+from scipy.stats import binom
+
+from analysis.results.known_values import KnownDifference, Sign
+from analysis.stats.clustered_mean import LEVEL, Estimate
+from motion.errors import listed
+from studyapp.rehearsal.recovered import KindRecovered, Recovery
+from studyapp.rehearsal.simulation.population import Kind
+
+SIGNS: Final[Mapping[Sign, str]] = MappingProxyType(
+    {
+        "right": "found with the right sign",
+        "wrong": "found with the wrong sign",
+        "undecided": "not told apart",
+        "equal": "rightly not told apart",
+    }
+)
+"""What becomes of a comparison, in words that follow a number."""
+
+TOLD: Final = 4
+"""Comparisons without an answer that are told in short."""
+
+
+def summary(recovery: Recovery) -> Iterator[str]:
+    """Yield the sentences that say in short what came of a rehearsal."""
+    yield intervals_in_words(recovery)
+    yield signs_in_words(recovery)
+    unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
+    # What is found with the wrong sign is worth more than what is not found.
+    unanswered.sort(key=lambda each: each.sign == "undecided")
+    for difference in unanswered[:TOLD]:
+        yield f"  {difference_in_words(difference)}"
+    if len(unanswered) > TOLD:
+        yield f"  … and {len(unanswered) - TOLD} more, which the page lists"
+    yield from exclusions_in_words(recovery.kinds)
+    yield counts_in_words(recovery)
+
+
+def intervals_in_words(recovery: Recovery) -> str:
+    """Say how many intervals hold the true value, and how much of it is chance."""
+    if not recovery.values:
+        return "No true value could be estimated: too few answered, or ranks may be shared."
+    without = len(recovery.values) - recovery.intervals
+    none = f" {_count(without, 'number')} {_has(without)} no interval." if without else ""
+    return (
+        f"{recovery.intervals - recovery.missed} of {_count(recovery.intervals, 'interval')} "
+        f"{'holds' if recovery.intervals == 1 else 'hold'} the true value."
+        f"{none} {chance_in_words(recovery.missed, recovery.intervals)}"
+    )
+
+
+def signs_in_words(recovery: Recovery) -> str:
+    """Say how often the better one of two was found."""
+    signs = [difference.sign for difference in recovery.differences]
+    if not signs:
+        return "No two conditions could be compared."
+    parts = [f"{signs.count(sign)} {SIGNS[sign]}" for sign in SIGNS if signs.count(sign)]
+    return f"Of {_count(len(signs), 'comparison')}, {listed(parts)}."
+
+
+def difference_in_words(difference: KnownDifference) -> str:
+    """Say why the better one of two was not found, as far as that can be said."""
+    what = f"{difference.question}: {difference.first} and {difference.second}"
+    if difference.part:
+        what = f"{difference.part}, {what}"
+    found, half = difference.found, difference.half_width
+    if difference.sign == "wrong":
+        return (
+            f"{what}: the analysis finds {found.estimate:+.2f} where {difference.truth:+.2f} is "
+            "true. A sound design errs so in at most 1 of 40 rehearsals; where the difference is "
+            "small, it is chance or the luck of the segments."
+        )
+    if math.isnan(half):
+        why = found.reason or "there are too few answers"
+        return f"{what} are not told apart ({why}); the true difference is {difference.truth:+.2f}."
+    people = _count(found.participants, "participant")
+    if abs(difference.truth) <= half:
+        return (
+            f"{what}: the design cannot answer this question. {people} give an interval of "
+            f"±{half:.2f}, the true difference is {difference.truth:+.2f}: see 'motionjury plan'."
+        )
+    return (
+        f"{what} are not told apart this time, though the interval of ±{half:.2f} from {people} is "
+        f"narrower than the true difference of {difference.truth:+.2f}: so it goes now and then; "
+        "'motionjury plan' says how often."
+    )
+
+
+def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
+    """Say whom the rules of exclusion caught, missed and wrongly left out."""
+    bad = [kind for kind in kinds if kind.should_be_left_out]
+    caught, came = sum(kind.excluded for kind in bad), sum(kind.came for kind in bad)
+    silent, missed = sum(kind.silent for kind in bad), sum(kind.missed for kind in bad)
+    wrongly = sum(kind.wrongly_excluded for kind in kinds)
+    good = sum(kind.came for kind in kinds) - came
+    yield (
+        f"Exclusion: of {came} who answered badly or left, {caught} {_is(caught)} left out, "
+        f"{silent} gave no answer, {missed} {_is(missed)} analysed all the same; of {good} others, "
+        f"{wrongly} {_is(wrongly)} wrongly left out."
+    )
+    for kind in kinds:
+        if kind.missed or kind.wrongly_excluded:
+            rules = listed([f"{count} by {rule}" for rule, count in kind.excluded_by.items()])
+            yield (
+                f"  {named(kind.kind)}: {kind.came} came, {kind.analysed} analysed, "
+                f"{rules or 'none'}{'' if rules else ' left out'}"
+            )
+
+
+def counts_in_words(recovery: Recovery) -> str:
+    """Say whether people and answers were counted right."""
+    wrong = recovery.miscounted
+    if wrong:
+        said = "; ".join(f"{each.what}: {each.happened}, counted {each.counted}" for each in wrong)
+        return f"COUNTED WRONG: {said}."
+    by_words = {check.what: check.happened for check in recovery.checks}
+    answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
+    return (
+        f"All is counted right: {_count(answers, 'acknowledged answer')} stored, each once; "
+        f"{by_words.get('left for good', 0)} left for good, "
+        f"{by_words.get('came back after leaving and finished', 0)} came back."
+    )
+
+
+def named(kind: Kind) -> str:
+    """Return a kind as it is written in a table."""
+    return kind.replace("_", " ")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _is(number: int) -> str:
+    return "is" if number == 1 else "are"
+
+
+def _has(number: int) -> str:
+    return "has" if number == 1 else "have"
+
+
+HEADINGS: Final = ("question", "of", "number", "true value", "found", "interval", "")
+FIRST_NUMBER: Final = 3
+
+
+def recovery_lines(recovery: Recovery) -> Iterator[str]:
+    """Yield a table of true values and estimates, and sentences about all else."""
+    rows = [
+        (
+            f"{known.part}: {known.question}" if known.part else known.question,
+            known.about,
+            known.measure.replace("_", " "),
+            f"{known.value:.2f}",
+            "–" if math.isnan(found.estimate) else f"{found.estimate:.2f}",
+            f"{found.low:.2f} to {found.high:.2f}" if found.has_interval else "–",
+            _where(found, known.value),
+        )
+        for known, found in recovery.values
+    ]
+    if rows:
+        yield from _in_columns([HEADINGS, *rows])
+    yield from summary(recovery)
+
+
+def _where(found: Estimate, value: float) -> str:
+    if not found.has_interval:
+        return found.reason
+    return "" if found.covers(value) else "outside"
+
+
+def _in_columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join(
+            text.rjust(width) if FIRST_NUMBER <= place < len(row) - 1 else text.ljust(width)
+            for place, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+
+
+HARDLY_CHANCE: Final = 0.01
+"""Below this, so many misses call for another reason than chance."""
+
+
+def chance_of_missing(missed: int, intervals: int) -> float:
+    """Return how often `missed` or more of so many independent intervals miss, if all is sound.
+
+    Each misses with 1 minus its level (Binomial). Questions that the same people answer lean
+    together, so that many misses at once come somewhat more often.
+    """
+    return float(binom.sf(missed - 1, intervals, 1 - LEVEL))
+
+
+def chance_in_words(missed: int, intervals: int) -> str:
+    """Return what so many misses say, as a sentence."""
+    if not intervals:
+        return "There is no interval to be held against a true value."
+    often = chance_of_missing(missed, intervals)
+    of_all = f"{intervals} interval{'' if intervals == 1 else 's'}"
+    if not missed:
+        return (
+            f"A sound design finds all of {of_all} right in {100 * LEVEL**intervals:.0f} of 100 "
+            "rehearsals."
+        )
+    if often < HARDLY_CHANCE:
+        return (
+            f"A sound design misses {missed} or more of {of_all} in fewer than 1 of 100 "
+            "rehearsals: look at who was not excluded, and at how few people or segments there are."
+        )
+    return (
+        f"A sound design misses {missed} or more of {of_all} in {100 * often:.0f} of 100 "
+        "rehearsals, and somewhat more often where several questions go to the same people."
+    )

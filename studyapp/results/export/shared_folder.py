@@ -1,0 +1,277 @@
+"""A folder for another lab, after BIDS: its tables, a copy of the study, and its page."""
+
+from __future__ import annotations
+
+import platform
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import pandas as pd
+
+from motion.files import harmless_frame, sha256_of, write_text
+from motion.segment import Segment
+from studyapp.researchers.pseudonyms import FOLDER
+from studyapp.results.export.codebook import as_json, column_labels, written_page
+from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns, as_text, bids_column
+from studyapp.session.served_study import described
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media
+from studyapp.study.settings.study import Study
+
+BIDS_VERSION: Final = "1.11.0"
+MISSING: Final = "n/a"
+
+LEFT_OUT: Final = ("answered_at", "consented_at")
+"""Moments that say nothing more than the others do."""
+
+PARTICIPANT_ID: Final = replace(
+    PARTICIPANT,
+    name="participant_id",
+    meaning="The participant: sub- and a pseudonym, which is a keyed hash. Without the key, which "
+    "stays with the researchers, it leads back to nobody.",
+)
+
+
+def folder_name(pseudonym: str) -> str:
+    """Return the name of a participant's folder, which is their name in all tables."""
+    return f"{FOLDER}{pseudonym}"
+
+
+def bids_table(
+    frame: pd.DataFrame, about: TableColumns, consents: Mapping[str, pd.Timestamp]
+) -> tuple[pd.DataFrame, TableColumns]:
+    """Return a typed table under BIDS' headings, without a moment.
+
+    Parameters
+    ----------
+    frame, about
+        A table with the column ``participant``.
+    consents : mapping of pseudonym to Timestamp
+        When each participant agreed.
+    """
+    began = pd.to_datetime(frame["participant"].map(dict(consents)), utc=True)
+    columns: list[Column] = [PARTICIPANT_ID]
+    cells: dict[str, Any] = {"participant_id": frame["participant"].map(folder_name)}
+    for column in about.columns:
+        if column.name in LEFT_OUT or column.name == "participant":
+            continue
+        own = bids_column(column)
+        columns.append(own)
+        cells[own.name] = (
+            (frame[column.name] - began).dt.total_seconds().round(3)
+            if column.type == "moment"
+            else frame[column.name]
+        )
+    return pd.DataFrame(cells), replace(about, columns=tuple(columns))
+
+
+def write_tsv(path: Path, frame: pd.DataFrame, about: TableColumns) -> None:
+    """Write a typed table as BIDS wants it."""
+    cells = harmless_frame(as_text(frame, about, missing=MISSING))
+    # Line ends within a cell would end its row for many readers.
+    cells = cells.map(lambda cell: " ".join(cell.split()) if isinstance(cell, str) else cell)
+    write_text(path, cells.to_csv(index=False, sep="\t", lineterminator="\n"))
+
+
+def write_descriptions(
+    path: Path,
+    about: TableColumns,
+    study: Study,
+    *,
+    more: Mapping[str, Any] | None = None,
+    labels: Mapping[str, Mapping[str, str]] | None = None,
+) -> None:
+    """Write what the columns of a table mean.
+
+    Parameters
+    ----------
+    more : mapping, optional
+        What is said about the table as a whole.
+    labels : mapping of column name to mapping, optional
+        Values and what they mean, of columns that the study has no labels for.
+    """
+    write_text(
+        path,
+        as_json(
+            dict(more or {})
+            | {column.name: _described(column, study, labels or {}) for column in about.columns}
+        ),
+    )
+
+
+def _described(
+    column: Column, study: Study, labels: Mapping[str, Mapping[str, str]]
+) -> dict[str, Any]:
+    missing = f" {MISSING} where {column.missing}." if column.missing else ""
+    free = " Free text." if column.free_text else ""
+    described: dict[str, Any] = {"Description": f"{column.meaning}{missing}{free}"}
+    if column.unit:
+        described["Units"] = column.unit
+    values = labels.get(column.name) or column_labels(study, column.name)
+    if values:
+        described["Levels"] = dict(values)
+    return described
+
+
+PROGRAM: Final = "motionjury"
+_MOTION: Final = 'extra == "motion"'
+"""Marks what makes and renders motion; where that is installed, motion depends on it."""
+
+_NAME: Final = re.compile(r"[A-Za-z0-9._-]+")
+
+
+def environment() -> dict[str, Any]:
+    """Return versions of the program, of Python, and of all packages that the program needs."""
+    return {
+        PROGRAM: metadata.version(PROGRAM),
+        "python": platform.python_version(),
+        "system": platform.system(),
+        "machine": platform.machine(),
+        "packages": dict(_packages()),
+    }
+
+
+@cache
+def _packages() -> Mapping[str, str]:
+    """Return the version of each package; they stay the same while the program runs."""
+    found: dict[str, str] = {}
+    absent: set[str] = set()
+    waiting = [PROGRAM]
+    while waiting:
+        name = waiting.pop()
+        if name in found or name in absent:
+            continue
+        try:
+            package = metadata.distribution(name)
+        except metadata.PackageNotFoundError:
+            absent.add(name)  # for another system, or optional
+            continue
+        # Read once: every look at a package's metadata parses all of it.
+        about = package.metadata
+        found[name] = about["Version"]
+        for line in about.get_all("Requires-Dist") or ():
+            needed = _NAME.match(line)
+            wanted = "extra ==" not in line or (name == PROGRAM and _MOTION in line)
+            if needed is not None and wanted:
+                waiting.append(_usual(needed.group()))
+    return dict(sorted(found.items()))
+
+
+def _usual(name: str) -> str:
+    """Return a package's name as it is compared."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def read_me(study: Study, *, people: int, study_folder: str) -> str:
+    """Return what the folder holds, and how its results are repeated."""
+    return written_page(
+        "read_me.md",
+        title=" ".join(study.title.split()),
+        protocol=study.protocol,
+        people=people,
+        study_folder=study_folder,
+    )
+
+
+STIMULI: Final = (
+    *("file", "shows", "conditions", "segment"),
+    *("speech", "duration", "bytes", "sha256"),
+)
+
+
+def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bool) -> list[str]:
+    """Copy what a report of the study is made of, and return what could not be, in sentences.
+
+    That is the study file as it is, byte for byte; speech, motion and feature networks, which
+    metrics are measured from; and with `videos` the videos.
+    """
+    to.root.mkdir(parents=True)
+    shutil.copyfile(folder.definition, to.definition)
+    for file in _material(folder, study):
+        _copy(folder, to, file)
+    if folder.stimuli.exists():
+        _copy(folder, to, folder.stimuli)
+    if videos:
+        for path in sorted(folder.videos.rglob("*.mp4")):
+            _copy(folder, to, path)
+    return [*_outside(folder, study)]
+
+
+def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
+    """Yield the files that metrics read, where the study has any."""
+    table = folder.speech / "segments.csv"
+    if table.exists():
+        yield table
+        segments = folder.segments()
+        yield from (folder.speech / wav for wav in dict.fromkeys(s.wav for s in segments))
+        annotated = (folder.semantics(segment.name) for segment in segments)
+        yield from (file for file in annotated if file.is_file())
+        for condition in dict.fromkeys((*study.conditions, study.catch.condition)):
+            clips = (folder.clip(condition, segment.name) for segment in segments)
+            yield from (clip for clip in clips if clip.is_file())
+    yield from sorted(folder.evaluators.glob("*.safetensors"))
+    matrix = study.video.expression_matrix
+    if matrix and _is_within(folder, matrix):
+        yield folder.root / matrix
+
+
+def _outside(folder: StudyFolder, study: Study) -> Iterator[str]:
+    """Say which files a report needs that may not, or cannot, be passed on."""
+    if study.video.body:
+        yield (
+            f"The body {Path(study.video.body).name} is licensed and was not copied: whoever "
+            "repeats the metrics needs a copy of their own at the path that study.toml names."
+        )
+    for one in study.evaluator:
+        yield (
+            f"The published evaluator {Path(one.file).name} is its authors' and was not copied: "
+            "whoever repeats the metrics needs it at the path that study.toml names, or removes "
+            "'evaluator' there."
+        )
+    matrix = study.video.expression_matrix
+    if matrix and not _is_within(folder, matrix):
+        yield (
+            f"The expression matrix {Path(matrix).name} lies outside the study and was not "
+            "copied: whoever repeats the metrics needs it at the path that study.toml names."
+        )
+
+
+def _is_within(folder: StudyFolder, given: str) -> bool:
+    path = (folder.root / Path(given).expanduser()).resolve()
+    return path.is_relative_to(folder.root.resolve()) and path.is_file()
+
+
+def _copy(folder: StudyFolder, to: StudyFolder, file: Path) -> None:
+    target = to.root / file.relative_to(folder.root)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(file, target)
+
+
+def write_stimuli_list(
+    path: Path, folder: StudyFolder, study: Study, segments: tuple[Segment, ...]
+) -> None:
+    """Write which videos participants were shown, with their SHA-256."""
+    media = Media.of(folder, study)
+    found = {content: media.find(content) for content in study.contents(segments)}
+    rows = [
+        (
+            video.file.relative_to(folder.root).as_posix(),
+            described(content),
+            " ".join(stimulus.condition for stimulus in content),
+            content[0].segment,
+            content[0].speech or "n/a",
+            f"{video.duration:.3f}",
+            video.file.stat().st_size,
+            sha256_of(video.file),
+        )
+        for content, video in found.items()
+        if video is not None and video.file.is_file()
+    ]
+    table = pd.DataFrame(rows, columns=STIMULI)
+    write_text(path, table.to_csv(sep="\t", index=False, lineterminator="\n"))

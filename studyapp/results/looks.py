@@ -1,0 +1,200 @@
+"""Looks at results: which there were and are logged, and the results so far, as pages show them."""
+
+from __future__ import annotations
+
+import os
+import resource
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from analysis.results.agreement import AgreedSoFar, agreed_so_far
+from analysis.results.headline import HeadlineNumber, headline_numbers
+from analysis.results.looks import NOT_LOGGED, Look, LooksBefore, looks_before
+from analysis.results.report import plain
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.researchers.audit import StudyState, note_look
+from studyapp.researchers.interim_figures import Basis, Document
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answers import of_present_design, read_answers
+from studyapp.results.stored_answers import Answers, StoredAnswers
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
+
+
+def earlier_looks(study: Study, answers: Answers) -> LooksBefore:
+    """Return the looks at results before the answers that are reported.
+
+    Those at these very answers are left out: a report is no look before itself, so that it is the
+    same however often it is written, and by whom.
+    """
+    if answers.origin != "participants" or answers.stored is None:
+        return NOT_LOGGED
+    state = study_state(study, answers.stored)
+    rows: list[dict[Any, Any]] = answers.stored.looks.to_dict("records")
+    logged = [Look(**row) for row in rows]
+    return looks_before(logged, finished=state.finished, answers=state.answers)
+
+
+def with_looks_before(study: Study, stored: StoredAnswers) -> StoredAnswers:
+    """Return `stored` without the looks at these very answers, which change no report of them.
+
+    So a folder for another lab is the same bytes however often the answers were looked at.
+    """
+    state, looks = study_state(study, stored), stored.looks
+    present = (looks["finished"] == state.finished) & (looks["answers"] == state.answers)
+    return replace(stored, looks=looks[~present].reset_index(drop=True))
+
+
+def note_way_out(
+    folder: StudyFolder,
+    study: Study,
+    answers: Answers,
+    *,
+    way: Literal["report", "export"],
+    reason: str,
+) -> str:
+    """Log that answers of participants are reported or exported, before they are.
+
+    Parameters
+    ----------
+    reason : str
+        Why, where it was said.
+
+    Returns
+    -------
+    str
+        What whoever does it must know, in sentences; empty where everybody has finished.
+    """
+    shared = folder.shared_answers.is_dir()
+    if shared or answers.origin != "participants" or answers.stored is None:
+        return ""
+    state = study_state(study, answers.stored)
+    problem = ""
+    try:
+        database = Database.open(database_url_of(folder.root))
+        with closing(database), database.writing() as session:
+            note_look(session, Clock().now(), state, way=way, reason=reason)
+    except (InputError, SQLAlchemyError, OSError) as error:
+        problem = str(error).splitlines()[0]
+    if not state.is_interim:
+        return ""
+    logged = (
+        f"It could not be logged that you looked: {problem} Say so where you publish."
+        if problem
+        else "That you looked is logged, and later reports say so."
+    )
+    seen = "the report shows" if way == "report" else "the answers show"
+    return (
+        f"{state.finished} of {state.planned} planned participants have finished. To stop, extend "
+        f"or change the study because of what {seen} makes false findings likelier. "
+        f"{logged}"
+    )
+
+
+def study_state(study: Study, stored: StoredAnswers) -> StudyState:
+    """Return how far the study is."""
+    sessions = stored.study_sessions
+    done = sessions["completed"].to_numpy(bool) & sessions["placed"].to_numpy(bool)
+    return StudyState(
+        finished=int((done & of_present_design(sessions)).sum()),
+        planned=sum(arm.places + stored.more_places for arm in study.arms),
+        answers=len(stored.answers),
+    )
+
+
+def agreement_so_far(folder: StudyFolder) -> Document:
+    """Return how far participants agree; it does not tell what they prefer.
+
+    Raises
+    ------
+    InputError
+        If the study cannot be read, or its answers contradict it.
+    """
+    basis, tasks = _analysed(folder)
+    return Document(
+        basis=basis,
+        rows=tuple(
+            _row(task.protocol, one)
+            for task in tasks
+            for one in agreed_so_far(task.table, task.left_out)
+        ),
+    )
+
+
+def results_so_far(folder: StudyFolder) -> Document:
+    """Return the headline numbers of the report, as far as there are answers.
+
+    Raises
+    ------
+    InputError
+        If the study cannot be read, or its answers contradict it.
+    """
+    basis, tasks = _analysed(folder)
+    return Document(
+        basis=basis,
+        rows=tuple(
+            _row(task.protocol, one)
+            for task in tasks
+            for one in headline_numbers(task.table, task.left_out.analysed)
+        ),
+    )
+
+
+def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
+    study = folder.study()
+    answers = read_answers(folder, "participants")
+    if answers.stored is None or answers.origin == "none":
+        planned = sum(arm.places for arm in study.arms)
+        return Basis(finished=0, planned=planned, answers=0, answered=0, analysed=0), ()
+    tasks = analysed_tasks(study, answers, rules_of(study, answers))
+    state = study_state(study, answers.stored)
+    basis = Basis(
+        finished=state.finished,
+        planned=state.planned,
+        answers=state.answers,
+        answered=max(task.left_out.recruited for task in tasks),
+        analysed=max(task.left_out.attentive for task in tasks),
+    )
+    return basis, tasks
+
+
+def _row(task: str, found: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
+    """Return what is shown of a number; no p, which would assume that nobody looks before."""
+    names = [each.name for each in fields(found) if each.name != "p_value"]
+    row = {name: plain(getattr(found, name)) for name in names}
+    return row | {"task": task, "set": found.set or ""}
+
+
+DOCUMENTS: Final[dict[str, Callable[[StudyFolder], Document]]] = {
+    "agreement": agreement_so_far,
+    "results": results_so_far,
+}
+PROCESSOR_SECONDS: Final = 120
+LESS_URGENT: Final = 10
+"""Than the server that participants wait for."""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the document that ``FOLDER agreement|results`` asks for; return the exit status."""
+    folder, what = arguments
+    try:
+        document = DOCUMENTS[what](StudyFolder(Path(folder)))
+    except InputError as error:
+        print(" ".join(str(error).split()), file=sys.stderr)
+        return 1
+    print(document.model_dump_json())
+    return 0
+
+
+if __name__ == "__main__":
+    os.nice(LESS_URGENT)
+    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS))
+    sys.exit(main(sys.argv[1:]))

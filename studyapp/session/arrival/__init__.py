@@ -1,1 +1,0 @@
-"""Who is let in, and which place they get."""

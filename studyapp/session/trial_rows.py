@@ -1,0 +1,217 @@
+"""Storing the trials that were planned for a participant: one statement a table.
+
+The rows travel as one JSON text, which the database takes apart. As parameters of their own, the
+150 rows of a study session took longer than everything else at an arrival.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count
+from typing import Any, Final
+
+from sqlalchemy import (
+    ColumnElement,
+    Insert,
+    String,
+    Text,
+    bindparam,
+    cast,
+    column,
+    insert,
+    literal_column,
+    select,
+    tuple_,
+)
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.orm import Session, aliased
+from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy.sql.functions import GenericFunction
+from sqlalchemy.types import TypeEngine
+
+from analysis.answers.table import ANALYSED_KINDS
+from studyapp.database.tables import Base, Response, StudySession, Trial, TrialStimulus, Video
+from studyapp.researchers.exclusion_decisions import standing_exclusions
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.trial import NO_VOTES, PlannedTrial, Tally
+
+TOKEN_BYTES: Final = 24
+"""Random bytes of every token: 192 bits."""
+
+TOKEN_LENGTH: Final = TOKEN_BYTES * 4 // 3
+"""Letters of a token, six bits each."""
+
+
+class json_rows(GenericFunction[Any]):  # noqa: N801 - SQLAlchemy takes the function's name from it
+    """The elements of a JSON list, each as one row with one column, `value`."""
+
+    inherit_cache = True
+
+
+@compiles(json_rows, "sqlite")
+def _on_sqlite(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
+    return f"json_each({compiler.process(rows.clauses, **given)})"
+
+
+@compiles(json_rows, "postgresql")
+def _on_postgresql(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
+    return f"jsonb_array_elements(CAST({compiler.process(rows.clauses, **given)} AS jsonb))"
+
+
+GIVEN: Final = json_rows(bindparam("rows", type_=Text)).table_valued(column("value"), name="given")
+
+
+def _given(name: str, kind: TypeEngine[Any]) -> ColumnElement[Any]:
+    """Return the field `name` of a row that was given."""
+    text = GIVEN.c.value.op("->>", return_type=String())(literal_column(f"'{name}'"))
+    return text if isinstance(kind, String) else cast(text, kind)
+
+
+def _inserted(into: type[Base], given: Sequence[str], found: dict[str, Any]) -> Insert:
+    """Insert a row for each one given, with the fields `given` and what is `found` elsewhere."""
+    table = into.__table__
+    values = {name: _given(name, table.c[name].type) for name in given} | found
+    return insert(into).from_select(list(values), select(*values.values()).select_from(GIVEN))
+
+
+TRIALS: Final = _inserted(
+    Trial,
+    [
+        "token",
+        "position",
+        "kind",
+        "part",
+        "segment",
+        "emotion",
+        "speaker",
+        "expected",
+        "instructed",
+        "repeats",
+    ],
+    {"study_session_id": bindparam("study_session_id", type_=Trial.id.type)},
+).returning(Trial.position, Trial.id)
+VIDEOS: Final = _inserted(
+    Video, ["trial_id", "number", "token", "duration", "made_from"], {}
+).returning(Video.trial_id, Video.number, Video.id)
+STIMULI: Final = _inserted(
+    TrialStimulus, ["trial_id", "video_id", "number", "condition", "segment", "speech"], {}
+)
+
+
+def new_token() -> str:
+    """Return a random name that nobody can guess."""
+    return secrets.token_urlsafe(TOKEN_BYTES)
+
+
+def new_tokens(count: int) -> Iterator[str]:
+    """Yield `count` random names, drawn at once."""
+    drawn = secrets.token_urlsafe(TOKEN_BYTES * count)
+    for start in range(0, len(drawn), TOKEN_LENGTH):
+        yield drawn[start : start + TOKEN_LENGTH]
+
+
+def store_trials(
+    session: Session, study_session_id: int, planned: Sequence[PlannedTrial], served: ServedStudy
+) -> None:
+    """Store `planned`, the videos that show them and what these present."""
+    connection = session.connection()
+    tokens = new_tokens(
+        sum(1 + len(trial.videos) + (trial.reference is not None) for trial in planned)
+    )
+
+    def rows(given: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+        return {"study_session_id": study_session_id, "rows": json.dumps(list(given))}
+
+    stored = connection.execute(TRIALS, rows(_trial(trial, next(tokens)) for trial in planned))
+    trials: dict[int, int] = dict(stored.all())
+    shown = [
+        {
+            "trial_id": trials[trial.position],
+            "number": number,
+            "token": next(tokens),
+            "duration": served.videos[content].duration,
+            "made_from": served.videos[content].made_from,
+        }
+        for trial in planned
+        for number, content in trial.players.items()
+    ]
+    videos = {
+        (trial_id, number): video_id
+        for trial_id, number, video_id in connection.execute(VIDEOS, rows(shown))
+    }
+    stimuli = (
+        {"trial_id": trials[trial.position], **stimulus}
+        for trial in planned
+        for stimulus in _stimuli(trial)
+    )
+    connection.execute(
+        STIMULI,
+        rows(
+            {"video_id": videos[stimulus["trial_id"], stimulus.pop("player")], **stimulus}
+            for stimulus in stimuli
+        ),
+    )
+
+
+def _trial(planned: PlannedTrial, token: str) -> dict[str, Any]:
+    return {
+        "token": token,
+        "position": planned.position,
+        "kind": planned.kind,
+        "part": planned.part,
+        "segment": planned.segment.name,
+        "emotion": planned.segment.emotion,
+        "speaker": planned.segment.speaker,
+        "expected": planned.expected,
+        "instructed": planned.instructed,
+        "repeats": planned.repeats,
+    }
+
+
+def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
+    """Yield the columns of each stimulus, and the number of its video; 0 is the reference."""
+    judged = count(1)
+    for player, content in planned.players.items():
+        for stimulus in content:
+            yield {
+                "player": player,
+                "number": next(judged) if player else 0,
+                "condition": stimulus.condition,
+                "segment": stimulus.segment,
+                "speech": stimulus.speech,
+            }
+
+
+def votes_so_far(session: Session, served: ServedStudy) -> Tally:
+    """Return how often each condition was preferred on the study's first question.
+
+    Empty for studies that do not look at it. Whoever withdrew, is excluded by hand, or was asked by
+    an earlier design of the study has no vote. A slight preference counts as a clear one, and no
+    difference as half a vote for both.
+    """
+    if not served.study.follows_votes:
+        return NO_VOTES
+    first, second = aliased(TrialStimulus), aliased(TrialStimulus)
+    rows = session.execute(
+        select(first.condition, second.condition, Response.value)
+        .join(Trial, Trial.id == Response.trial_id)
+        .join(StudySession, StudySession.id == Trial.study_session_id)
+        .join(first, (first.trial_id == Trial.id) & (first.number == 1))
+        .join(second, (second.trial_id == Trial.id) & (second.number == 2))
+        .where(
+            Trial.kind.in_(ANALYSED_KINDS),
+            Response.question == served.study.questions[0].name,
+            StudySession.withdrawn_at.is_(None),
+            tuple_(StudySession.arm, StudySession.arm_design).in_(list(served.arms)),
+            StudySession.id.not_in(select(standing_exclusions().subquery().c.study_session_id)),
+        )
+    )
+    votes: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for a, b, value in rows:
+        share = 0.5 if value == 0 else float(value > 0)
+        votes[b, a] += share
+        votes[a, b] += 1 - share
+    return dict(votes)

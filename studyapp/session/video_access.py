@@ -1,0 +1,131 @@
+"""What a video's address may show at this moment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+from itertools import groupby
+from typing import Final
+
+from sqlalchemy import Row, bindparam, func, select, update
+from sqlalchemy.orm import aliased
+
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession, Trial, TrialStimulus, Video
+from studyapp.study.design.trial import Content, Stimulus
+
+_Other = aliased(Trial)
+
+Shown = Row[str, str, str | None, datetime | None]
+"""A stimulus, and when its video was first sent."""
+
+PRESENT_POSITION: Final = (
+    select(func.min(_Other.position))
+    .where(
+        _Other.study_session_id == Trial.study_session_id,
+        _Other.answered_at.is_(None),
+        _Other.unplayable_at.is_(None),
+    )
+    .correlate(Trial)
+    .scalar_subquery()
+)
+"""Where a study session stands (see `studyapp.session.state.current_trial`)."""
+
+RUNNING: Final = (
+    StudySession.started_at.is_not(None),
+    StudySession.completed_at.is_(None),
+    StudySession.withdrawn_at.is_(None),
+    StudySession.outcome.is_(None),
+)
+"""Who has trials to take, if the place is still theirs (see `studyapp.session.state.state_of`)."""
+
+SHOWN: Final = (
+    select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech, Video.sent_at)
+    .join(TrialStimulus.video)
+    .join(Video.trial)
+    .join(Trial.study_session)
+    .join(StudySession.place)
+    .where(
+        Video.token == bindparam("token"),
+        *RUNNING,
+        (Trial.position - PRESENT_POSITION).in_((0, 1)),
+    )
+    .order_by(TrialStimulus.number)
+)
+
+
+FIRST_SENT: Final = (
+    update(Video)
+    .where(Video.token == bindparam("named"), Video.sent_at.is_(None))
+    .values(sent_at=bindparam("now"))
+)
+
+
+def content_of(database: Database, video_token: str) -> Content | None:
+    """Return what the video shows that `video_token` may be served for, if any.
+
+    Only the present and the following trial of a running study session have videos: earlier
+    ones are settled, later ones nobody has been told of. Videos are what is asked for most, so
+    this is one statement.
+    """
+    return _content(_shown(database, video_token))
+
+
+def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
+    """Return the same as `content_of`, and note when the video was first sent.
+
+    What was never sent cannot have been watched. Only the first request for a video writes.
+    """
+    shown = _shown(database, video_token)
+    if shown and shown[0].sent_at is None:
+        with database.writing() as session:
+            session.connection().execute(FIRST_SENT, {"named": video_token, "now": clock.now()})
+    return _content(shown)
+
+
+def _shown(database: Database, video_token: str) -> Sequence[Shown]:
+    with database.looking_up() as connection:
+        return connection.execute(SHOWN, {"token": video_token}).all()
+
+
+def _content(shown: Sequence[Shown]) -> Content | None:
+    stimuli = (
+        Stimulus(condition=row.condition, segment=row.segment, speech=row.speech) for row in shown
+    )
+    return tuple(stimuli) or None
+
+
+_Asked = aliased(Video)
+_AskedTrial = aliased(Trial)
+
+ALL: Final = (
+    select(Video.token, TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
+    .join(TrialStimulus.video)
+    .join(Video.trial)
+    .where(
+        Trial.study_session_id
+        == select(_AskedTrial.study_session_id)
+        .join(_Asked, _Asked.trial_id == _AskedTrial.id)
+        .where(_Asked.token == bindparam("token"))
+        .scalar_subquery()
+    )
+    .order_by(Trial.position, Video.number, TrialStimulus.number)
+)
+
+
+def earlier_contents(database: Database, video_token: str) -> list[Content]:
+    """Return what each video shows that comes before this one in its study session."""
+    with database.looking_up() as connection:
+        rows = connection.execute(ALL, {"token": video_token}).all()
+    found: list[Content] = []
+    for token, shown in groupby(rows, key=lambda row: row.token):
+        if token == video_token:
+            break
+        found.append(
+            tuple(
+                Stimulus(condition=each.condition, segment=each.segment, speech=each.speech)
+                for each in shown
+            )
+        )
+    return found

@@ -1,1 +1,0 @@
-"""What a participant may fetch, and what was really played."""

@@ -1,0 +1,255 @@
+"""Storing a browser's reports of what was played.
+
+They are what is sent most. Each takes three statements, and reads one row for each video of the
+page, however many reports came before. `studyapp.session.state` says in Python what is said in SQL
+here, and the same tests hold both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from datetime import datetime
+from typing import Final, cast
+
+from sqlalchemy import Table, bindparam, insert, select, update
+from sqlalchemy.orm import Session, aliased
+
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import Place, StudySession, Trial, TrialStimulus, Video, WatchRecord
+from studyapp.session.places import regain_place
+from studyapp.session.refusal import TooMuchWatchedError, UnacceptableError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.state import find, require_present, video_of
+from studyapp.session.video_access import PRESENT_POSITION, RUNNING
+from studyapp.session.watch_evidence import (
+    MOST_INTERVALS,
+    NOTHING_PLAYED,
+    Record,
+    Report,
+    Watched,
+    add,
+    is_stored,
+    length,
+    merged,
+    watched_so_far,
+)
+
+_Asked = aliased(Video)
+_SESSIONS: Final = cast(Table, StudySession.__table__)
+_RECORDS: Final = cast(Table, WatchRecord.__table__)
+_RECORDED: Final = tuple(field.name for field in fields(Record))
+
+ACTIVE: Final = (
+    update(_SESSIONS)
+    .where(_SESSIONS.c.token == bindparam("theirs"), *RUNNING)
+    .values(last_active_at=bindparam("now"))
+    .returning(_SESSIONS.c.id)
+)
+PLAYING: Final = (
+    select(
+        Video.id,
+        Video.token,
+        Video.duration,
+        Video.sent_at,
+        ~select(TrialStimulus.id)
+        .where(TrialStimulus.video_id == Video.id, TrialStimulus.speech.is_not(None))
+        .exists(),
+        Trial.shown_at,
+        WatchRecord.id,
+        *(_RECORDS.c[name] for name in _RECORDED),
+    )
+    .select_from(_Asked)
+    .join(Trial, Trial.id == _Asked.trial_id)
+    .join(Place, Place.study_session_id == Trial.study_session_id)
+    .join(Video, Video.trial_id == Trial.id)
+    .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
+    .where(
+        _Asked.token == bindparam("token"),
+        Trial.study_session_id == bindparam("id"),
+        Trial.position == PRESENT_POSITION,
+        Trial.shown_at.is_not(None),
+    )
+)
+FIRST: Final = insert(_RECORDS).inline()
+CHANGED: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("video"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlayedVideo:
+    """A video and what was reported of it.
+
+    Attributes
+    ----------
+    sent_at : datetime or None
+        When it was first sent.
+    soundless : bool
+        Whether it is meant to be seen without sound.
+    watch_record : Record or None
+        None before the first report.
+    """
+
+    id: int
+    token: str
+    duration: float
+    sent_at: datetime | None
+    soundless: bool
+    watch_record: Record | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Playing:
+    """The present trial of a study session.
+
+    Attributes
+    ----------
+    video : PlayedVideo
+        The one that was asked about.
+    others : sequence of PlayedVideo
+        The others on its page.
+    shown_at : datetime
+        When the page was first shown.
+    """
+
+    video: PlayedVideo
+    others: Sequence[PlayedVideo]
+    shown_at: datetime
+
+
+def load_playing(session: Session, token: str, video_token: str, now: datetime) -> Playing | None:
+    """Return what is playing, if `video_token` is of the trial that the study session stands at.
+
+    The study session is noted as active, and kept from other writers until stored.
+
+    Returns
+    -------
+    Playing or None
+        None where they are at no trial, at another one, or have no place any more.
+    """
+    connection = session.connection()
+    own = connection.execute(ACTIVE, {"theirs": token, "now": now}).scalar()
+    if own is None:
+        return None
+    videos: dict[str, PlayedVideo] = {}
+    shown_at = now
+    for number, name, duration, sent_at, soundless, shown_at, record, *values in connection.execute(  # noqa: B007
+        PLAYING, {"token": video_token, "id": own}
+    ):
+        known = None if record is None else Record(**dict(zip(_RECORDED, values, strict=True)))
+        videos[name] = PlayedVideo(
+            id=number,
+            token=name,
+            duration=duration,
+            sent_at=sent_at,
+            soundless=bool(soundless),
+            watch_record=known,
+        )
+    if video_token not in videos:
+        return None
+    video = videos.pop(video_token)
+    return Playing(video=video, others=tuple(videos.values()), shown_at=shown_at)
+
+
+def store_record(session: Session, video: PlayedVideo, record: Record, now: datetime) -> None:
+    """Store `record` in place of what is known of `video`."""
+    values = {**vars(record), "reported_at": now}
+    if video.watch_record is None:
+        session.connection().execute(FIRST, {"video_id": video.id, **values})
+    else:
+        session.connection().execute(CHANGED, {"video": video.id, **values})
+
+
+TOLERANCE: Final = 1.0
+"""Seconds by which a browser's clock may be ahead of what has passed on the server."""
+
+
+def record_watched(
+    database: Database,
+    served: ServedStudy,
+    token: str,
+    video_token: str,
+    report: Report,
+    clock: Clock,
+) -> Watched:
+    """Store one numbered report of played intervals and return what is known of the video now.
+
+    A number is stored once, so that a report may be sent again when its fate is unknown. Where
+    another window has used the number for another report, `Watched.stored` says so; it can be
+    sent again under `Watched.next_batch`.
+
+    Parameters
+    ----------
+    video_token : str
+        The video that was played.
+    report : Report
+        What was played of it; what lies outside the video is cut off.
+
+    Raises
+    ------
+    RefusalError
+        If the video is not theirs or not of the present trial, or more of the trial's videos is
+        claimed to be played than time has passed since they were first shown: never do two of
+        them play at once. Where the clock was set back since, nothing is refused for that.
+    """
+    with database.writing() as session:
+        now = clock.now()
+        playing = load_playing(session, token, video_token, now)
+        if playing is None:
+            _bring_back(session, served, token, video_token)
+            playing = load_playing(session, token, video_token, now)
+        if playing is None:
+            raise RuntimeError("what is playing in SQL is not what is playing in Python")
+        video, coverage = playing.video, served.study.watching.coverage
+        report = _within(video, report)
+        record = video.watch_record or NOTHING_PLAYED
+        stored = is_stored(record, report)
+        if stored is not None:
+            return replace(watched_so_far(video, coverage), stored=stored)
+        record = add(record, report, soundless=video.soundless)
+        watched = watched_so_far(replace(video, watch_record=record), coverage)
+        passed = clock.seconds_since(playing.shown_at)
+        if passed is not None and _claimed(report, record, playing.others) > passed + TOLERANCE:
+            raise TooMuchWatchedError(
+                "More of the video was reported as played than there was time for.",
+                "Please play it again.",
+            )
+        if len(record.intervals) > MOST_INTERVALS:
+            raise UnacceptableError(
+                "The video was played in too many small parts.", "Please play it from its start."
+            )
+        store_record(session, video, record, now)
+        return watched
+
+
+def _bring_back(session: Session, served: ServedStudy, token: str, video_token: str) -> None:
+    """Give a place back that was lost to a pause; refuse everybody else who is not at the video."""
+    study_session = find(session, token)
+    video = video_of(session, study_session, video_token)
+    regain_place(session, served, study_session)
+    require_present(study_session, video.trial)
+
+
+def _within(video: PlayedVideo, report: Report) -> Report:
+    """Return `report` of what was played of the video itself."""
+    inside = tuple(
+        (max(0.0, start), min(video.duration, end))
+        for start, end in report.intervals
+        if start < video.duration and end > max(0.0, start)
+    )
+    return replace(report, intervals=inside)
+
+
+def _claimed(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:
+    """Return the seconds that must have passed if `report` is true, which makes it `record`.
+
+    Videos that were not sent yet are included: what is reported of them counts once they are.
+    """
+    records = [record, *(other.watch_record or NOTHING_PLAYED for other in others)]
+    return max(
+        report.hidden_seconds,
+        report.silent_seconds,
+        report.stalled_seconds,
+        length(merged(report.intervals)) / max(1.0, report.rate),
+        sum(length(merged(each.intervals)) for each in records),
+    )

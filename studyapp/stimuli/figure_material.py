@@ -1,0 +1,168 @@
+"""What figures are made of: a study's clips as participants see them, its stage, its speech."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Final, Self
+
+from motion.audio import SPEECH_RATE, Audio, read_audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip, read_motion
+from motion.segment import Segment
+from renderer.clip_video import Stage, as_shown
+from renderer.figures.panels import Box, common_box, face_camera, faces_level
+from renderer.figures.strip import MOST_MOMENTS, Moment, loud_moments
+from renderer.framing import Camera
+from studyapp.stimuli.render_plan import RenderPlan
+from studyapp.stimuli.shown_motion import licensed_hands
+from studyapp.study.folder import StudyFolder
+
+MOST_PIXELS: Final = 2160
+
+
+@dataclass(frozen=True)
+class FigureMaterial:
+    """A study whose motion is complete, ready to be drawn.
+
+    Attributes
+    ----------
+    plan : RenderPlan
+        The study's look and body, equal for all conditions.
+    camera : Camera
+        The camera that all conditions are seen by: the study's own, or one close to their faces.
+    """
+
+    plan: RenderPlan
+    camera: Camera
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> Self:
+        """Read the study in `folder`; its motion must be complete."""
+        plan = RenderPlan.of(folder)
+        return cls(plan, plan.camera)
+
+    def close_to_faces(
+        self, groups: Iterable[Sequence[MotionClip]]
+    ) -> tuple[Self, list[list[MotionClip]]]:
+        """Return the same with a camera close to the faces, and the clips brought before it."""
+        level = faces_level(groups, self.plan.model)
+        clips = [clip for group in level for clip in group]
+        camera = face_camera(clips, self.plan.model, self.plan.camera)
+        return replace(self, camera=camera), level
+
+    @contextmanager
+    def stage(self, size: int) -> Iterator[Stage]:
+        """Give the study's stage with pictures of `size` × `size` pixels.
+
+        Parameters
+        ----------
+        size : int
+            Made even, and at most `MOST_PIXELS`.
+        """
+        usable = min(max(64, size + size % 2), MOST_PIXELS)
+        look = replace(self.plan.look, size=usable)
+        with Stage(self.plan.body, self.camera, look) as stage:
+            yield stage
+
+    def segment(self, name: str) -> Segment:
+        """Return a segment by name; `InputError` names the ones there are."""
+        return self.plan.segments[_known(name, "segment", list(self.plan.segments))]
+
+    def conditions(self, given: Sequence[str]) -> dict[str, str]:
+        """Return what each condition is called in the figure, by its name in the study.
+
+        Parameters
+        ----------
+        given : sequence of str
+            Each ``name`` or ``name=what it is called``; without any, all but the catch motion.
+
+        Raises
+        ------
+        InputError
+            If the study shows no such condition, or two in the figure are the same or called so.
+        """
+        shown = self.plan.conditions
+        if not given:
+            return {name: name for name in shown if name != self.plan.study.catch.condition}
+        parts = [text.partition("=") for text in given]
+        names = [_known(name, "condition", shown) for name, _, _ in parts]
+        labels = [label.strip() or name for name, _, label in parts]
+        check_distinct(names)
+        check_distinct(labels)
+        return dict(zip(names, labels, strict=True))
+
+    def clip(
+        self, segment: Segment, condition: str, *, frame_rate: float | None = None
+    ) -> MotionClip:
+        """Return the motion as participants see it, at the videos' rate unless told otherwise."""
+        known = _known(condition, "condition", self.plan.conditions)
+        path = self.plan.folder.clip(known, segment.name)
+        rate = frame_rate or self.plan.look.frame_rate
+        return self._shown(read_clip(path), path, segment, rate)
+
+    def variation(self, segment: Segment, path: Path) -> MotionClip:
+        """Return motion for `segment` from any file, as participants would see it."""
+        hands = licensed_hands(self.plan.folder, self.plan.study)
+        clip = read_motion(path, mean_hands=hands)
+        return self._shown(clip, path, segment, self.plan.look.frame_rate)
+
+    def _shown(
+        self, clip: MotionClip, path: Path, segment: Segment, frame_rate: float
+    ) -> MotionClip:
+        plan = self.plan
+        return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
+
+    def box_around(self, poses: Iterable[MotionClip]) -> Box:
+        """Return the part of the picture that holds the figure in all `poses`."""
+        return common_box(self.plan.model, poses, self.camera)
+
+    def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
+        """Return what is said in `segment`."""
+        path = self.plan.folder.speech / segment.wav
+        return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
+
+    def found_moments(self, segment: Segment, count: int) -> tuple[Moment, ...]:
+        """Return `count` moments, on the loudest syllables of equal parts of the speech."""
+        return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
+
+    def moments(self, segment: Segment, given: Sequence[Moment]) -> tuple[Moment, ...]:
+        """Return the moments `given`, in order of time.
+
+        Raises
+        ------
+        InputError
+            If a moment lies outside the segment, or there are more than `MOST_MOMENTS`.
+        """
+        if len(given) > MOST_MOMENTS:
+            raise InputError(
+                f"{len(given)} moments are too many", remedy=f"Give 1 to {MOST_MOMENTS}"
+            )
+        for moment in given:
+            if not 0 <= moment.seconds <= segment.duration:
+                raise InputError(
+                    f"there is no moment {moment.seconds:g} s",
+                    where=f"segment {segment.name}",
+                    remedy=f"Give times from 0 to {segment.duration:.2f} s",
+                )
+        return tuple(sorted(given, key=lambda moment: moment.seconds))
+
+
+def check_distinct(names: Sequence[str]) -> None:
+    """Raise `InputError` if two things in a figure would have one name."""
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"two in this figure are called {name!r}", remedy="Call each something else"
+            )
+
+
+def _known(name: str, kind: str, known: Sequence[str]) -> str:
+    if name not in known:
+        near = known if len(known) <= 10 else [*get_close_matches(name, known, 10, 0.0), "…"]
+        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(near)}")
+    return name

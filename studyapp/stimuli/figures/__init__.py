@@ -1,1 +1,0 @@
-"""Pictures and videos of motion for a paper."""

@@ -1,1 +1,0 @@
-"""Making and changing a study file from a template."""

@@ -1,1 +1,0 @@
-"""Videos in an S3-compatible store: participants fetch them there by addresses that expire."""

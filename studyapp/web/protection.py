@@ -1,0 +1,141 @@
+"""What protects participants and the server: headers of every answer, and a limit on reports.
+
+The headers keep a page's address, content and origin to itself.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Sequence
+from typing import Final
+
+from flask import Flask, Response, request
+
+from studyapp.clock import Clock
+from studyapp.session.ending import MTURK_FRAMES, MTURK_SITES
+from studyapp.study.settings.recruitment import Recruitment
+
+PROTECTION: Final = {
+    # The address of a page holds the participant's token.
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "X-Robots-Tag": "noindex",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+PARTICIPANTS: Final = ("entrance", "participant", "sound_check", "withdrawal")
+"""Blueprints of the pages that a recruiter may show in a frame."""
+
+
+def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
+    """Add the headers to every answer of `app`.
+
+    Pages can be shown within those of others only where a recruiter needs it; those of
+    researchers never.
+
+    Parameters
+    ----------
+    media : str
+        The origin of the store that participants load videos from; empty where there is none.
+    """
+    alone = _policy() | {"X-Frame-Options": "DENY"}
+    framed = _policy(media=media) | {"X-Frame-Options": "DENY"}
+    if recruitment.channel == "mturk":
+        # X-Frame-Options cannot name several sites: 'frame-ancestors' does, and stands alone.
+        framed = _policy(frames=MTURK_FRAMES, forms=MTURK_SITES, media=media)
+
+    @app.after_request
+    def add_headers(response: Response) -> Response:
+        response.headers.update(PROTECTION)
+        response.headers.update(framed if request.blueprint in PARTICIPANTS else alone)
+        if request.endpoint not in ("static", "media.video"):
+            response.headers["Cache-Control"] = "no-store"
+            response.headers.pop("Expires", None)
+        return response
+
+
+def _policy(
+    *, frames: Sequence[str] = (), forms: Sequence[str] = (), media: str = ""
+) -> dict[str, str]:
+    """Return the policy of pages that `frames` may hold, and whose forms may go to `forms`.
+
+    Their videos may come from `media` too, played or fetched ahead.
+    """
+    rules = (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self'",
+        f"media-src 'self' {media}".rstrip(),
+        f"connect-src 'self' {media}".rstrip(),
+        " ".join(("form-action 'self'", *forms)),
+        "base-uri 'none'",
+        " ".join(("frame-ancestors", *(frames or ("'none'",)))),
+    )
+    return {"Content-Security-Policy": "; ".join(rules)}
+
+
+PER_SECOND: Final = 3.0
+
+
+AT_ONCE: Final = 30
+"""Reports that may come together, as from a page whose line was lost for long."""
+
+
+KEPT: Final = 10_000
+"""Participants after which those are forgotten who have sent nothing for a while."""
+
+
+class Pace:
+    """Lets each participant send `AT_ONCE` reports at once, and `PER_SECOND` in the long run."""
+
+    def __init__(self) -> None:
+        self._paid_until: dict[int, float] = {}
+        self._lock = threading.Lock()
+
+    def seconds_to_wait(self, token: str, now: float) -> float:
+        """Count a report; return 0, or how long to wait with it where it is one too many.
+
+        Parameters
+        ----------
+        token : str
+            The participant's.
+        now : float
+            The present moment in seconds, from any one beginning.
+        """
+        whose = hash(token)
+        with self._lock:
+            if len(self._paid_until) >= KEPT:
+                self._paid_until = {
+                    who: until for who, until in self._paid_until.items() if until > now
+                }
+            until = max(now, self._paid_until.get(whose, now)) + 1 / PER_SECOND
+            wait = until - now - AT_ONCE / PER_SECOND
+            if wait > 1e-9:
+                return wait
+            self._paid_until[whose] = until
+            return 0.0
+
+
+def keep_pace(app: Flask, clock: Clock) -> None:
+    """Refuse reports to `app` beyond what one participant may send, before anything is read."""
+    pace = Pace()
+
+    @app.before_request
+    def refuse_too_many() -> Response | None:
+        if request.endpoint != "participant.watched" or request.view_args is None:
+            return None
+        wait = pace.seconds_to_wait(request.view_args["token"], time.monotonic() * clock.speed)
+        if not wait:
+            return None
+        seconds = max(1, math.ceil(wait / clock.speed))
+        return Response(
+            f"Too many reports of what was played. Send this one again after {seconds} s.\n",
+            429,
+            {"Retry-After": str(seconds)},
+            mimetype="text/plain",
+        )

@@ -1,0 +1,124 @@
+"""Preview: any trial as a participant sees it, marked, and storing nothing.
+
+The page is the participants' own. It believes itself on a server of its own, whose root is the
+address of the preview: whatever it asks for or sends comes here, and goes no further.
+"""
+
+from __future__ import annotations
+
+from flask import Response, abort, current_app, jsonify, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+
+from studyapp.recruitment.invitations import (
+    count_test_participations,
+    erase_test_participations,
+    make_test_participation,
+)
+from studyapp.session.shown_trials import TOKEN, previewed_trial
+from studyapp.study.design.trial import PlannedTrial
+from studyapp.web.errors import wants_json
+from studyapp.web.media import send_video
+from studyapp.web.mounting import address_to_try
+from studyapp.web.participants.trial_page import trial_page
+from studyapp.web.research.page import page, researcher
+from studyapp.web.running import running
+
+MOST_PLACES = 10_000
+
+
+def preview() -> ResponseReturnValue:
+    """List the trials of a place."""
+    arms = [arm.name for arm in running().study.arms]
+    wanted, place = request.args.get("arm", ""), request.args.get("place", "")
+    arm = arms.index(wanted) if wanted in arms else 0
+    readable = place.isascii() and place.isdecimal() and len(place) < len(str(MOST_PLACES))
+    number = max(1, int(place)) if readable else 1
+    tries = count_test_participations(running().folder)
+    trials = _trials(arm, number)
+    return page("preview", arms=arms, arm=arm, place=number, trials=trials, tries=tries)
+
+
+def try_study() -> ResponseReturnValue:
+    """Let the researcher take part as a test."""
+    here = running()
+    token = make_test_participation(here.folder, here.served, here.clock, by=researcher().name)
+    return redirect(address_to_try(token), 303)
+
+
+def erase_tries() -> ResponseReturnValue:
+    """Erase all test participations."""
+    erase_test_participations(running().folder)
+    return redirect(url_for("research.preview"), 303)
+
+
+def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
+    """Show one trial."""
+    trials = _trials(arm, place)
+    here = running()
+    if not 1 <= position <= len(trials):
+        abort(404)
+    trial = previewed_trial(here.served, trials, position)
+    around = {
+        "listed": url_for("research.preview", arm=here.study.arms[arm].name, place=place),
+        "before": _address(arm, place, position - 1) if position > 1 else "",
+        "after": _address(arm, place, position + 1) if position < len(trials) else "",
+    }
+    root = _address(arm, place, position).rstrip("/")
+    with current_app.request_context({**request.environ, "SCRIPT_NAME": root, "PATH_INFO": "/"}):
+        return render_template(
+            "research/previewed_trial.html",
+            study=here.study,
+            token=TOKEN,
+            trial=trial,
+            page=trial_page(here.study, trial),
+            problem="",
+            given={},
+            **around,
+        )
+
+
+def previewed_video(arm: int, place: int, position: int, number: int) -> Response:
+    """Send a video of a previewed trial."""
+    trials = _trials(arm, place)
+    content = trials[position - 1].players.get(number) if 0 < position <= len(trials) else None
+    if content is None:
+        abort(404)
+    return send_video(running().served.videos[content].file)
+
+
+def previewed_file(arm: int, place: int, position: int, filename: str) -> Response:
+    """Send a script or a style that the page asks for."""
+    del arm, place, position
+    return current_app.send_static_file(filename)
+
+
+def previewed_report(arm: int, place: int, position: int, number: int) -> ResponseReturnValue:
+    """Take a report of what was played for stored, and forget it."""
+    del arm, place, position, number
+    sent = request.get_json(silent=True)
+    batch = sent.get("batch") if isinstance(sent, dict) else 0
+    following = batch + 1 if isinstance(batch, int) else 0
+    return jsonify(intervals=[], missing=0.0, next_batch=following, stored=True)
+
+
+def previewed_answers(arm: int, place: int, position: int, what: str) -> ResponseReturnValue:
+    """Go on to the next trial, whatever was answered; after the last one, back to the list."""
+    del what
+    trials = _trials(arm, place)
+    if position < len(trials):
+        address = _address(arm, place, position + 1)
+    else:
+        address = url_for("research.preview", arm=running().study.arms[arm].name, place=place)
+    return jsonify(next=address) if wants_json() else redirect(address, 303)
+
+
+def _trials(arm: int, place: int) -> list[PlannedTrial]:
+    here = running()
+    if arm >= len(here.study.arms) or not 1 <= place < MOST_PLACES:
+        abort(404)
+    # Of an adaptive study, those before anybody has answered.
+    return list(here.study.plan(here.study.arms[arm], place - 1, here.served.segments))
+
+
+def _address(arm: int, place: int, position: int) -> str:
+    return url_for("research.previewed_page", arm=arm, place=place, position=position)

@@ -1,0 +1,246 @@
+"""How the study goes: its overview, its study sessions, and decisions on them and newcomers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from flask import abort, redirect, request, url_for
+from flask.typing import ResponseReturnValue
+
+from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.monitoring.one_study_session import one_study_session
+from studyapp.monitoring.overview import overview as overview_of
+from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen, page_of, pages_of
+from studyapp.researchers.account import Right
+from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
+from studyapp.researchers.exclusion_decisions import decide_exclusion
+from studyapp.researchers.interim_figures import Document, Kept, kept_figures
+from studyapp.researchers.pseudonyms import PseudonymKey, number_called, pseudonyms_of
+from studyapp.session.ending import JUDGED
+from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
+from studyapp.study.folder import StudyFolder
+from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
+from studyapp.web.running import running
+
+
+@dataclass(frozen=True, kw_only=True)
+class Naming:
+    """How a page may call participants.
+
+    Attributes
+    ----------
+    key : PseudonymKey or None
+    reason : str
+        Why there are no pseudonyms, as a sentence; empty where there are, and where who asks may
+        not see answers of single participants in any case.
+    """
+
+    key: PseudonymKey | None
+    reason: str = ""
+
+
+def naming() -> Naming:
+    """Return how the page that is asked for may call participants; it draws no key."""
+    if not researcher().may(Right.READ):
+        return Naming(key=None)
+    try:
+        key = PseudonymKey.read(StudyFolder(running().folder).pseudonym_key)
+    except InputError as error:
+        return Naming(key=None, reason=f"Pseudonyms cannot be shown: {error.what}.")
+    except OSError:
+        return Naming(key=None, reason="Pseudonyms cannot be shown: the server may not read them.")
+    return Naming(key=key, reason="" if key else "Pseudonyms are drawn at the first export.")
+
+
+CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded")
+"""What an address may say of which study sessions are listed."""
+
+LARGEST: Final = 2**31 - 1
+"""The largest number of a row."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgreementSoFar:
+    """What the overview shows of agreement; no document where none has been computed yet."""
+
+    kept: Kept
+    document: Document | None
+
+
+def overview(data: Data) -> ResponseReturnValue:
+    """Show how the study goes."""
+    here = running()
+    with looked_at(data) as database:
+        found = overview_of(database, here.served, here.clock.now())
+    return page(
+        "overview",
+        data=data,
+        agreement=_agreement() if data == "study" else None,
+        rehearsed=is_rehearsed(),
+        found=found,
+        refreshes=request.args.get("refresh") != "off",
+    )
+
+
+def _agreement() -> AgreementSoFar:
+    """Return how far participants agree, as it was computed last."""
+    here = running()
+    kept = kept_figures(here.database, here.clock, "agreement", here.figures)
+    return AgreementSoFar(kept=kept, document=Document.read(kept.document))
+
+
+def study_sessions(data: Data) -> ResponseReturnValue:
+    """List the study sessions that a number counts; or go to the one that is called for."""
+    here = running()
+    choice, names, called = _choice(), naming(), request.args.get("called", "")
+    number = _number("page") or 1
+    with looked_at(data) as database:
+        with database.reading() as session:
+            one = number_called(session, names.key, called) if called else None
+        if one is not None:
+            return redirect(url_for("research.study_session", data=data, number=one), 303)
+        found = chosen(database, here.served, choice, here.clock.now())
+        shown = page_of(found, number)
+        pseudonyms = _pseudonyms(database, names, [each.id for each in shown])
+    return page(
+        "study_sessions",
+        data=data,
+        choice=choice,
+        called=called,
+        count=len(found),
+        shown=shown,
+        naming=names,
+        pseudonyms=pseudonyms,
+        page_number=number,
+        pages=pages_of(found),
+        standings=STANDINGS,
+        arms=[arm.name for arm in here.study.arms],
+        asked={key: request.args[key] for key in CHOOSING if key in request.args},
+    )
+
+
+def study_session(data: Data, number: int) -> ResponseReturnValue:
+    """Show one study session with everything that happened in it."""
+    return study_session_page(data, number)
+
+
+def study_session_page(
+    data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
+) -> str:
+    """Return the page of one study session, with what was wrong with what was sent from it."""
+    here, names = running(), naming()
+    with looked_at(data) as database:
+        found = one_study_session(database, here.served, number, here.clock.now())
+        if found is None:
+            abort(404)
+        pseudonym = _pseudonyms(database, names, [number]).get(number, "")
+    return page(
+        "study_session",
+        data=data,
+        found=found,
+        naming=names,
+        pseudonym=pseudonym,
+        rules=[each.made().description for each in here.study.settled_exclusions],
+        problem=problem,
+        reason=reason,
+        longest=LONGEST_REASON,
+    )
+
+
+def changes() -> ResponseReturnValue:
+    """Show who changed what, when and why, the newest first."""
+    before = _number("before")
+    lines = logged_changes(running().database, before=before)
+    older = lines[-1].id if len(lines) == LINES else None
+    return page("changes", lines=lines, older=older)
+
+
+def nowhere(rest: str) -> ResponseReturnValue:
+    """Say that there is no such page, to researchers alone."""
+    del rest
+    abort(404)
+
+
+def _choice() -> Choice:
+    """Return which study sessions the address asks for."""
+    standing = request.args.get("standing") or None
+    if standing is not None and standing not in STANDINGS:
+        abort(404)
+    kind, count = request.args.get("check", ""), _number("failed")
+    return Choice(
+        standing=standing,
+        arm=request.args.get("arm") or None,
+        left_at=_number("left_at"),
+        failed=(kind, count) if kind in JUDGED and count is not None else None,
+        earlier="earlier" in request.args,
+        excluded="excluded" in request.args,
+    )
+
+
+def _pseudonyms(database: Database, names: Naming, numbers: Sequence[int]) -> Mapping[int, str]:
+    return pseudonyms_of(database, names.key, numbers) if names.key else {}
+
+
+def _number(name: str) -> int | None:
+    """Return a number in the address, None where there is none."""
+    text = request.args.get(name, "")
+    if not (text.isascii() and text.isdecimal()):
+        return None
+    return int(text) if len(text) < len(str(LARGEST)) else None
+
+
+DECISIONS = {"exclude": True, "reinstate": False}
+
+
+def decide_about(number: int) -> ResponseReturnValue:
+    """Leave the participant of a study session out of the analysis, or take them in again."""
+    here, reason = running(), request.form.get("reason", "")
+    try:
+        excluded = DECISIONS.get(request.form.get("decision", ""))
+        if excluded is None:
+            raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(DECISIONS)}")
+        by = researcher().name
+        decide_exclusion(here.database, here.clock, number, excluded=excluded, by=by, reason=reason)
+    except InputError as error:
+        return study_session_page("study", number, problem=error, reason=reason), 422
+    return redirect(url_for("research.study_session", data="study", number=number), 303)
+
+
+def newcomers() -> ResponseReturnValue:
+    """Show whether newcomers are let in, who decided so, and the forms to decide otherwise."""
+    return _page()
+
+
+def steer_newcomers() -> ResponseReturnValue:
+    """Let newcomers in, or no longer."""
+    here, reason, sent = running(), request.form.get("reason", ""), request.form.get("state")
+    state = next((known for known in STATES if known == sent), None)
+    try:
+        if state is None:
+            raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
+        by = researcher().name
+        steer(here.database, here.served, here.clock, state, by=by, reason=reason)
+    except InputError as error:
+        return _page(error, reason), 422
+    return redirect(url_for("research.newcomers"), 303)
+
+
+def want_more() -> ResponseReturnValue:
+    """Open more places in every arm."""
+    here, reason, sent = running(), request.form.get("reason", ""), request.form.get("more", "")
+    readable = sent.isascii() and sent.isdecimal() and len(sent) <= len(str(MOST_MORE))
+    try:
+        more, by = int(sent) if readable else 0, researcher().name
+        extend(here.database, here.served, here.clock, more, by=by, reason=reason)
+    except InputError as error:
+        return _page(error, reason), 422
+    return redirect(url_for("research.newcomers"), 303)
+
+
+def _page(problem: InputError | None = None, reason: str = "") -> str:
+    made = decided(running().database)
+    state = made[0].state if made else "open"
+    return page("newcomers", made=made, state=state, problem=problem, reason=reason, most=MOST_MORE)

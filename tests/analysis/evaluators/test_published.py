@@ -1,0 +1,275 @@
+from __future__ import annotations
+
+import argparse
+import json
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from analysis import load_published
+from analysis.evaluators.published import PublishedEvaluator
+from analysis.evaluators.published_presets import PRESETS
+from analysis.metrics.frechet import frechet_of_samples, published_distance
+from motion.clip import MotionClip
+from motion.errors import InputError
+from tests.analysis.evaluators.published_weights import seeded_weights, write_checkpoint
+
+Checkpoint = Callable[..., Path]
+
+
+def _constructed(topology: Mapping[str, Any], weights: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Return EMAGE's weights with masks and pooling as the published class makes them."""
+    weights = dict(weights)
+    for number, layer in enumerate(topology["layers"]):
+        before, after = layer["channels_per_edge_in"], layer["channels_per_edge_out"]
+        for part in ("residual.0", "shortcut"):
+            mask = torch.zeros_like(weights[f"encoder.layers.{number}.0.{part}.mask"])
+            for edge, neighbours in enumerate(layer["neighbours"]):
+                seen = [one * before + channel for one in neighbours for channel in range(before)]
+                mask[edge * after : (edge + 1) * after, seen] = 1
+            weights[f"encoder.layers.{number}.0.{part}.mask"] = mask
+        name = f"encoder.layers.{number}.0.common.0.weight"
+        if name in weights:
+            pool = torch.zeros_like(weights[name])
+            for row, edges in enumerate(layer["pooling_list"]):
+                for edge in edges:
+                    for channel in range(after):
+                        pool[row * after + channel, edge * after + channel] = 1 / len(edges)
+            weights[name] = pool
+    return weights
+
+
+@pytest.fixture(scope="module", params=["emage", "emage structural", "beat", "ted", "talkshow"])
+def published(
+    request: pytest.FixtureRequest, reference: Path, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[str, PublishedEvaluator]:
+    preset, _, structural = request.param.partition(" ")
+    shapes = json.loads((reference / f"{preset}_state_dict.json").read_text("utf-8"))
+    if preset in ("beat", "talkshow"):  # Their decoders are large, and no feature uses them.
+        shapes = {name: shape for name, shape in shapes.items() if "encoder" in name}
+    weights = seeded_weights(shapes)
+    if structural:
+        topology = json.loads((reference / "emage_topology.json").read_text("utf-8"))
+        weights = _constructed(topology, weights)
+    return request.param, load_published(
+        preset, write_checkpoint(tmp_path_factory.mktemp("published"), preset, weights)
+    )
+
+
+def _error(found: NDArray[Any], wanted: NDArray[Any]) -> float:
+    """Return the largest error, in the size of the features where they are above 1."""
+    return float(np.abs(found - wanted).max() / max(1, np.abs(wanted).max()))
+
+
+@pytest.mark.slow
+def test_features_are_those_of_the_authors_classes(
+    published: tuple[str, PublishedEvaluator], reference: Path
+) -> None:
+    which, evaluator = published
+    preset, _, structural = which.partition(" ")
+    suffix = "_structural" if structural else ""
+    with np.load(reference / f"{preset}_plain.npz") as expected:
+        names = {"motion": f"feature{suffix}", "clip": f"clip_feature{suffix}"}
+        for motion, feature in names.items():
+            if motion in expected:
+                found = evaluator.features(expected[motion])
+                assert found.shape == expected[feature].shape
+                assert _error(found, expected[feature]) < 1e-4
+
+
+@pytest.mark.slow
+def test_the_distance_of_the_reference_sets_is_the_published_one(
+    published: tuple[str, PublishedEvaluator], reference: Path
+) -> None:
+    which, evaluator = published
+    preset, _, structural = which.partition(" ")
+    suffix = ("_512" if preset == "beat" else "_64") + ("_structural" if structural else "")
+    with np.load(reference / f"{preset}_fgd.npz") as file:
+        expected = {name: file[name] for name in file.files}
+    rows = []
+    for side, motion in zip("ab", _sets(preset, expected), strict=True):
+        found = evaluator.features(motion).reshape(-1, evaluator.preset.features)
+        assert _error(found, expected[f"features_{side}{suffix}"]) < 1e-4
+        rows.append(found.astype(float))
+    wanted = float(expected[f"fgd{suffix}"])
+    one, other = rows
+    assert frechet_of_samples(one, other) == pytest.approx(wanted, rel=1e-3)
+    # The reference took float32 features, as the published code does.
+    assert published_distance(one, other, evaluator.rule) == pytest.approx(wanted, rel=1e-5)
+
+
+def _sets(preset: str, stored: Mapping[str, NDArray[Any]]) -> tuple[NDArray[Any], NDArray[Any]]:
+    if preset == "ted":
+        return stored["windows_a_64"], stored["windows_b_64"]
+    shape, one, shift, other = {
+        "emage": ((64, 64, 330), 0.5, 0.05, 0.65),
+        "beat": ((512, 34, 141), 1.0, 0.1, 1.3),
+        "talkshow": ((64, 88, 129), 0.3, 0.03, 0.39),
+    }[preset]
+    first, second = (np.random.default_rng(seed).standard_normal(shape) for seed in (101, 202))
+    return one * first, shift + other * second
+
+
+@pytest.fixture
+def ted(checkpoint: Checkpoint) -> PublishedEvaluator:
+    return load_published("ted", checkpoint("ted"))
+
+
+def test_weights_of_several_processors_and_weights_alone_are_the_same_network(
+    ted: PublishedEvaluator, tmp_path: Path
+) -> None:
+    motion = np.random.default_rng(0).standard_normal((3, 34, 27))
+    weights = ted.network.state_dict()
+    for name, content in {
+        "prefixed": {"gen_dict": {f"module.{key}": value for key, value in weights.items()}},
+        "alone": dict(weights),
+        "with decoder": {"gen_dict": {**weights, "decoder.net.0.weight": torch.zeros(3)}},
+    }.items():
+        torch.save(content, tmp_path / name)
+        again = load_published("ted", tmp_path / name)
+        np.testing.assert_array_equal(again.features(motion), ted.features(motion))
+
+
+def test_the_options_of_a_training_script_do_not_keep_its_checkpoint_from_loading(
+    checkpoint: Checkpoint,
+) -> None:
+    options = argparse.Namespace(n_poses=34, name="pose", mean_dir_vec=[0.1, 0.2])
+    path = checkpoint("ted", args=options, epoch=3, pose_dim=27)
+    assert load_published("ted", path).features(np.zeros((1, 34, 27))).shape == (1, 32)
+
+
+def test_other_objects_are_not_unpickled_and_the_error_says_how_to_save_without_them(
+    checkpoint: Checkpoint,
+) -> None:
+    path = checkpoint("ted", args=argparse.Namespace(share=Fraction(1, 3)))
+    with pytest.raises(InputError) as refused:
+        load_published("ted", path)
+    assert "could run code" in refused.value.what and "torch.save" in str(refused.value.remedy)
+
+
+def test_a_checkpoint_that_would_run_code_does_not(tmp_path: Path) -> None:
+    class Harm:
+        def __reduce__(self) -> tuple[Any, ...]:
+            return (Path.touch, (tmp_path / "harm",))
+
+    (tmp_path / "trap.bin").write_bytes(pickle.dumps({"model_state": Harm()}, protocol=2))
+    torch.save({"model_state": Harm()}, tmp_path / "zipped.bin")
+    for name in ("trap.bin", "zipped.bin"):
+        with pytest.raises(InputError):
+            load_published("emage", tmp_path / name)
+    assert not (tmp_path / "harm").exists()
+
+
+def test_what_is_no_checkpoint_of_the_preset_is_refused_with_what_is_wrong(
+    checkpoint: Checkpoint, tmp_path: Path
+) -> None:
+    ted = checkpoint("ted")
+    (tmp_path / "cut.bin").write_bytes(ted.read_bytes()[:5000])
+    (tmp_path / "text.bin").write_text("weights")
+    torch.save([1, 2], tmp_path / "list.bin")
+    small = PRESETS["ted"].network().state_dict()
+    small["pose_encoder.net.0.0.weight"] = torch.zeros(32, 30, 3)
+    torch.save({"gen_dict": small}, tmp_path / "small.bin")
+    for preset, file, said in (
+        ("tde", ted, "unknown published evaluator 'tde'"),
+        ("ted", tmp_path / "none.bin", "no such file"),
+        ("ted", tmp_path / "cut.bin", "cannot be read|not loaded"),
+        ("ted", tmp_path / "text.bin", "cannot be read|not loaded"),
+        ("ted", tmp_path / "list.bin", "no named weights"),
+        ("ted", tmp_path / "small.bin", r"\(32, 30, 3\) instead of \(32, 27, 3\)"),
+        ("emage", ted, "encoder.layers.0.0.residual.0.mask"),
+    ):
+        with pytest.raises(InputError, match=said):
+            load_published(preset, file)
+
+
+def test_an_emage_network_of_two_layers_is_not_the_released_one(checkpoint: Checkpoint) -> None:
+    weights = seeded_weights(
+        {name: tuple(w.shape) for name, w in PRESETS["emage"].network().state_dict().items()}
+    )
+    two = {name: w for name, w in weights.items() if ".layers.2" not in name}
+    with pytest.raises(InputError, match=r"encoder\.layers\.2"):
+        load_published("emage", checkpoint("emage", two))
+
+
+def test_motion_that_a_network_cannot_see_is_refused(ted: PublishedEvaluator) -> None:
+    for motion in (np.zeros((34, 27)), np.zeros((1, 33, 27)), np.zeros((1, 34, 30))):
+        with pytest.raises(InputError, match="shape"):
+            ted.features(motion)
+    with pytest.raises(InputError, match="not finite"):
+        ted.features(np.full((1, 34, 27), np.nan))
+
+
+def test_features_of_a_window_do_not_depend_on_what_is_embedded_with_it(
+    ted: PublishedEvaluator,
+) -> None:
+    motion = np.random.default_rng(0).standard_normal((70, 34, 27))
+    alone = np.concatenate([ted.features(motion[k : k + 1]) for k in (0, 69)])
+    np.testing.assert_allclose(ted.features(motion)[[0, 69]], alone, atol=1e-6)
+
+
+def test_windows_of_a_clip_are_cut_as_the_authors_cut_theirs(
+    ted: PublishedEvaluator, checkpoint: Checkpoint
+) -> None:
+    emage = load_published("emage", checkpoint("emage"))
+    for evaluator, frames, rate, rows in (
+        (ted, 41, 15.0, None),
+        (ted, 42, 15.0, 1),
+        (ted, 62, 15.0, 3),
+        (ted, 124, 30.0, 3),
+        (emage, 31, 30.0, None),
+        (emage, 75, 30.0, 4),
+        (emage, 64, 15.0, 8),
+    ):
+        clip = _still_clip(frames, rate)
+        if rows is None:
+            with pytest.raises(InputError, match="s at least"):
+                evaluator.embed(clip)
+        else:
+            assert evaluator.embed(clip).shape == (rows, evaluator.preset.features)
+
+
+def test_beat_is_shown_clips_in_deviations_of_the_frames_that_are_named_by_path(
+    checkpoint: Checkpoint, tmp_path: Path
+) -> None:
+    path = checkpoint("beat")
+    clip = _still_clip(40, 15.0)
+    with pytest.raises(InputError, match="mean and spread are not given"):
+        load_published("beat", path).embed(clip)
+    random = np.random.default_rng(0)
+    mean, spread = random.normal(0, 5, 141), random.uniform(1, 2, 141)
+    spread[:10] = 1e-5
+    folder = tmp_path / "stats"
+    folder.mkdir()
+    np.save(folder / "bvh_mean.npy", mean)
+    with pytest.raises(InputError, match="cannot be read"):
+        load_published("beat", path, statistics=folder)
+    np.save(folder / "bvh_std.npy", spread)
+    beat = load_published("beat", path, statistics=folder)
+    assert beat.sha256 != load_published("beat", path).sha256
+    frames = PRESETS["beat"].frames(clip)[:34]
+    seen = np.where(np.isnan(frames) | (spread < 1e-3), 0, (frames - mean) / spread)
+    np.testing.assert_allclose(beat.embed(clip), beat.features(seen[None]), atol=1e-4)
+
+
+def test_the_package_names_the_loader_without_loading_torch() -> None:
+    said = "import sys, analysis; assert 'torch' not in sys.modules; analysis.load_published"
+    subprocess.run([sys.executable, "-c", said], check=True)
+
+
+def _still_clip(frames: int, frame_rate: float) -> MotionClip:
+    return MotionClip(
+        poses=np.zeros((frames, 55, 3), np.float32),
+        trans=np.zeros((frames, 3), np.float32),
+        frame_rate=frame_rate,
+    )

@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.evaluators.published_presets import (
+    MEAN_DIRECTIONS,
+    beat_frames,
+    talkshow_frames,
+    ted_frames,
+    ted_joints,
+)
+from motion.clip import MotionClip
+from motion.formats.smplx_rows import read_rows
+from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
+from training.spaces.beat import TOLD_JOINTS, beat_clip, told_motion
+from training.spaces.smplx_bodies import rotation_rows
+
+
+def _clip(poses: NDArray[np.floating]) -> MotionClip:
+    shaped = poses.reshape(len(poses), 55, 3).astype(np.float32)
+    return MotionClip(poses=shaped, trans=np.zeros((len(poses), 3), np.float32), frame_rate=30.0)
+
+
+def test_emage_sees_the_first_two_rows_of_each_joints_rotation_matrix(reference: Path) -> None:
+    with np.load(reference / "emage_plain.npz") as expected:
+        for poses, seen in zip(expected["axis_angle"], expected["motion"], strict=True):
+            np.testing.assert_allclose(rotation_rows(_clip(poses)), seen, atol=1e-6)
+
+
+def test_a_joint_turned_by_a_quarter_about_x_shows_emage_rows_not_columns() -> None:
+    poses = np.zeros((1, 55, 3))
+    poses[0, 5, 0] = np.pi / 2
+    seen = rotation_rows(_clip(poses))[0].reshape(55, 6)
+    np.testing.assert_allclose(seen[5], [1, 0, 0, 0, 0, -1], atol=1e-7)
+    np.testing.assert_allclose(seen[6], [1, 0, 0, 0, 1, 0], atol=1e-7)
+
+
+def test_ted_sees_unit_directions_of_the_published_joints_less_the_published_mean(
+    reference: Path,
+) -> None:
+    with np.load(reference / "ted_plain.npz") as expected:
+        np.testing.assert_array_equal(expected["mean_dir_vec"], MEAN_DIRECTIONS)
+    random = np.random.default_rng(0)
+    seen = ted_frames(_clip(random.normal(0, 0.2, (4, 55, 3))))
+    lengths = np.linalg.norm((seen + MEAN_DIRECTIONS).reshape(4, 9, 3), axis=2)
+    np.testing.assert_allclose(lengths, 1)
+
+
+def test_a_person_who_stands_as_ted_speakers_do_on_average_is_seen_near_their_mean() -> None:
+    poses = np.zeros((1, 55, 3))
+    poses[0, joint_index("left_shoulder"), 2] = -1.0
+    poses[0, joint_index("right_shoulder"), 2] = 1.0
+    poses[0, joint_index("left_elbow"), 1] = -1.6
+    poses[0, joint_index("right_elbow"), 1] = 1.6
+    cosines = np.sum(
+        (ted_frames(_clip(poses))[0] + MEAN_DIRECTIONS).reshape(9, 3)
+        * (
+            MEAN_DIRECTIONS.reshape(9, 3)
+            / np.linalg.norm(MEAN_DIRECTIONS.reshape(9, 3), axis=1)[:, None]
+        ),
+        axis=1,
+    )
+    assert cosines.min() > 0.9
+
+
+def test_the_left_hand_stays_the_left_hand_for_ted() -> None:
+    poses = np.zeros((1, 55, 3))
+    poses[0, joint_index("left_shoulder"), 2] = 0.5
+    still, moved = ted_joints(_clip(np.zeros((1, 55, 3))))[0], ted_joints(_clip(poses))[0]
+    assert np.flatnonzero(np.linalg.norm(moved - still, axis=1) > 0.01).tolist() == [5, 6]
+    assert moved[6, 1] < still[6, 1] and moved[6, 0] < 0  # y is down, x to the person's right
+
+
+def test_talkshow_sees_the_columns_that_its_code_picks(tmp_path: Path) -> None:
+    row = np.linspace(0.001, 0.265, 265)[None]
+    np.save(tmp_path / "talk.npy", row)
+    clip = read_rows(tmp_path / "talk.npy")
+    poses = clip.poses.copy()
+    poses[:, FINGERS] += RELAXED_HANDS
+    left_out = [*range(18), *range(21, 27), *range(30, 36), *range(45, 51)]
+    picked = np.delete(row[:, :165], left_out, axis=1)
+    np.testing.assert_allclose(talkshow_frames(_clip(poses)), picked, atol=1e-6)
+
+
+def test_beats_own_angles_come_back_from_the_clip_that_they_made() -> None:
+    turns = np.random.default_rng(0).normal(0, 0.2, (12, 47, 3))
+    roots = [p for p, name in enumerate(TOLD_JOINTS) if name.endswith(("Ring", "Pinky", "Index"))]
+    forearms = [p for p, name in enumerate(TOLD_JOINTS) if name.endswith(("ForeArm", "Hand"))]
+    turns[:, roots + forearms] = 0
+    values = np.concatenate([turns.reshape(12, -1), np.zeros((12, 51))], axis=1)
+    given = told_motion(values[:, :141], 15.0)
+    columns = [given.columns(given.joint_names.index(name)) for name in TOLD_JOINTS]
+    wanted = np.stack([given.values[:, c.stop - 3 : c.stop] for c in columns], axis=1)
+    found = beat_frames(beat_clip(values, 15.0)).reshape(12, 47, 3)
+    assert np.isnan(found[:, roots]).all()
+    kept = np.setdiff1d(np.arange(47), roots + forearms)
+    np.testing.assert_allclose(found[:, kept], wanted[:, kept], atol=0.01)
+    # Elbow and wrist share the little twist by which the two figures differ at rest.
+    np.testing.assert_allclose(found[:, forearms], wanted[:, forearms], atol=3)
+
+
+@pytest.mark.parametrize("frames", [rotation_rows, beat_frames, ted_frames, talkshow_frames])
+def test_no_network_sees_where_the_body_stands(
+    frames: Callable[[MotionClip], NDArray[np.float64]],
+) -> None:
+    clip = _clip(np.random.default_rng(0).normal(0, 0.2, (3, 55, 3)))
+    moved = MotionClip(poses=clip.poses, trans=clip.trans + 2, frame_rate=30.0)
+    np.testing.assert_allclose(frames(clip), frames(moved), atol=1e-9)

@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.measurement.recorded_spread import ClipExtent, recorded_spread
+
+FloatArray = NDArray[np.float64]
+
+
+def clips() -> Iterator[tuple[FloatArray, FloatArray]]:
+    chance = np.random.default_rng(0)
+    for frames in (30, 50):
+        rotations = chance.normal(0.4, 0.2, (frames, 3, 3))
+        rotations[:, 1] = 0.7
+        rotations[:, 2, 0] = -0.1
+        yield rotations, chance.normal(0, 1, (frames, 5, 3))
+
+
+def test_the_spread_of_clips_is_that_of_all_frames_together() -> None:
+    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
+    assert found is not None
+    rotations = np.concatenate([rotations for rotations, _ in clips()])
+    positions = np.concatenate([positions.reshape(-1, 3) for _, positions in clips()])
+    np.testing.assert_allclose(found.mean, rotations.mean(axis=0))
+    np.testing.assert_allclose(found.deviation[0], rotations[:, 0].std(axis=0))
+    assert found.recordings == 2
+    assert np.linalg.norm(np.ptp(positions, axis=0)) * found.scale == pytest.approx(1)
+
+
+def test_joints_that_never_move_are_left_out_and_still_channels_stay_radians() -> None:
+    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
+    assert found is not None
+    assert found.moving.tolist() == [True, False, True]
+    assert found.deviation[2, 0] == 1
+    rotations = np.concatenate([rotations for rotations, _ in clips()])
+    standard = found.normalised(rotations)
+    assert standard.shape == (80, 2, 3)
+    np.testing.assert_allclose(standard[:, 0].std(axis=0), 1)
+    assert np.abs(standard[:, 1, 0]).max() < 1e-9
+
+
+def test_no_recording_and_no_extent_are_no_spread() -> None:
+    assert recorded_spread([]) is None
+    point = ClipExtent.of(np.zeros((4, 2, 3)), np.ones((4, 2, 3)))
+    assert recorded_spread([point]) is None

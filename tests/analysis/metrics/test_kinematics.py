@@ -1,0 +1,198 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.metrics.kinematics import (
+    CONTACT_HEIGHT,
+    GENEA_ACCELERATION,
+    HANDS,
+    HANDS_UNFILTERED,
+    foot_sliding,
+    mean_derivative,
+    speed_counts,
+    speed_distance,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+def along_x(curve: FloatArray) -> FloatArray:
+    positions = np.zeros((len(curve), 1, 3))
+    positions[:, 0, 0] = curve
+    return positions
+
+
+@pytest.mark.parametrize("frame_rate", [24, 30, 60, 120])
+def test_a_cubic_has_the_same_jerk_at_every_frame_rate(
+    closed_form: Mapping[str, Any], frame_rate: float
+) -> None:
+    expected = closed_form["jerk"]
+    time = np.arange(2 * frame_rate) / frame_rate
+    found = mean_derivative(
+        along_x(expected["c"] * time**3), frame_rate=frame_rate, settings=HANDS_UNFILTERED
+    )
+    assert found.value == pytest.approx(expected["value"], rel=1e-6)
+
+
+def test_a_sinusoid_agrees_with_its_closed_form(closed_form: Mapping[str, Any]) -> None:
+    expected = closed_form["jerk"]
+    time = np.arange(600) / expected["fps"]
+    curve = expected["A"] * np.sin(2 * np.pi * expected["f"] * time)
+    found = mean_derivative(along_x(curve), frame_rate=expected["fps"], settings=HANDS_UNFILTERED)
+    # The mean of |sin| is 2 / pi of the amplitude that the closed form gives.
+    assert found.value == pytest.approx(expected["value_sin"] * 2 / math.pi, rel=1e-2)
+
+
+def test_white_noise_is_amplified_as_its_binomial_sum_says() -> None:
+    noise = np.random.default_rng(0).normal(0, 0.001, (4000, 1, 3))
+    found = mean_derivative(noise, frame_rate=30.0, settings=HANDS_UNFILTERED)
+    one_axis = 0.001 * math.sqrt(20) * 30**3
+    assert found.value == pytest.approx(one_axis * 2 * math.sqrt(2 / math.pi), rel=0.03)
+
+
+def test_the_filter_keeps_gestures_and_removes_jitter() -> None:
+    time = np.arange(600) / 30
+    gesture = along_x(0.2 * np.sin(2 * np.pi * 1.0 * time))
+    jitter = gesture + np.random.default_rng(0).normal(0, 0.002, gesture.shape)
+    clean = mean_derivative(gesture, frame_rate=30.0, settings=HANDS).value
+    assert clean == pytest.approx(
+        mean_derivative(gesture, frame_rate=30.0, settings=HANDS_UNFILTERED).value, rel=0.05
+    )
+    filtered = mean_derivative(jitter, frame_rate=30.0, settings=HANDS).value
+    unfiltered = mean_derivative(jitter, frame_rate=30.0, settings=HANDS_UNFILTERED).value
+    assert filtered < 0.4 * unfiltered
+
+
+def test_stillness_has_no_jerk() -> None:
+    assert mean_derivative(
+        np.ones((40, 2, 3)), frame_rate=30.0, settings=HANDS
+    ).value == pytest.approx(0, abs=1e-6)
+
+
+def test_a_clip_too_short_or_too_slow_has_no_score_but_a_reason() -> None:
+    short = mean_derivative(np.zeros((15, 2, 3)), frame_rate=30.0, settings=HANDS)
+    assert math.isnan(short.value)
+    assert "fewer than 16 frames" in short.reason
+    slow = mean_derivative(np.zeros((40, 2, 3)), frame_rate=10.0, settings=HANDS)
+    assert math.isnan(slow.value)
+    assert "10 fps is too slow" in slow.reason
+
+
+def test_settings_tell_joints_rate_and_filter() -> None:
+    settings = mean_derivative(np.zeros((40, 2, 3)), frame_rate=25.0, settings=HANDS).settings
+    assert settings["joints"] == "left_wrist, right_wrist"
+    assert settings["frame rate"] == "25 fps"
+    assert "6 Hz" in settings["filter"]
+    other = mean_derivative(
+        np.zeros((40, 2, 3)), frame_rate=25.0, settings=replace(HANDS, cutoff=None)
+    )
+    assert other.settings["filter"] == "none"
+
+
+def test_a_steady_acceleration_is_found() -> None:
+    time = np.arange(20) / 25
+    positions = np.zeros((20, 8, 3))
+    positions[:, :, 1] = 0.5 * 3.0 * time[:, None] ** 2
+    found = mean_derivative(positions, frame_rate=25.0, settings=GENEA_ACCELERATION)
+    assert found.value == pytest.approx(3.0)
+    assert found.unit == "m/s²"
+    few = mean_derivative(positions[:2], frame_rate=25.0, settings=GENEA_ACCELERATION)
+    assert few.reason == "the clip has fewer than 3 frames"
+
+
+def feet(
+    frames: int = 60, *, speed: float = 0.0, frame_rate: float = 30.0, lifted: float = 0.0
+) -> FloatArray:
+    """Return two feet, side by side, of which the second is lifted and both glide along z."""
+    positions = np.zeros((frames, 2, 3))
+    positions[:, 0, 0] = 0.2
+    positions[:, :, 2] = speed * np.arange(frames)[:, None] / frame_rate
+    positions[:, 1, 1] = lifted
+    return positions
+
+
+@pytest.mark.parametrize("frame_rate", [15.0, 60.0])
+def test_gliding_feet_slide_as_fast_as_they_glide(frame_rate: float) -> None:
+    found = foot_sliding(feet(speed=0.4, frame_rate=frame_rate), frame_rate=frame_rate)
+    assert found.value == pytest.approx(0.4)
+    assert found.unit == "m/s"
+
+
+def test_standing_feet_do_not_slide() -> None:
+    assert foot_sliding(feet(), frame_rate=30).value == 0
+
+
+def test_a_foot_in_the_air_may_move() -> None:
+    found = foot_sliding(feet(speed=0.4, lifted=0.1), frame_rate=30)
+    assert found.n == 59
+    assert found.value == pytest.approx(0.4)
+    walking = feet(lifted=0.1)
+    walking[:, 1, 2] = np.linspace(0, 2, 60)
+    assert foot_sliding(walking, frame_rate=30).value == 0
+
+
+def test_sliding_fades_with_height() -> None:
+    half = foot_sliding(feet(speed=0.4, lifted=CONTACT_HEIGHT / 2), frame_rate=30)
+    expected = 0.4 * (1 + 2 - math.sqrt(2)) / 2
+    assert half.value == pytest.approx(expected)
+
+
+def test_where_the_body_stands_and_which_way_it_faces_does_not_matter() -> None:
+    gliding = feet(speed=0.3)
+    turned = gliding[..., [2, 1, 0]] + [3.0, 1.0, -2.0]
+    assert foot_sliding(turned, frame_rate=30).value == pytest.approx(
+        foot_sliding(gliding, frame_rate=30).value
+    )
+
+
+def test_feet_that_never_stand_have_no_score_but_a_reason() -> None:
+    flying = feet()
+    flying[::2, :, 1] = 1.0
+    found = foot_sliding(flying, frame_rate=30)
+    assert math.isnan(found.value)
+    assert "no foot stays" in found.reason
+    assert foot_sliding(feet(1), frame_rate=30).reason == "a speed needs two frames"
+
+
+def at_speed(
+    speed: float, *, frames: int = 31, joints: int = 2, frame_rate: float = 30.0
+) -> FloatArray:
+    """Return joints that all move along x at one speed."""
+    x = np.arange(frames)[:, None] * speed / frame_rate
+    return np.stack([np.broadcast_to(x, (frames, joints))] + [np.zeros((frames, joints))] * 2, 2)
+
+
+def test_every_frame_is_in_the_bin_of_its_speed_and_the_last_bin_is_open() -> None:
+    counts = speed_counts(np.concatenate([at_speed(0.12), at_speed(99.0)], axis=1), 30.0)
+    assert counts.shape == (4, 80)
+    assert counts[0, 2] == counts[2, 79] == 30
+    assert counts.sum() == 4 * 30
+
+
+def test_equal_histograms_are_at_distance_0_and_disjoint_ones_at_1() -> None:
+    slow, fast = (np.stack([speed_counts(at_speed(v), 30.0)] * 6) for v in (0.12, 0.52))
+    same = speed_distance(slow, slow, frame_rate=30.0)
+    assert (same.value, same.interval) == (0, (0, 0))
+    assert speed_distance(slow, fast, frame_rate=30.0).value == 1
+
+
+def test_the_distance_is_hellingers() -> None:
+    one, other = np.zeros((2, 1, 1, 80), int)
+    one[0, 0, :2], other[0, 0, :2] = (1, 3), (3, 1)
+    found = speed_distance(one, other, frame_rate=30.0)
+    assert found.value == pytest.approx(math.sqrt(1 - math.sqrt(3) / 2))
+    assert found.interval is None
+
+
+def test_single_frames_have_no_speed() -> None:
+    none = speed_counts(at_speed(1.0, frames=1), 30.0)[None]
+    found = speed_distance(none, none, frame_rate=30.0)
+    assert math.isnan(found.value)
+    assert "two frames" in found.reason

@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+
+import pandas as pd
+import pytest
+
+from analysis.report.content import Section
+from analysis.report.figures.svg import About
+from analysis.report.page import first_picture, headline_sections
+from analysis.report.sections.heterogeneity import effects, heterogeneity_section
+from analysis.report.sections.preference_rows import pairwise_groups
+from analysis.report.sections.preferences import preference_pictures
+from analysis.report.subject import Subject
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.report import TableReport
+from tests.analysis.report.sections.reading import drawn, told
+from tests.analysis.results.made_tables import TABLES, pairwise_table
+
+Analyse = Callable[[str, pd.DataFrame], TableReport]
+MakeSubject = Callable[..., Subject]
+Sections = Mapping[str, tuple[Section, ...]]
+
+PROTOCOLS = tuple(TABLES)
+ALIKE = {"pairwise": 3, "rating": 4, "mismatch": 3}
+
+
+def small(protocol: str, participants: int = 3) -> pd.DataFrame:
+    return TABLES[protocol](participants=participants, segments=3)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_one_participant_gives_a_sentence_and_tables(
+    protocol: str, analyse: Analyse, subject: MakeSubject
+) -> None:
+    report = analyse(protocol, small(protocol, participants=1))
+    (section,) = headline_sections(report, subject(protocol))
+    assert "one participant" in section.paragraphs[0]
+    assert not section.pictures
+    assert section.tables[0].rows
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_answers_that_are_all_alike_give_a_sentence(
+    protocol: str, analyse: Analyse, subject: MakeSubject
+) -> None:
+    table = small(protocol)
+    column = "rank" if protocol == "ranking" else "response"
+    table[column] = ALIKE.get(protocol, 1)
+    (section,) = headline_sections(analyse(protocol, table), subject(protocol))
+    assert "nothing to test" in section.paragraphs[0]
+    assert not section.pictures
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_where_everybody_is_excluded_nothing_is_drawn(
+    protocol: str, analyse: Analyse, subject: MakeSubject
+) -> None:
+    report = analyse(protocol, small(protocol).assign(excluded=True))
+    for section in headline_sections(report, subject(protocol)):
+        assert "No answer is left" in section.paragraphs[0]
+        assert not section.pictures
+
+
+def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse: Analyse) -> None:
+    table = pairwise_table(participants=4, segments=3)
+    lost = table["participant"].isin(["p00"])
+    of_one = (table["left"].isin(["other", "static"])) & (table["right"].isin(["other", "static"]))
+    table = table[lost | ~of_one].assign(excluded=lambda t: t["participant"] == "p00")
+    results = analyse("pairwise", table).results
+    assert isinstance(results, PairwiseResults)
+    (group,) = pairwise_groups(results, None)
+    (picture,) = preference_pictures(group, About(name="preferences", title="Answers", caption=""))
+    assert "no answers" in drawn(picture).get_text()
+    assert "other against static: no answers" in told(picture)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
+    protocol: str, analyse: Analyse, subject: MakeSubject, sections: Sections
+) -> None:
+    alone = headline_sections(analyse(protocol, small(protocol, participants=1)), subject(protocol))
+    for section in (*alone, *(one for found in sections.values() for one in found)):
+        said = [c.text for t in section.tables for row in t.rows for c in row]
+        said += [note for t in section.tables for note in t.notes]
+        said += [told(picture) for picture in section.pictures]
+        assert not any("nan" in re.split(r"\W", text.lower()) for text in said)
+        for table in section.tables:
+            assert {len(row) for row in table.rows} <= {len(table.header)}
+            assert not table.groups or sum(span for _, span in table.groups) == len(table.header)
+
+
+def test_the_first_figure_is_taken_out_of_its_section(sections: Sections) -> None:
+    for found in sections.values():
+        picture, rest = first_picture(found)
+        assert picture is found[0].pictures[0]
+        assert rest[0].pictures == found[0].pictures[1:]
+    assert first_picture(()) == (None, ())
+
+
+def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
+    analyse: Analyse, subject: MakeSubject
+) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=6)
+    number = table["segment"].str[1:].astype(int)
+    table["emotion"] = number.map(lambda k: "joy" if k % 2 else "anger")
+    report = analyse("pairwise", table)
+    section = heterogeneity_section(report, subject("pairwise"))
+    assert section is not None
+    assert [picture.name for picture in section.pictures] == ["by-emotion", "by-segment"]
+    assert any("Hollow marks are descriptive" in text for text in section.paragraphs)
+    said = drawn(section.pictures[0]).get_text()
+    assert "all emotions" in said
+    assert said.index("anger") < said.index("joy")
+    assert [row[2].text for row in section.tables[0].rows] == ["emotion", "segment"]
+
+
+def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
+    results = analyse("pairwise", table).results
+    (forward,), (turned,) = (effects(results, name) for name in ("ours", "other"))
+    assert forward.about == "ours against other"
+    assert turned.about == "other against ours"
+    for one, other in zip(forward.found.levels, turned.found.levels, strict=True):
+        assert other.estimate == pytest.approx(1 - one.estimate)
+        assert other.descriptive == one.descriptive

@@ -1,0 +1,205 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from analysis.report import wording
+from analysis.report.content import Section
+from analysis.report.page import headline_sections
+from analysis.report.sections import preferences
+from analysis.report.sections.preference_rows import pairwise_groups
+from analysis.report.subject import Subject
+from analysis.results.pairwise import MismatchResults, PairwiseResults
+from analysis.results.report import TableReport
+from tests.analysis.report.sections.reading import (
+    drawn,
+    edges,
+    hints,
+    named_picture,
+    named_table,
+    texts,
+    told,
+    words,
+)
+
+Sections = Mapping[str, tuple[Section, ...]]
+
+
+def results(report: TableReport) -> PairwiseResults:
+    assert isinstance(report.results, PairwiseResults)
+    return report.results
+
+
+def test_every_part_of_every_bar_tells_its_count(
+    all_pairs: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["all pairs"]
+    said = hints(named_picture(section, "preferences"))
+    assert len(said) == 3 * 2 * 5
+    for one in results(all_pairs).comparisons:
+        for level, count in zip(
+            (f"clearly {one.a}", f"slightly {one.a}", "no difference"),
+            one.counts.values(),
+            strict=False,
+        ):
+            assert any(f"{level}: {count} of {one.n}" in text for text in said)
+
+
+def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
+    all_pairs: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["all pairs"]
+    (group,) = pairwise_groups(results(all_pairs), None)
+    picture = named_picture(section, "preferences")
+    for row, label in enumerate(group.labels):
+        found = next(r for r in group.rows if r.label == label and r.found.question == "emotion")
+        parts = edges(picture, [f"bar0-{row}-{level}" for level in range(5)])
+        widths = [right - left for left, right in parts]
+        scale = sum(widths) / 100
+        assert [w / scale for w in widths] == pytest.approx(found.percentages, abs=0.01)
+        if not row:
+            middle = sum(parts[2]) / 2
+        assert sum(parts[2]) / 2 == pytest.approx(middle, abs=0.01)
+
+
+def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
+    all_pairs: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["all pairs"]
+    said = words(named_picture(section, "preferences"))
+    assert said.index("Emotion") < said.index("Rhythm")
+    shares = [
+        wording.share(one.win_share.estimate)
+        for one in sorted(
+            (c for c in results(all_pairs).comparisons if c.question == "emotion"),
+            key=lambda one: -one.win_share.estimate,
+        )
+    ]
+    assert [text for text in said if text in shares][: len(shares)] == shares
+
+
+def test_the_text_alternative_says_every_number(all_pairs: TableReport, sections: Sections) -> None:
+    (section,) = sections["all pairs"]
+    said = told(named_picture(section, "preferences"))
+    for one in results(all_pairs).comparisons:
+        share = wording.share(one.win_share.estimate)
+        assert f"{one.a} against {one.b}:" in said
+        assert f"win share {share}" in said
+
+
+def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
+    against_one: TableReport, sections: Sections
+) -> None:
+    found = results(against_one)
+    (group,) = pairwise_groups(found, None)
+    assert group.one == "static"
+    turned = 0
+    for row in group.rows:
+        one = next(c for c in found.comparisons if row.label in {c.a, c.b})
+        assert "static" in {one.a, one.b}
+        if one.a == "static":
+            assert row.levels == tuple(one.counts.values())
+            continue
+        turned += 1
+        assert row.levels == tuple(one.counts.values())[::-1]
+        assert row.found.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
+        assert row.found.win_share.low == pytest.approx(1 - one.win_share.high)
+        assert row.found.clmm.estimate == -one.clmm.estimate
+    assert 0 < turned < len(group.rows)
+    (section,) = sections["against one"]
+    assert [picture.name for picture in section.pictures] == ["preferences"]
+    assert texts(named_table(section, "preferences"))[0][0] == group.labels[0]
+
+
+def test_a_reference_that_not_all_comparisons_show_turns_none_of_them(
+    all_pairs: TableReport,
+) -> None:
+    (group,) = pairwise_groups(results(all_pairs), "ours")
+    assert group.one == "the first"
+    assert {row.label for row in group.rows} == {
+        f"{c.a} against {c.b}" for c in results(all_pairs).comparisons
+    }
+
+
+def test_the_sums_of_table_a5_are_those_of_the_results(
+    against_one: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["against one"]
+    table = named_table(section, "preferences")
+    assert table.groups == (("", 1), ("Emotion", 4))
+    for row in table.rows:
+        one = next(c for c in results(against_one).comparisons if row[0].text in {c.a, c.b})
+        ours, other = ("a", "b") if one.a == "static" else ("b", "a")
+        assert [cell.value for cell in row[1:]] == pytest.approx(
+            [one.share[ours], one.share[other], one.share["equal"], one.n]
+        )
+        assert row[1].best == (one.share[ours] > one.share[other])
+        assert row[2].best == (one.share[other] > one.share[ours])
+
+
+def test_as_published_is_labelled_and_says_what_it_ignores(
+    all_pairs: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["all pairs"]
+    table = named_table(section, "as-published")
+    assert ("as published, p", 2) in table.groups
+    assert any("resemble each other" in note for note in table.notes)
+    one = next(c for c in results(all_pairs).comparisons if c.question == "emotion")
+    row = next(r for r in table.rows if r[1].text == f"{one.a} against {one.b}")
+    assert [cell.value for cell in row[-2:]] == [
+        one.as_published.binomial_p,
+        one.as_published.wilcoxon_p,
+    ]
+
+
+def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
+    all_pairs: TableReport, subject: Callable[..., Subject], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(preferences, "MOST_BARS", 2)
+    (section,) = headline_sections(all_pairs, subject("pairwise"))
+    assert [picture.name for picture in section.pictures] == ["win-share-matrix", "strengths"]
+    said = hints(section.pictures[0])
+    assert len(said) == 2 * 3 * 2
+    for one in results(all_pairs).comparisons:
+        share = one.win_share.estimate
+        assert any(
+            text.startswith(f"{one.a} against {one.b}: {wording.share(share)}") for text in said
+        )
+        assert any(
+            text.startswith(f"{one.b} against {one.a}: {wording.share(1 - share)}") for text in said
+        )
+
+
+def test_strengths_stand_with_the_ranks_that_they_allow(
+    all_pairs: TableReport, sections: Sections
+) -> None:
+    (section,) = sections["all pairs"]
+    found = results(all_pairs).bradley_terry.of_set(None)["emotion"]
+    said = words(named_picture(section, "strengths"))
+    first = min(found.ranks.values(), key=lambda rank: rank.best)
+    assert "rank" in " ".join(said)
+    assert first.best == 1
+    rows = texts(named_table(section, "strengths"))
+    assert {row[1] for row in rows} == {"ours", "other", "static"}
+
+
+def test_a_mark_stays_with_every_figure(sections: Sections) -> None:
+    (section,) = sections["all pairs"]
+    for picture in section.pictures:
+        assert "no person answered" in drawn(picture).get_text()
+
+
+def test_own_speech_stands_on_the_left_of_every_condition(
+    matched: TableReport, sections: Sections
+) -> None:
+    assert isinstance(matched.results, MismatchResults)
+    (section,) = sections["mismatch"]
+    picture = named_picture(section, "own-speech")
+    said = hints(picture)
+    for one in matched.results.conditions:
+        assert f"clearly own speech: {one.counts['own_strong']} of {one.n}" in " ".join(said)
+    assert any(text.startswith("truth") for text in words(picture))
+    table = named_table(section, "own-speech")
+    best = {row[0].text: row[1].value for row in table.rows}
+    assert best == pytest.approx({c.condition: c.share["own"] for c in matched.results.conditions})

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pytest
+
+from analysis.report.content import Section
+from analysis.report.sections.rankings import ordinal
+from analysis.report.sections.ratings import distribution_pictures
+from analysis.results.ranking import RankingResults
+from analysis.results.rating import RatingResults
+from analysis.results.report import TableReport
+from tests.analysis.report.sections.reading import (
+    SCALE,
+    edges,
+    named_picture,
+    named_table,
+    told,
+    words,
+)
+
+Sections = Mapping[str, tuple[Section, ...]]
+
+
+@pytest.fixture(scope="module")
+def results(rated: TableReport) -> RatingResults:
+    assert isinstance(rated.results, RatingResults)
+    return rated.results
+
+
+def test_sets_are_kept_apart(sections: Sections) -> None:
+    assert [section.heading for section in sections["rating"]] == [
+        "Set 1: how the conditions were rated",
+        "Set 2: how the conditions were rated",
+    ]
+    first, second = ({row[0].text for row in s.tables[0].rows} for s in sections["rating"])
+    assert first == {"truth", "ours", "static"}
+    assert second == {"truth", "late"}
+    names = [p.name for s in sections["rating"] for p in s.pictures]
+    assert len(names) == len(set(names))
+
+
+def test_parts_of_a_bar_are_as_wide_as_scores_were_given(
+    results: RatingResults, sections: Sections
+) -> None:
+    picture = named_picture(sections["rating"][0], "ratings-set-1")
+    conditions = [c for c in results.conditions if c.set == "1"]
+    for row, one in enumerate(conditions):
+        parts = edges(picture, [f"bar0-{row}-{level}" for level in range(5)])
+        widths = [right - left for left, right in parts]
+        expected = [100 * count / one.n for count in one.counts.values()]
+        assert [100 * w / sum(widths) for w in widths] == pytest.approx(expected, abs=0.05)
+
+
+def test_the_legend_says_what_the_scores_are_called(sections: Sections) -> None:
+    said = " ".join(words(named_picture(sections["rating"][0], "ratings-set-1")))
+    for label in SCALE:
+        assert label in said
+
+
+def test_cumulative_curves_are_the_shares_that_reach_a_score(
+    results: RatingResults, sections: Sections
+) -> None:
+    said = told(named_picture(sections["rating"][0], "cumulative-set-1"))
+    for one in (c for c in results.conditions if c.set == "1"):
+        assert f"{one.condition}: 100 % at least 1" in said
+        assert f"{one.at_least[3]:.0f} % at least 3" in said
+
+
+def test_the_best_mean_is_bold_and_the_second_best_underlined(
+    sections: Sections,
+) -> None:
+    rows = named_table(sections["rating"][0], "scores-set-1").rows
+    means = {row[0].text: row[1] for row in rows}
+    assert means["truth"].best
+    assert means["ours"].second
+    assert not means["static"].best
+    assert not means["static"].second
+
+
+def test_contrasts_lead_with_paired_differences_corrected_by_holm(
+    results: RatingResults, sections: Sections
+) -> None:
+    rows = named_table(sections["rating"][0], "contrasts-set-1").rows
+    found = [c for c in results.contrasts if c.set == "1"]
+    assert [[row[4].value, row[7].value] for row in rows] == [
+        [c.difference.estimate, c.difference.p_holm] for c in found
+    ]
+    assert named_picture(sections["rating"][0], "contrasts-set-1")
+
+
+def test_scales_that_differ_are_said_under_the_figure(
+    results: RatingResults,
+) -> None:
+    conditions = [c for c in results.conditions if c.set == "1"]
+    twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
+    labels = {"match": SCALE, "sync": tuple("abcde")}
+    (picture,) = distribution_pictures(twice, labels, name="r", mark="")
+    assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
+    assert "1 (worst)" in words(picture)
+
+
+@pytest.fixture(scope="module")
+def ranking_results(ranked: TableReport) -> RankingResults:
+    assert isinstance(ranked.results, RankingResults)
+    return ranked.results
+
+
+@pytest.fixture(scope="module")
+def ranking_section(sections: Mapping[str, tuple[Section, ...]]) -> Section:
+    (found,) = sections["ranking"]
+    return found
+
+
+def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
+    ranking_results: RankingResults, ranking_section: Section
+) -> None:
+    picture = named_picture(ranking_section, "places")
+    for row, one in enumerate(
+        sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
+    ):
+        parts = edges(picture, [f"bar0-{row}-{place}" for place in range(3)])
+        widths = [right - left for left, right in parts]
+        assert [100 * w / sum(widths) for w in widths] == pytest.approx(
+            list(one.rank_percent.values()), abs=0.05
+        )
+
+
+def test_mean_ranks_first_places_and_worths_stand_in_one_section(
+    ranking_results: RankingResults, ranking_section: Section
+) -> None:
+    assert [picture.name for picture in ranking_section.pictures] == ["places", "worths"]
+    for row, one in zip(
+        named_table(ranking_section, "ranks").rows, ranking_results.conditions, strict=True
+    ):
+        assert row[3].value == one.mean_rank.estimate
+        assert row[6].value == one.first_share.estimate
+    worths = ranking_results.plackett_luce.of_set(None)["realism"]
+    rows = named_table(ranking_section, "worths").rows
+    assert {row[1].text: row[2].value for row in rows} == worths.worths
+    assert "rank " in told(named_picture(ranking_section, "worths"))
+
+
+def test_places_are_counted_as_people_say_them() -> None:
+    assert [ordinal(place) for place in (1, 2, 3, 4, 11, 12, 13, 21, 22)] == [
+        *("1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "22nd")
+    ]

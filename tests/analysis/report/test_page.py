@@ -1,0 +1,233 @@
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from bs4 import BeautifulSoup
+
+from analysis.report import write_report
+from analysis.report.content import Cell, Section, Table
+from analysis.report.figures import style
+from analysis.report.page import Page, write_page_files
+from analysis.report.tables import as_frame
+from studyapp.results.report import report_table
+from tests.analysis.report.subjects import subject_of
+from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
+
+HOSTILE = '<script>alert("x")</script> & $\\frac{1}{2}$ #_%'
+
+
+@pytest.fixture(scope="module", params=list(TABLES))
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a report of each protocol."""
+    found = tmp_path_factory.mktemp(request.param)
+    report = report_of(TABLES[request.param](participants=5, segments=4), request.param, found)
+    write_report(report, subject_of(report), found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> BeautifulSoup:
+    """Return its page."""
+    return opened(folder / "report.html")
+
+
+VOID = {"meta", "br", "hr", "img", "link", "input", "col", "wbr"}
+
+
+class _Nesting(HTMLParser):
+    """Fail on any element that is not closed where it was opened."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        names = [name for name, _ in attrs]
+        assert len(names) == len(set(names)), f"<{tag}> repeats an attribute"
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        pass
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag, f"</{tag}> is out of place at {self.getpos()}"
+
+
+def opened(path: Path) -> BeautifulSoup:
+    """Return a page of a report, whose HTML is well formed."""
+    text = path.read_text(encoding="utf-8")
+    nesting = _Nesting()
+    nesting.feed(text)
+    assert nesting.open == []
+    return BeautifulSoup(text, "html.parser")
+
+
+def test_the_page_needs_nothing_from_outside(page: BeautifulSoup, folder: Path) -> None:
+    assert not page.find_all(["link", "iframe", "object"])
+    for element in page.find_all(True):
+        for name, value in element.attrs.items():
+            if name in {"href", "xlink:href", "src", "action"}:
+                assert re.match(r"#|data:image/|tables/[\w.-]+$", str(value)), f"{name}={value}"
+            assert not name.startswith("on")
+    style = " ".join(element.get_text() for element in page("style"))
+    assert "@import" not in style
+    assert not re.search(r"url\((?!#)", str(page))
+    for name in {str(a["href"]) for a in page.find_all("a", class_="data")}:
+        assert (folder / name).exists(), name
+
+
+def test_every_id_is_one_of_a_kind_and_every_reference_finds_its_own(page: BeautifulSoup) -> None:
+    ids = [element["id"] for element in page.find_all(id=True)]
+    assert len(ids) == len(set(ids))
+    wanted = {e["href"][1:] for e in page.find_all(href=re.compile("^#"))}
+    wanted |= {e["xlink:href"][1:] for e in page.select("[xlink\\:href]")}
+    for name in ("aria-labelledby", "aria-describedby"):
+        wanted |= {e[name] for e in page.select(f"[{name}]")}
+    wanted |= set(re.findall(r"url\(#([^)]+)\)", str(page)))
+    assert wanted <= set(ids)
+
+
+def test_tables_and_figures_speak_to_those_who_cannot_see_them(page: BeautifulSoup) -> None:
+    assert page.select("html[lang=en]")
+    assert {header["scope"] for header in page.find_all("th")} <= {"row", "col", "colgroup"}
+    pictures = page.find_all("svg")
+    assert pictures
+    for picture in pictures:
+        assert picture["role"] == "img"
+        assert picture.find("title") or picture["aria-label"]
+    for figure in page.find_all("figure"):
+        (caption,) = figure.find_all("figcaption")
+        assert len(caption.get_text()) > 30
+
+
+def test_every_figure_is_a_file_too_and_every_named_table_is_latex(
+    page: BeautifulSoup, folder: Path
+) -> None:
+    figures = list((folder / "figures").glob("*.pdf"))
+    assert len(figures) == len(page.select("svg:not(.narrow)"))
+    assert all(file.read_bytes().startswith(b"%PDF") for file in figures)
+    latex = list((folder / "tables").glob("*.tex"))
+    assert latex
+    for file in latex:
+        assert r"\toprule" in file.read_text("utf-8")
+
+
+def test_hostile_names_are_text_and_nothing_else(tmp_path: Path) -> None:
+    table = pairwise_table((HOSTILE, "other"), effects=(1.0, 0.0), participants=4, segments=4)
+    report = report_of(table, "pairwise", tmp_path)
+
+    page = opened(write_report(report, subject_of(report, title=HOSTILE), tmp_path))
+
+    (said,), (script,) = page.select(".answer"), page.find_all("script")
+    assert HOSTILE.replace("_", " ") in said.get_text()
+    assert "alert" not in script.get_text()
+
+
+def test_the_policy_lets_the_pages_own_script_run_and_no_other(page: BeautifulSoup) -> None:
+    (policy,) = (str(meta["content"]) for meta in page.select("meta[http-equiv]"))
+
+    assert "default-src 'none'" in policy
+    assert re.search(r"script-src 'sha256-[\w+/=]+';", policy)
+
+
+def test_results_keep_what_stands_beside_the_protocols_own_keys(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=4, segments=4), "pairwise", tmp_path)
+
+    write_report(report, subject_of(report), tmp_path / "out", beside={"study": {"seed": 3}})
+
+    found = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))
+    assert found["study"] == {"seed": 3}
+    assert found["flow"] == [
+        {
+            **dict.fromkeys(("places", "opened", "withdrawn", "earlier", "unwatched", "completed")),
+            "arm": "",
+            "answered": 4,
+            "removed": [],
+            "analysed": 4,
+        }
+    ]
+
+
+def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are(tmp_path: Path) -> None:
+    table = Table(
+        caption="A table.",
+        header=("name", "share"),
+        groups=(("", 1), ("all", 1)),
+        rows=((Cell(text="ours"), Cell(text=".33", value=1 / 3)),),
+        name="shares",
+    )
+    page = Page(
+        title="t",
+        mark="",
+        mark_short="rehearsal",
+        answer=(),
+        picture=None,
+        flow="",
+        sections=(Section(anchor="a", heading="A", tables=(table,)),),
+    )
+
+    write_page_files(page, tmp_path)
+
+    assert as_frame(table).columns.tolist() == ["name", "all share"]
+    assert pd.read_csv(tmp_path / "tables" / "shares.csv").iloc[0].tolist() == [
+        "ours",
+        0.3333333333,
+    ]
+    assert "[rehearsal] A table." in (tmp_path / "tables" / "shares.tex").read_text(
+        "utf-8"
+    ).replace("{[}", "[").replace("{]}", "]")
+
+
+@pytest.mark.slow
+def test_processes_with_different_hash_seeds_write_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(style.STYLE, "pdf.fonttype", 42)
+    TABLES["pairwise"](participants=4, segments=4).to_csv(tmp_path / "answers.csv", index=False)
+    code = (
+        "import sys; from pathlib import Path;"
+        "from studyapp.results.report import report_table;"
+        "report_table(Path(sys.argv[1]), 'pairwise', Path(sys.argv[2]),"
+        " max_catch_failures=1, margin=0.1)"
+    )
+    here, there = tmp_path / "here", tmp_path / "there"
+    report_table(tmp_path / "answers.csv", "pairwise", here, max_catch_failures=1, margin=0.1)
+    another = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
+    subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "answers.csv"), str(there)],
+        check=True,
+        env={**os.environ, "PYTHONHASHSEED": another},
+    )
+
+    assert bytes_in(here) == bytes_in(there)
+
+
+def bytes_in(folder: Path) -> dict[str, bytes]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def test_the_sentences_for_the_paper_are_those_of_the_page(
+    page: BeautifulSoup, folder: Path
+) -> None:
+    shown = " ".join(page.get_text(" ").split())
+
+    told = (folder / "paper.txt").read_text("utf-8")
+
+    paragraphs = told.strip().split("\n\n")
+    assert len(paragraphs) > 4
+    for paragraph in paragraphs:
+        for sentence in paragraph.split(". "):
+            assert " ".join(sentence.split()) in shown
+    assert "Methods" not in paragraphs[0]
+    assert any(text.startswith("Computed with Motion Jury") for text in paragraphs)

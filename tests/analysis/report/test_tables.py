@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from analysis.report.content import Cell, Table, cells
+from analysis.report.tables import LONGEST, as_latex, booktabs
+
+TABLE = Table(
+    caption="Answers in %.",
+    header=("condition", "ours", "others", "n"),
+    rows=(
+        (
+            Cell(text="ours_1"),
+            Cell(text="54", best=True),
+            Cell(text="34", second=True),
+            *cells("9"),
+        ),
+        cells("a & b", "–", "−1 ± 2", "< .001"),
+    ),
+    groups=(("", 1), ("Emotion & speech", 2), ("", 1)),
+    notes=("The larger one is bold.",),
+)
+
+
+def test_a_table_is_laid_out_as_booktabs_wants_it() -> None:
+    lines = booktabs(TABLE).splitlines()
+    assert lines[0].startswith(r"% Needs \usepackage{booktabs,graphicx}")
+    assert r"\begin{tabular}{lrrr}" in lines
+    assert r" & \multicolumn{2}{c}{Emotion \& speech} &  \\" in lines
+    assert r"\cmidrule(lr){2-3}" in lines
+    assert r"ours\_1 & \textbf{54} & \underline{34} & 9 \\" in lines
+    assert r"a \& b & -- & $-$1 $\pm$ 2 & \textless{} .001 \\" in lines
+    assert r"{\footnotesize The larger one is bold.\par}" in lines
+
+
+def test_a_remark_stands_before_the_caption() -> None:
+    assert r"\caption{{[}rehearsal{]} Answers in \%.}" in booktabs(TABLE, remark="[rehearsal]")
+
+
+def test_a_long_table_breaks_over_pages() -> None:
+    text = booktabs(replace(TABLE, rows=TABLE.rows * LONGEST))
+    assert r"\begin{longtable}{lrrr}" in text
+    assert text.index(r"\endhead") < text.index(r"ours\_1")
+    assert "longtable" in text.splitlines()[0]
+
+
+@pytest.mark.parametrize("sign", [chr(k) for k in range(33, 127) if not chr(k).isalnum()])
+def test_no_sign_of_a_name_is_taken_for_a_command(sign: str) -> None:
+    text = as_latex(f"a{sign}b")
+    bare = re.sub(r"\\[a-z]+\{\}|\\[&%$#_{}]|\{[\[\]]\}|\$[^$]*\$", "", text)
+    assert not set(bare) & set('\\&%$#_{}~^[]<>|"')
+
+
+def test_every_environment_and_brace_is_closed() -> None:
+    nasty = "".join(map(chr, range(32, 127)))
+    table = replace(TABLE, caption=nasty, rows=(cells(nasty, *"abc"),), notes=(nasty,))
+    for text in (booktabs(table), booktabs(replace(table, rows=table.rows * (LONGEST + 1)))):
+        plain = re.sub(r"\\[{}]", "", text)
+        assert plain.count("{") == plain.count("}")
+        assert re.findall(r"\\begin\{(\w+)\}", text) == re.findall(r"\\end\{(\w+)\}", text)[::-1]
+
+
+def test_letters_that_pdflatex_cannot_print_are_announced() -> None:
+    assert "LuaLaTeX" in booktabs(replace(TABLE, caption="条件"))
+    assert "LuaLaTeX" not in booktabs(replace(TABLE, caption="é"))

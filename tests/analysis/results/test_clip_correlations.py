@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.measurement.scores import ConditionScore, StudyMetrics
+from analysis.metrics.result import Better
+from analysis.results.clip_correlations import WithinCorrelation, within_conditions
+from analysis.results.drawn_preferences import tallies
+from analysis.results.metric_scores import ITSELF, NOTHING_RECORDED, metric_sides
+from tests.analysis.results.simulated_studies import AgreeingStudy, metrics_of, names
+
+SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])
+
+NAMES = ("c00", "c01", "c02")
+
+SEGMENTS = ("s00", "s01")
+
+
+def _within(answers: pd.DataFrame, metrics: StudyMetrics) -> WithinCorrelation:
+    found = tallies("rating", answers)
+    (side,) = metric_sides(metrics, found.conditions, found.segments, None)
+    return within_conditions(found, side)
+
+
+def test_it_is_the_correlation_of_what_is_left_when_condition_means_are_taken_off() -> None:
+    answers, metrics = AgreeingStudy(within=0.6).drawn(np.random.default_rng(1))
+    found = _within(answers, metrics)
+    rows = answers.groupby(["condition", "segment"], observed=True)["value"].mean().reset_index()
+    rows["score"] = [clip.result.value for clip in metrics.clips]
+    rows["value"] -= rows.groupby("condition", observed=True)["value"].transform("mean")
+    rows["score"] -= rows.groupby("condition", observed=True)["score"].transform("mean")
+    assert found.estimate == pytest.approx(rows["value"].corr(rows["score"]))
+    assert found.low < found.estimate < found.high
+    assert (found.cells, found.segments, found.answers) == (72, 12, 1440)
+
+
+def test_differences_between_conditions_do_not_enter() -> None:
+    answers, metrics = AgreeingStudy(within=0.3).drawn(np.random.default_rng(2))
+    moved = answers.assign(value=answers["value"] + 5.0 * answers["condition"].cat.codes)
+    assert _within(moved, metrics).estimate == pytest.approx(_within(answers, metrics).estimate)
+
+
+def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> None:
+    chance = np.random.default_rng(5)
+    scores = chance.normal(size=(2, 10))
+    wins = scores[0] - scores[1] > np.median(scores[0] - scores[1])
+    codes = np.arange(10)
+    answers = pd.DataFrame(
+        {
+            "participant": pd.Categorical(["p"] * 10),
+            "segment": pd.Categorical.from_codes(codes, pd.Index(names("s", 10))),
+            "left": pd.Categorical.from_codes(np.zeros(10, int), pd.Index(names("c", 2))),
+            "right": pd.Categorical.from_codes(np.ones(10, int), pd.Index(names("c", 2))),
+            "value": np.where(wins, 1, 5),
+        }
+    )
+    found = tallies("pairwise", answers)
+    (side,) = metric_sides(metrics_of(scores), found.conditions, found.segments, None)
+    expected = np.corrcoef(scores[0] - scores[1], wins)[0, 1]
+    assert within_conditions(found, side).estimate == pytest.approx(expected)
+
+
+def test_few_segments_give_an_estimate_without_interval() -> None:
+    answers, metrics = AgreeingStudy(segments=4).drawn(np.random.default_rng(1))
+    found = _within(answers, metrics)
+    assert not math.isnan(found.estimate)
+    assert math.isnan(found.low)
+    assert found.reason == "4 segments are too few for an interval"
+
+
+def test_what_does_not_differ_is_named() -> None:
+    answers, metrics = AgreeingStudy().drawn(np.random.default_rng(1))
+    assert "answers do not differ" in _within(answers.assign(value=0.1), metrics).reason
+    alike = metrics_of(np.full((6, 12), 0.1))
+    assert "scores do not differ" in _within(answers, alike).reason
+
+
+def test_one_segment_has_nothing_to_correlate() -> None:
+    answers, metrics = AgreeingStudy(segments=1).drawn(np.random.default_rng(1))
+    found = _within(answers, metrics)
+    assert math.isnan(found.estimate)
+    assert "fewer than two segments" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("better", "spoken"),
+    [("higher", [2.0, 5.0, 2.0]), ("lower", [-2.0, -5.0, -2.0]), ("near the reference", [3, 3])],
+)
+def test_more_always_speaks_for_a_condition(better: Better, spoken: list[float]) -> None:
+    (found,) = metric_sides(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
+    assert found.drawn(np.ones((1, 2)))[0] == pytest.approx(
+        np.abs(spoken) * np.sign(spoken[0]) * (-1 if better == "near the reference" else 1)
+    )
+
+
+def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts() -> None:
+    (found,) = metric_sides(metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01")
+    assert found.left_out == {1: ITSELF}
+    assert found.recorded == 5
+
+
+def test_without_recorded_motion_nothing_is_near_to_it() -> None:
+    metrics = metrics_of(SCORES, better="near the reference")
+    (found,) = metric_sides(metrics, NAMES, SEGMENTS, None)
+    assert set(found.left_out.values()) == {NOTHING_RECORDED}
+
+
+def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
+    (found,) = metric_sides(metrics_of(SCORES), NAMES, SEGMENTS, None)
+    drawn = found.drawn(np.array([[2.0, 0.0], [0.0, 2.0]]))
+    assert drawn[1] == pytest.approx([3, 6, 2])
+    assert drawn[0, :2] == pytest.approx([1, 4])
+    assert math.isnan(drawn[0, 2])
+
+
+def test_a_condition_without_a_score_says_why() -> None:
+    scores = np.array([[1.0, 3.0], [math.nan, math.nan]])
+    (found,) = metric_sides(metrics_of(scores), NAMES, SEGMENTS, None)
+    assert found.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
+
+
+def test_scores_that_call_nothing_better_are_not_among_them() -> None:
+    assert metric_sides(metrics_of(SCORES, better="unsaid"), NAMES, SEGMENTS, None) == ()
+
+
+def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:
+    whole = tuple(
+        ConditionScore(
+            condition=name,
+            name="FGD",
+            unit="",
+            value=value,
+            spread=math.nan,
+            scored=2,
+            clips=2,
+            settings={},
+            reason="",
+            better="lower",
+        )
+        for name, value in (("c00", 3.0), ("c01", 1.0))
+    )
+    metrics = StudyMetrics(frame_rate=30.0, clips=(), conditions=whole)
+    (found,) = metric_sides(metrics, NAMES[:2], SEGMENTS, None)
+    assert found.drawn(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]

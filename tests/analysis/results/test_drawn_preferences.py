@@ -1,0 +1,154 @@
+"""Answers as sums, and what resamples of them prefer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.optimize import minimize
+
+from analysis.answers.reading import read_answers
+from analysis.answers.table import ANALYSED_KINDS, LAYOUTS
+from analysis.results.drawn_preferences import (
+    PSEUDO_VOTES,
+    drawn_preferences,
+    drawn_strengths,
+    tallies,
+)
+from analysis.stats.samples import bootstrap_means, cells_of
+from tests.analysis.results.made_tables import TABLES
+from tests.analysis.results.simulated_studies import AgreeingStudy
+
+
+@pytest.fixture
+def answers() -> pd.DataFrame:
+    return AgreeingStudy(conditions=3).drawn(np.random.default_rng(1))[0]
+
+
+def test_estimates_are_the_means(answers: pd.DataFrame) -> None:
+    found = drawn_preferences(tallies("rating", answers), resamples=10, seed=0)
+    means = answers.groupby("condition", observed=True)["value"].mean()
+    assert found.estimates == pytest.approx(means.to_numpy())
+
+
+def test_resamples_are_those_of_the_two_way_bootstrap(answers: pd.DataFrame) -> None:
+    one = answers[answers["condition"] == "c01"]
+    cells = cells_of(
+        one["value"].to_numpy(), one["participant"].to_numpy(), one["segment"].to_numpy()
+    )
+    expected = bootstrap_means(cells, resamples=500, seed=4)[:, 0]
+    found = drawn_preferences(tallies("rating", answers), resamples=500, seed=4)
+    assert found.draws[:, 1] == pytest.approx(expected)
+    assert found.segments.sum(axis=1) == pytest.approx(12)
+
+
+def test_one_seed_gives_one_result(answers: pd.DataFrame) -> None:
+    first, again = (
+        drawn_preferences(tallies("rating", answers), resamples=50, seed=2) for _ in range(2)
+    )
+    assert np.array_equal(first.draws, again.draws)
+
+
+def test_strengths_have_the_greatest_likelihood() -> None:
+    chance = np.random.default_rng(3)
+    wins = chance.integers(1, 30, (4, 4)).astype(float)
+    np.fill_diagonal(wins, 0)
+    padded = wins + PSEUDO_VOTES * (1 - np.eye(4))
+
+    def loss(strengths: np.ndarray) -> float:
+        apart = strengths[:, None] - strengths[None]
+        return float((padded * np.logaddexp(0, -apart)).sum() + strengths.sum() ** 2)
+
+    best = minimize(loss, np.zeros(4), tol=1e-12).x
+    assert drawn_strengths(wins[None])[0] == pytest.approx(best, abs=1e-5)
+
+
+def test_a_condition_that_always_wins_is_strong_but_finite() -> None:
+    wins = np.array([[0, 500.0, 500], [0, 0, 300], [0, 200, 0]])
+    found = drawn_strengths(wins[None])[0]
+    assert np.isfinite(found).all()
+    assert found[0] > found[1] > found[2]
+    assert found.sum() == pytest.approx(0)
+
+
+def test_conditions_that_no_comparison_connects_have_no_strengths() -> None:
+    apart = np.zeros((2, 4, 4))
+    apart[:, 0, 1] = apart[:, 2, 3] = 5
+    apart[1, 1, 2] = 1
+    found = drawn_strengths(apart)
+    assert np.isnan(found[0]).all()
+    assert np.isfinite(found[1]).all()
+
+
+def _answers(protocol: str, rows: pd.DataFrame, folder: Path) -> pd.DataFrame:
+    rows.to_csv(folder / "answers.csv", index=False)
+    table = read_answers(folder / "answers.csv", LAYOUTS[protocol])
+    return table.shown[table.shown["kind"].isin(ANALYSED_KINDS)].reset_index(drop=True)
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_every_answer_is_counted_once(protocol: str, tmp_path: Path) -> None:
+    answers = _answers(protocol, TABLES[protocol](), tmp_path)
+    found = tallies(protocol, answers)
+    assert found.cells[1].sum() == len(answers)
+    assert found.participants == answers["participant"].nunique()
+    assert set(found.segments) == set(answers["segment"])
+
+
+def test_a_win_counts_for_the_first_of_a_pair_wherever_it_stood(tmp_path: Path) -> None:
+    rows = pd.DataFrame(
+        [
+            ("p1", "s1", "q", "x", "y", 1),
+            ("p1", "s2", "q", "y", "x", 5),
+            ("p2", "s1", "q", "x", "y", 3),
+            ("p2", "s2", "q", "y", "x", 2),
+        ],
+        columns=["participant", "segment", "question", "left", "right", "response"],
+    )
+    found = tallies("pairwise", _answers("pairwise", rows, tmp_path))
+    sums, counts = found.cells
+    first = found.conditions[found.groups[0, 0]]
+    share = sums.sum() / counts.sum()
+    assert share == pytest.approx(2.5 / 4 if first == "x" else 1.5 / 4)
+
+
+def test_own_speech_wins_wherever_it_was_heard(tmp_path: Path) -> None:
+    rows = pd.DataFrame(
+        [
+            ("p1", "s1", "q", "x", "own", "other", 1),
+            ("p1", "s2", "q", "x", "other", "own", 5),
+            ("p2", "s1", "q", "x", "other", "own", 1),
+        ],
+        columns=[
+            *("participant", "segment", "question", "condition"),
+            *("left_speech", "right_speech", "response"),
+        ],
+    )
+    found = tallies("mismatch", _answers("mismatch", rows, tmp_path))
+    assert found.cells[0].sum() == 2
+
+
+def test_tied_ranks_share_their_places_and_the_best_is_highest(tmp_path: Path) -> None:
+    rows = pd.DataFrame(
+        [("p1", "s1", "q", "x", 1), ("p1", "s1", "q", "y", 2), ("p1", "s1", "q", "z", 2)],
+        columns=["participant", "segment", "question", "condition", "rank"],
+    )
+    found = tallies("ranking", _answers("ranking", rows, tmp_path))
+    by_condition = dict(zip(found.conditions, found.cells[0].ravel(), strict=True))
+    assert by_condition == {"x": -1.0, "y": -2.5, "z": -2.5}
+
+
+def test_many_participants_are_kept_as_a_sparse_table() -> None:
+    answers = pd.DataFrame(
+        {
+            "participant": pd.Categorical([f"p{n}" for n in range(200)]),
+            "segment": pd.Categorical([f"s{n % 50}" for n in range(200)]),
+            "condition": pd.Categorical([f"c{n % 3}" for n in range(200)]),
+            "value": np.ones(200),
+        }
+    )
+    found = tallies("rating", answers)
+    assert not isinstance(found.counts, np.ndarray)
+    assert found.cells[1].sum() == 200

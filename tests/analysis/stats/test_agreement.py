@@ -1,0 +1,182 @@
+from __future__ import annotations
+
+import math
+
+import krippendorff
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+from statsmodels.stats.inter_rater import cohens_kappa
+
+from analysis.stats.agreement import Level, krippendorff_alpha, retest_agreement
+from motion.errors import InputError
+from tests.analysis.reference import REFERENCE, with_reference
+
+PUBLISHED = {"nominal": 0.743, "ordinal": 0.815, "interval": 0.849, "ratio": 0.797}
+
+
+def answers(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
+    """Return values, raters and items of a table of raters (rows) by items; NaN is missing."""
+    values = np.asarray(table, np.float64)
+    there = ~np.isnan(values)
+    raters, items = np.nonzero(there)
+    return values[there], raters, items
+
+
+def drawn(
+    seed: int = 1, raters: int = 8, items: int = 15, missing: float = 0.3
+) -> NDArray[np.float64]:
+    generator = np.random.default_rng(seed)
+    table = np.rint(
+        np.clip(generator.normal(3, 1, items) + generator.normal(0, 1, (raters, items)), 1, 5)
+    )
+    return np.where(generator.random(table.shape) < missing, np.nan, table)
+
+
+@with_reference
+@pytest.mark.parametrize("level", PUBLISHED)
+def test_it_is_what_krippendorff_published(level: Level) -> None:
+    table = pd.read_csv(REFERENCE / "krippendorff2011.csv").melt("observer").dropna()
+    found = krippendorff_alpha(
+        table["value"].to_numpy(),
+        table["observer"].to_numpy(str),
+        table["variable"].to_numpy(str),
+        level=level,
+    )
+    assert round(found.estimate, 3) == PUBLISHED[level]
+    assert (found.n, found.items, found.participants) == (40, 11, 4)
+    assert found.low < found.estimate < found.high
+
+
+@pytest.mark.parametrize("level", PUBLISHED)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_it_agrees_with_another_implementation(level: Level, seed: int) -> None:
+    table = drawn(seed)
+    expected = krippendorff.alpha(table, level_of_measurement=level)
+    found = krippendorff_alpha(*answers(table), level=level, resamples=50)
+    assert found.estimate == pytest.approx(expected)
+
+
+def test_a_resample_is_alpha_of_the_items_drawn() -> None:
+    table = drawn(items=2, missing=0)
+    both = krippendorff_alpha(*answers(table), resamples=400)
+    alone = [
+        krippendorff.alpha(np.repeat(table[:, [item]], 2, axis=1), level_of_measurement="ordinal")
+        for item in (0, 1)
+    ]
+    assert both.low == pytest.approx(min(*alone, both.estimate))
+    assert both.high == pytest.approx(max(*alone, both.estimate))
+
+
+def test_agreement_about_every_item_is_one() -> None:
+    found = krippendorff_alpha(*answers([[1, 2, 3], [1, 2, 3], [1, 2, 3]]))
+    assert found.estimate == 1
+    assert found.high == 1
+
+
+def test_a_common_preference_without_agreement_about_items_is_near_zero() -> None:
+    generator = np.random.default_rng(5)
+    table = np.clip(np.rint(4 + generator.normal(0, 1, (30, 40))), 1, 5)
+    assert abs(krippendorff_alpha(*answers(table), resamples=50).estimate) < 0.02
+
+
+def test_the_same_seed_gives_the_same_interval() -> None:
+    data = answers(drawn())
+    assert krippendorff_alpha(*data, seed=3) == krippendorff_alpha(*data, seed=3)
+    assert krippendorff_alpha(*data, seed=3) != krippendorff_alpha(*data, seed=4)
+
+
+@pytest.mark.parametrize(
+    ("table", "reason"),
+    [
+        (np.zeros((2, 0)), "no item was answered about by two participants"),
+        ([[1, np.nan], [np.nan, 2]], "no item was answered about by two participants"),
+        ([[3, 3], [3, 3]], "all answers alike"),
+    ],
+)
+def test_no_alpha_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
+    found = krippendorff_alpha(*answers(table))
+    assert found.reason == reason
+    assert math.isnan(found.estimate)
+
+
+def test_one_item_has_an_alpha_but_no_interval() -> None:
+    found = krippendorff_alpha(*answers([[1], [2], [1]]))
+    assert found.estimate == pytest.approx(0)
+    assert math.isnan(found.low)
+    assert found.reason == "one item gives no interval"
+
+
+def test_two_answers_of_one_participant_about_an_item_are_refused() -> None:
+    with pytest.raises(InputError, match="answered twice"):
+        krippendorff_alpha(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))
+
+
+def made(
+    people: int = 30, trials: int = 3, noise: float = 0.8, seed: int = 1
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    generator = np.random.default_rng(seed)
+    latent = generator.normal(0, 1, people * trials)
+    first, again = (
+        np.clip(np.rint(latent + generator.normal(0, noise, len(latent))), -2, 2).astype(int)
+        for _ in range(2)
+    )
+    return first, again, np.repeat(np.arange(people), trials)
+
+
+def test_kappa_agrees_with_another_implementation() -> None:
+    first, again, people = made()
+    table = np.zeros((5, 5))
+    np.add.at(table, (first + 2, again + 2), 1)
+    found = retest_agreement(first, again, people)
+    assert found.kappa == pytest.approx(cohens_kappa(table, wt="quadratic").kappa)
+    assert found.spearman == pytest.approx(stats.spearmanr(first, again).statistic)
+    assert found.equal_share == pytest.approx((first == again).mean())
+    assert found.low < found.kappa < found.high
+    assert found.equal_low < found.equal_share < found.equal_high
+    assert (found.n, found.participants, found.reason) == (90, 30, "")
+
+
+def test_the_same_answers_again_are_full_agreement() -> None:
+    first, _, people = made()
+    found = retest_agreement(first, first, people)
+    assert (found.kappa, found.low, found.high, found.equal_share) == (1, 1, 1, 1)
+
+
+def test_chance_is_no_agreement() -> None:
+    first, _, people = made(people=300)
+    other = np.random.default_rng(9).permutation(first)
+    assert abs(retest_agreement(first, other, people).kappa) < 0.15
+
+
+def test_a_participant_counts_as_one_however_many_trials() -> None:
+    first, again, people = made()
+    thrice = [np.tile(column, 3) for column in (first, again, people)]
+    once, more = retest_agreement(first, again, people), retest_agreement(*thrice)
+    assert (more.low, more.high) == pytest.approx((once.low, once.high))
+    assert more.n == 3 * once.n
+
+
+@pytest.mark.parametrize(
+    ("first", "again", "people", "reason"),
+    [
+        ([], [], [], "no trial was answered again"),
+        ([1, 2], [1, 1], [0, 0], "one participant gives no interval"),
+        ([0, 0], [0, 0], [0, 1], "all answers alike"),
+        ([0, 1], [1, 1], [0, 1], "one side's answers are all alike"),
+    ],
+)
+def test_a_missing_number_comes_with_its_reason(
+    first: list[int], again: list[int], people: list[int], reason: str
+) -> None:
+    found = retest_agreement(np.array(first), np.array(again), np.array(people))
+    assert found.reason == reason
+    assert found.n == len(first)
+
+
+def test_all_alike_has_a_share_but_no_kappa() -> None:
+    found = retest_agreement(np.zeros(4, int), np.zeros(4, int), np.arange(4))
+    assert found.equal_share == 1
+    assert math.isnan(found.kappa)

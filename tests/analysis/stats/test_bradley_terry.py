@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.stats.bradley_terry import BradleyTerry, Votes, bradley_terry, rao_kupper
+from motion.errors import InputError
+from tests.analysis.reference import REFERENCE, with_reference
+from tests.analysis.stats.named_votes import votes_of
+
+CONDITIONS = ("GT", "A", "B", "C", "D", "E")
+
+
+@pytest.fixture
+def votes() -> Votes:
+    rows = pd.read_csv(REFERENCE / "comparisons.csv")
+    return votes_of(
+        list(rows["left"]),
+        list(rows["right"]),
+        list(np.sign(rows["pref_left"])),
+        list(rows["participant"]),
+        conditions=CONDITIONS,
+    )
+
+
+def expected(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))[name]
+    return found
+
+
+def from_the_first(fit: BradleyTerry) -> list[float]:
+    """Return the clustered errors of the differences from the first condition."""
+    own = np.diagonal(fit.covariance)
+    return list(np.sqrt(own + own[0] - 2 * fit.covariance[0])[1:])
+
+
+@with_reference
+@pytest.mark.parametrize("name", ["davidson", "davidson_left_effect", "bt_ties_half", "rao_kupper"])
+def test_strengths_and_clustered_errors_agree_with_the_reference(votes: Votes, name: str) -> None:
+    wanted = expected(name)
+    found = {
+        "davidson": lambda: bradley_terry(votes, left=False),
+        "davidson_left_effect": lambda: bradley_terry(votes),
+        "bt_ties_half": lambda: bradley_terry(votes, ties="half", left=False),
+        "rao_kupper": lambda: rao_kupper(votes, left=False),
+    }[name]()
+
+    assert found.strengths == pytest.approx([wanted["centred"][c] for c in CONDITIONS], abs=1e-6)
+    assert from_the_first(found) == pytest.approx(
+        list(wanted["se_cluster_participant_CR0"].values()), rel=1e-4
+    )
+    assert found.log_likelihood == pytest.approx(wanted["loglik"], abs=1e-6)
+    for ours, theirs in (("tie", "log_nu"), ("tie", "log_theta"), ("left", "left_logit")):
+        if theirs in wanted:
+            assert getattr(found, ours) == pytest.approx(wanted[theirs], abs=1e-6)
+    assert found.n == 1800
+
+
+def made_votes(tie_share: float = 0.2, left: float = 0.0, seed: int = 0) -> Votes:
+    chance = np.random.default_rng(seed)
+    first = chance.integers(0, 4, 4000)
+    second = (first + chance.integers(1, 4, 4000)) % 4
+    strength = np.array([0.9, 0.2, -0.3, -0.8])
+    share = 1 / (1 + np.exp(strength[second] - strength[first] - left))
+    outcome = np.where(chance.uniform(size=4000) < share, 1, -1)
+    outcome[chance.uniform(size=4000) < tie_share] = 0
+    return Votes(
+        conditions=("a", "b", "c", "d"),
+        left=first,
+        right=second,
+        outcome=outcome,
+        participant=np.repeat(np.arange(40), 100),
+    )
+
+
+def test_it_finds_what_was_put_in() -> None:
+    found = bradley_terry(made_votes(tie_share=0.0, left=0.3))
+
+    assert found.strengths == pytest.approx([0.9, 0.2, -0.3, -0.8], abs=0.15)
+    assert found.left == pytest.approx(0.3, abs=0.1)
+    assert found.tie is None
+
+
+def test_strengths_add_up_to_zero_and_swapping_sides_turns_the_left_effect() -> None:
+    votes = made_votes(left=0.4)
+    swapped = Votes(
+        conditions=votes.conditions,
+        left=votes.right,
+        right=votes.left,
+        outcome=-votes.outcome,
+        participant=votes.participant,
+    )
+
+    one, other = bradley_terry(votes), bradley_terry(swapped)
+
+    assert one.strengths.sum() == pytest.approx(0, abs=1e-9)
+    assert other.strengths == pytest.approx(one.strengths, abs=1e-8)
+    assert one.left is not None
+    assert other.left == pytest.approx(-one.left, abs=1e-8)
+
+
+def test_repeating_all_answers_of_everybody_leaves_clustered_errors_alone() -> None:
+    votes = made_votes()
+    twice = Votes(
+        conditions=votes.conditions,
+        left=np.tile(votes.left, 2),
+        right=np.tile(votes.right, 2),
+        outcome=np.tile(votes.outcome, 2),
+        participant=np.tile(votes.participant, 2),
+    )
+
+    assert bradley_terry(twice).errors == pytest.approx(bradley_terry(votes).errors, rel=1e-6)
+    assert (bradley_terry(twice).errors_by_model < 0.8 * bradley_terry(votes).errors_by_model).all()
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "outcome", "reason"),
+    [
+        (["a", "c"], ["b", "d"], [0, 0], "never compared"),
+        ([], [], [], "no answers"),
+    ],
+)
+@pytest.mark.parametrize("model", [bradley_terry, rao_kupper])
+def test_strengths_that_do_not_exist_have_a_reason(
+    model: Any, left: list[str], right: list[str], outcome: list[int], reason: str
+) -> None:
+    found = model(votes_of(left, right, outcome, ["P"] * len(left)))
+
+    assert reason in found.reason
+    assert np.isnan(found.strengths).all()
+
+
+def test_a_condition_beside_itself_is_refused() -> None:
+    with pytest.raises(InputError, match="with itself"):
+        votes_of(["a"], ["a"], [1], ["P"])
+
+
+def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    votes = made_votes()
+    counted = bradley_terry(votes)
+
+    for module in ("bradley_terry", "choices"):
+        monkeypatch.setattr(f"analysis.stats.{module}.ROOM", 0)
+    monkeypatch.setattr("analysis.stats.bradley_terry.PART", 7)
+    single = bradley_terry(replace(votes))
+
+    assert single.strengths == pytest.approx(counted.strengths)
+    assert single.errors == pytest.approx(counted.errors)
+    assert (single.n, single.participants) == (counted.n, counted.participants)
+
+
+@pytest.mark.parametrize("fit", [bradley_terry, rao_kupper])
+def test_one_participant_has_strengths_but_no_clustered_errors_and_says_so(
+    fit: Callable[[Votes], BradleyTerry],
+) -> None:
+    votes = made_votes()
+    alone = fit(replace(votes, participant=np.zeros_like(votes.left), segment=votes.left))
+
+    assert not alone.reason
+    assert "one participant" in alone.remark
+    assert np.isfinite(alone.strengths).all()
+    assert np.isfinite(alone.errors_by_model).all()
+    assert np.isnan(alone.errors).all()
+    assert np.isnan(alone.errors_two_way).all()
+    assert np.isnan(alone.tie_error)
+    assert not fit(votes).remark
+
+
+def test_an_unseen_difference_has_no_size_where_one_never_lost() -> None:
+    found = rao_kupper(votes_of(["a", "b"], ["b", "a"], [1, -1], ["P", "P"]))
+
+    assert "a never lost" in found.reason

@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import ArrayLike
+from scipy import stats
+from statsmodels.formula.api import ols
+from statsmodels.stats.anova import AnovaRM, anova_lm
+
+from analysis.stats.f_tests import MinF, between_groups, between_segments, min_f
+
+
+def outcome(table: ArrayLike) -> MinF:
+    table = np.asarray(table, float)
+    people, items = np.indices(table.shape)
+    return min_f(table.ravel(), people.ravel(), items.ravel())
+
+
+def test_it_is_made_of_the_two_t_tests() -> None:
+    generator = np.random.default_rng(7)
+    table = 0.4 + generator.normal(0, 0.5, (20, 1)) + generator.normal(0, 1, (20, 12))
+    found = outcome(table)
+    f1 = stats.ttest_1samp(table.mean(axis=1), 0).statistic ** 2
+    f2 = stats.ttest_1samp(table.mean(axis=0), 0).statistic ** 2
+    assert found.f_participants == pytest.approx(f1)
+    assert found.f_items == pytest.approx(f2)
+    assert found.statistic == pytest.approx(f1 * f2 / (f1 + f2))
+    assert found.df_rest == pytest.approx((f1 + f2) ** 2 / (f1**2 / 11 + f2**2 / 19))
+    assert found.p_value == pytest.approx(stats.f.sf(found.statistic, 1, found.df_rest))
+    assert found.statistic < min(f1, f2)
+
+
+def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
+    values = np.array([1.0, 1, 1, 0, 2, 1])
+    people, items = np.array([0, 0, 0, 0, 1, 1]), np.array([0, 0, 0, 1, 0, 1])
+    found = min_f(values, people, items)
+    assert found.f_participants == pytest.approx(stats.ttest_1samp([0.75, 1.5], 0).statistic ** 2)
+    assert found.estimate == 1.0
+
+
+def test_participants_all_alike_leave_the_test_to_the_items() -> None:
+    found = outcome([[1, 2, 0], [1, 2, 0], [0, 2, 1]])
+    assert math.isinf(found.f_participants)
+    assert found.statistic == pytest.approx(found.f_items)
+    assert found.df_rest == pytest.approx(2)
+
+
+def test_a_mean_of_zero_is_no_effect() -> None:
+    found = outcome([[1, -1, 0], [0, 1, -1]])
+    assert (found.statistic, found.p_value, found.reason) == (0.0, 1.0, "")
+    assert found.low == pytest.approx(-found.high)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3])
+def test_the_interval_and_the_test_say_the_same(shift: float) -> None:
+    generator = np.random.default_rng(11)
+    table = shift + generator.normal(0, 0.3, (18, 1)) + generator.normal(0, 1, (18, 14))
+    for end in (outcome(table).low, outcome(table).high):
+        assert outcome(table - end).p_value == pytest.approx(0.05, abs=1e-6)
+
+
+def test_it_is_conservative_without_an_effect() -> None:
+    generator = np.random.default_rng(3)
+    found = [
+        outcome(
+            generator.normal(0, 0.6, (15, 1))
+            + generator.normal(0, 0.4, (1, 10))
+            + generator.normal(0, 1, (15, 10))
+        ).p_value
+        for _ in range(200)
+    ]
+    assert np.mean(np.array(found) < 0.05) <= 0.065
+
+
+@pytest.mark.parametrize(
+    ("table", "reason"),
+    [
+        ([[1, 0, 1]], "one participant"),
+        ([[1], [0]], "one segment"),
+        ([[0, 0], [0, 0]], "all answers are zero"),
+        ([[1, 1], [1, 1]], "all answers alike"),
+        (np.zeros((0, 2)), "no answers"),
+    ],
+)
+def test_no_test_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
+    found = outcome(table)
+    assert found.reason == reason
+    assert math.isnan(found.p_value)
+
+
+Study = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def made(groups: float = 0.0, items: float = 0.5, seed: int = 1) -> Study:
+    """Return answers of 14 participants about 12 segments in 4 groups."""
+    chance = np.random.default_rng(seed)
+    who, what = np.repeat(np.arange(14), 12), np.tile(np.arange(12), 14)
+    group = what % 4
+    values = groups * chance.normal(size=4)[group] + items * chance.normal(size=12)[what]
+    values = values + 0.5 * chance.normal(size=(14, 4))[who, group] + chance.normal(size=14)[who]
+    return values + chance.normal(size=len(who)), group, who, what
+
+
+def test_groups_join_the_two_analyses_of_variance() -> None:
+    values, group, who, what = made(groups=1.0)
+    frame = pd.DataFrame({"y": values, "group": group, "who": who, "what": what})
+    within = AnovaRM(frame, "y", "who", within=["group"], aggregate_func="mean").fit()
+    f_people = within.anova_table["F Value"].iloc[0]
+    means = frame.groupby(["what", "group"], as_index=False)["y"].mean()
+    f_items = anova_lm(ols("y ~ C(group)", means).fit())["F"].iloc[0]
+
+    found = between_groups(values, group, who, what)
+
+    assert found.statistic == pytest.approx(f_people * f_items / (f_people + f_items))
+    assert found.df == 3
+    assert found.df_rest == pytest.approx(
+        (f_people + f_items) ** 2 / (f_people**2 / 8 + f_items**2 / 39)
+    )
+
+
+def test_segments_are_compared_within_participants() -> None:
+    values, _, who, what = made()
+    some = np.random.default_rng(3).random(len(values)) < 0.7
+    frame = pd.DataFrame({"y": values, "who": who, "what": what})[some]
+    table = anova_lm(ols("y ~ C(who) + C(what)", frame).fit())
+
+    found = between_segments(values[some], who[some], what[some])
+
+    assert found.statistic == pytest.approx(table["F"].loc["C(what)"])
+    assert found.p_value == pytest.approx(table["PR(>F)"].loc["C(what)"])
+    assert (found.df, found.df_rest) == (11, table["df"].loc["Residual"])
+
+
+def test_segments_and_tastes_that_differ_are_no_difference_between_groups() -> None:
+    found = [between_groups(*made(items=1.0, seed=seed)).p_value < 0.05 for seed in range(200)]
+
+    assert np.mean(found) <= 0.08
+
+
+def test_groups_that_differ_are_found() -> None:
+    found = [between_groups(*made(groups=2.0, seed=seed)).p_value < 0.05 for seed in range(20)]
+
+    assert np.mean(found) > 0.8
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda y, g, p, s: (y, 0 * g, p, s), "fewer than two groups"),
+        (lambda y, g, p, s: (y, g, 0 * p, s), "fewer than two participants"),
+        (lambda y, g, p, s: (y, g, p, g), "one segment in every group"),
+        (lambda y, g, p, s: (0 * y, g, p, s), "all answers alike"),
+        (lambda y, g, p, s: (y[:0], g[:0], p[:0], s[:0]), "fewer than two groups"),
+    ],
+)
+def test_groups_that_cannot_be_compared_are_not(change: Callable[..., Any], reason: str) -> None:
+    found = between_groups(*change(*made()))
+
+    assert reason in found.reason
+    assert math.isnan(found.p_value)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda y, p, s: (y, p, 0 * s), "one segment"),
+        (lambda y, p, s: (y, np.arange(len(y)), s), "too few participants share segments"),
+        (lambda y, p, s: (p + s.astype(float), p, s), "differ alike"),
+        (lambda y, p, s: (0 * y, p, s), "differ alike"),
+    ],
+)
+def test_segments_that_cannot_be_compared_are_not(change: Callable[..., Any], reason: str) -> None:
+    values, _, who, what = made()
+
+    found = between_segments(*change(values, who, what))
+
+    assert reason in found.reason
+    assert math.isnan(found.p_value)

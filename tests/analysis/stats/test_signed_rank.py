@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.signed_rank import (
+    Zeros,
+    pooled_tests,
+    pseudo_median,
+    sign_distribution,
+    sign_test,
+    signed_rank,
+)
+
+
+def by_all_signs(values: NDArray[np.float64], zeros: Zeros) -> float:
+    """Return the exact two-sided p by going through every assignment of signs."""
+    ranks = stats.rankdata(np.abs(values[values != 0] if zeros == "dropped" else values))
+    kept = values[values != 0]
+    if zeros == "pratt":
+        ranks = ranks[values != 0]
+    sums = np.array([np.dot(ranks, s) for s in itertools.product([0, 1], repeat=len(ranks))])
+    found = ranks[kept > 0].sum()
+    centre = ranks.sum() / 2
+    return float(np.mean(np.abs(sums - centre) >= abs(found - centre) - 1e-9))
+
+
+small = st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any)
+
+
+@settings(max_examples=60)
+@given(small, st.sampled_from(["dropped", "pratt"]))
+def test_with_ties_and_zeros_it_is_what_all_signs_give(values: list[float], zeros: Zeros) -> None:
+    found = signed_rank(np.array(values) / 7, zeros=zeros)
+    assert found.p_value == pytest.approx(by_all_signs(np.array(values), zeros))
+    assert found.zeros == values.count(0)
+
+
+def test_without_ties_it_is_the_textbook_test() -> None:
+    values = np.random.default_rng(1).normal(0.3, 1, 25)
+    expected = stats.wilcoxon(values, method="exact", alternative="two-sided")
+    found = signed_rank(values)
+    assert found.p_value == pytest.approx(expected.pvalue)
+    assert min(found.statistic, 25 * 26 / 2 - found.statistic) == expected.statistic
+    assert found.method == "exact, no zeros"
+
+
+def test_very_many_values_are_taken_for_normal_and_it_says_so() -> None:
+    values = np.random.default_rng(2).integers(-2, 4, 400).astype(float)
+    expected = stats.wilcoxon(values, correction=False, method="approx")
+    found = signed_rank(values)
+    assert found.p_value == found.normal_p == pytest.approx(expected.pvalue)
+    assert found.method == "normal approximation with tie correction, zeros dropped"
+
+
+def test_the_normal_approximation_stands_beside_the_exact_p() -> None:
+    values = np.array([1, 2, 2, 3, 4, -1, 5, 6, 0, 7, -3, 2]) / 3
+    found = signed_rank(values)
+    expected = stats.wilcoxon(np.round(values * 3), correction=False, method="approx")
+    assert found.normal_p == pytest.approx(expected.pvalue)
+    assert found.normal_p != found.p_value
+
+
+def test_rounding_of_means_breaks_no_tie() -> None:
+    # 1 - 0.9 and 0.1 differ in their last digits only.
+    means = np.array([1 - 0.9, -0.1, 0.1, 0.4, 0.3, 0.2])
+    assert signed_rank(means) == signed_rank(np.round(means, 6))
+    assert signed_rank(means).tied
+
+
+def test_the_pseudo_median_is_the_median_of_all_pairs_means() -> None:
+    values = np.random.default_rng(3).integers(-2, 3, 15) / 4
+    pairs = [(values[i] + values[j]) / 2 for i in range(15) for j in range(i, 15)]
+    assert pseudo_median(values)[0] == pytest.approx(np.median(pairs))
+
+
+def test_the_interval_and_the_test_say_the_same() -> None:
+    values = np.random.default_rng(4).normal(0.5, 1, 20)
+    found = signed_rank(values)
+    for end, outwards in ((found.low, -1e-6), (found.high, 1e-6)):
+        assert signed_rank(values - end - outwards).p_value <= 0.05
+        assert signed_rank(values - end + outwards).p_value > 0.05
+
+
+def test_five_values_have_no_interval_at_95_percent() -> None:
+    estimate, low, high = pseudo_median(np.array([1.0, 2, 3, 4, 5]))
+    assert estimate == 3
+    assert math.isnan(low)
+    assert math.isnan(high)
+    assert not math.isnan(pseudo_median(np.arange(6.0))[1])
+    assert signed_rank(np.arange(1.0, 6)).remark == "too few values for an interval at 95 %"
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"), [([], "no values"), ([0.0, 0.0, 0.0], "all values are zero")]
+)
+def test_no_test_comes_with_its_reason(values: list[float], reason: str) -> None:
+    found = signed_rank(np.array(values))
+    assert found.reason == reason
+    assert math.isnan(found.p_value)
+    assert not found.method
+
+
+@given(st.lists(st.integers(0, 12), min_size=1, max_size=12))
+def test_the_counted_distribution_is_one_and_symmetric(weights: list[int]) -> None:
+    chances = sign_distribution(np.array(weights))
+    assert chances.sum() == pytest.approx(1)
+    assert chances == pytest.approx(chances[::-1])
+
+
+@given(small)
+def test_turning_all_signs_turns_the_estimate_only(values: list[float]) -> None:
+    found, turned = signed_rank(np.array(values)), signed_rank(-np.array(values))
+    assert turned.p_value == pytest.approx(found.p_value)
+    assert turned.estimate == pytest.approx(-found.estimate)
+    assert turned.rank_biserial == pytest.approx(-found.rank_biserial)
+
+
+def test_it_is_what_the_plain_tests_give() -> None:
+    answers = np.random.default_rng(1).integers(-2, 3, 600)
+    found = pooled_tests(answers)
+    wins, losses = int((answers > 0).sum()), int((answers < 0).sum())
+    assert found.binomial_p == pytest.approx(stats.binomtest(wins, wins + losses).pvalue)
+    plain = stats.wilcoxon(answers.astype(float), correction=False, method="approx")
+    assert found.wilcoxon_p == pytest.approx(plain.pvalue)
+
+
+def test_it_says_what_it_ignores() -> None:
+    ignored = " ".join(pooled_tests(np.array([1, -1])).ignores)
+    assert all(word in ignored for word in ("participant", "segment", "several tests", "no diff"))
+
+
+def test_it_finds_what_is_not_there_where_participants_differ() -> None:
+    generator = np.random.default_rng(2)
+
+    def study() -> np.ndarray:
+        latent = (
+            generator.normal(0, 0.6, (22, 1))
+            + generator.normal(0, 0.45, (1, 24))
+            + generator.logistic(size=(22, 24))
+        )
+        return (np.sign(latent) * np.digitize(np.abs(latent), [0.45, 1.6])).ravel()
+
+    found = [pooled_tests(study()).wilcoxon_p for _ in range(100)]
+    assert np.mean(np.array(found) < 0.05) > 0.15
+
+
+@pytest.mark.parametrize(
+    ("answers", "reason"), [([], "no values"), ([0, 0], "all values are zero")]
+)
+def test_no_pooled_test_comes_with_its_reason(answers: list[int], reason: str) -> None:
+    found = pooled_tests(np.array(answers))
+    assert found.reason == reason
+    assert math.isnan(found.binomial_p)
+    assert math.isnan(found.wilcoxon_p)
+
+
+def test_six_above_and_one_below_worked_by_hand() -> None:
+    found = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
+    assert (found.above, found.below, found.zeros) == (6, 1, 1)
+    assert found.p_value == pytest.approx(2 * (1 + 7) / 2**7)
+    assert found.estimate == pytest.approx(6 / 7)
+    assert found.low < 0.5 < found.high
+
+
+def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:
+    assert sign_test(np.array([0.1 + 0.2 - 0.3, 1.0])).zeros == 1
+
+
+@pytest.mark.parametrize(("values", "reason"), [([], "no values"), ([0.0], "all values are zero")])
+def test_no_sign_test_comes_with_its_reason(values: list[float], reason: str) -> None:
+    found = sign_test(np.array(values))
+    assert found.reason == reason
+    assert math.isnan(found.p_value)

@@ -1,0 +1,244 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+from statsmodels.discrete.discrete_model import Logit
+from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
+
+from analysis.stats.bradley_terry import Votes, bradley_terry, rao_kupper
+from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
+from analysis.stats.plackett_luce import plackett_luce
+from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
+from tests.analysis.stats.named_votes import votes_of
+
+
+def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
+    """Thirty participants and twelve segments differ in which of four conditions they favour."""
+    chance = np.random.default_rng(3)
+    who, what = np.repeat(np.arange(30), 36), np.tile(np.arange(36) % 12, 30)
+    worth = taste * chance.normal(size=(30, 4))[who] + luck * chance.normal(size=(12, 4))[what]
+    left = chance.integers(4, size=len(who))
+    right = (left + chance.integers(1, 4, size=len(who))) % 4
+    rows = np.arange(len(who))
+    latent = worth[rows, left] - worth[rows, right] + chance.logistic(size=len(who))
+    return Votes(
+        conditions=("a", "b", "c", "d"),
+        left=left,
+        right=right,
+        outcome=np.where(latent > 0, 1, -1),
+        participant=who,
+        segment=what,
+    )
+
+
+def test_errors_agree_with_those_of_a_logistic_regression() -> None:
+    votes = made_votes()
+    design = np.eye(4)[votes.left] - np.eye(4)[votes.right]
+    fitted = Logit((votes.outcome > 0).astype(float), design[:, 1:]).fit(disp=False)
+    covariance = cov_cluster_2groups(fitted, votes.participant, votes.segment)[0]
+    covariance = covariance * (len(design) - 3) / (len(design) - 1)  # Its factor for few answers.
+    turn = np.eye(4)[:, 1:] - 1 / 4
+
+    found = bradley_terry(votes, left=False)
+
+    assert found.two_way is not None
+    assert found.two_way.method == TWO_WAY
+    # Theirs is CR1, from which CR2 differs little where all have answered alike often.
+    assert found.errors_two_way == pytest.approx(
+        np.sqrt(np.diagonal(turn @ covariance @ turn.T)), rel=5e-3
+    )
+    assert found.two_way.differences[0, 1:] == pytest.approx(
+        np.sqrt(np.diagonal(covariance)), rel=5e-3
+    )
+    two_way = found.two_way.by_participant + found.two_way.by_segment - found.two_way.by_cell
+    assert two_way == pytest.approx(turn @ covariance @ turn.T, rel=1e-6)
+
+
+def test_segments_that_differ_make_errors_larger_than_those_of_participants_alone() -> None:
+    found = bradley_terry(made_votes(taste=0.3, luck=1.5))
+
+    assert (found.errors_two_way > 1.5 * found.errors).all()
+
+
+def test_a_larger_one_way_variance_takes_the_place_of_the_two_way_one() -> None:
+    votes = made_votes(taste=0.0, luck=0.0)
+    found = bradley_terry(votes)
+
+    assert found.two_way is not None
+    assert found.two_way.method == MIXED
+    matrix = found.two_way.by_participant
+    own = np.diagonal(matrix)
+    of_participants = own[:, None] + own - 2 * matrix
+    assert (found.two_way.differences**2 >= 0.999 * of_participants - 1e-12).all()
+
+
+def test_of_one_segment_they_are_those_of_participants() -> None:
+    votes = made_votes()
+
+    found = bradley_terry(replace(votes, segment=np.zeros_like(votes.left)))
+
+    assert found.two_way is not None
+    assert found.two_way.method == ONE_SEGMENT
+    assert found.errors_two_way == pytest.approx(found.errors, rel=0.03)
+
+
+def test_there_are_none_with_one_participant_or_unknown_segments() -> None:
+    votes = made_votes()
+
+    found = bradley_terry(replace(votes, participant=np.zeros_like(votes.left)))
+
+    assert found.two_way is None
+    assert np.isnan(found.errors_two_way).all()
+    assert bradley_terry(replace(votes, segment=None)).two_way is None
+
+
+def test_ties_as_unseen_differences_have_them_too() -> None:
+    votes = made_votes()
+    outcome = np.where(np.arange(len(votes.left)) % 5 == 0, 0, votes.outcome)
+
+    found = rao_kupper(replace(votes, outcome=outcome))
+    davidson = bradley_terry(replace(votes, outcome=outcome))
+
+    assert found.errors_two_way == pytest.approx(davidson.errors_two_way, rel=0.2)
+
+
+def test_rankings_of_two_conditions_are_votes() -> None:
+    votes = made_votes()
+    two = (votes.left < 2) & (votes.right < 2)
+    votes = Votes(
+        conditions=("a", "b"),
+        left=votes.left[two],
+        right=votes.right[two],
+        outcome=votes.outcome[two],
+        participant=votes.participant[two],
+        segment=None if votes.segment is None else votes.segment[two],
+    )
+    count = len(votes.left)
+    assert votes.segment is not None
+    rows = pd.DataFrame(
+        {
+            "ranking": np.repeat(np.arange(count), 2),
+            "participant": np.repeat(votes.participant, 2),
+            "segment": np.repeat(votes.segment, 2),
+            "condition": np.array(["a", "b"])[np.stack([votes.left, votes.right], 1)].ravel(),
+            "rank": np.stack([1 + (votes.outcome < 0), 1 + (votes.outcome > 0)], 1).ravel(),
+        }
+    )
+
+    ranked = plackett_luce(rows, conditions=("a", "b"))
+
+    found = bradley_terry(votes, left=False)
+    assert ranked.strengths == pytest.approx(found.strengths, abs=1e-8)
+    assert ranked.errors_two_way == pytest.approx(found.errors_two_way, rel=1e-4)
+    assert plackett_luce(rows.drop(columns="segment")).two_way is None
+
+
+def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    own = np.diagonal(covariance)
+    errors = np.sqrt(own[:, None] + own - 2 * covariance + 1e-300)
+    return np.asarray(2 * stats.norm.sf(np.abs(strengths[:, None] - strengths) / errors))
+
+
+@pytest.mark.parametrize(
+    ("strengths", "ranks"),
+    [
+        ([0.0, 2.0, -2.0], ((2, 2), (1, 1), (3, 3))),
+        ([0.0, 0.1, -2.0], ((1, 2), (1, 2), (3, 3))),
+        ([np.nan] * 3, ((1, 3),) * 3),
+    ],
+)
+def test_what_cannot_be_told_apart_shares_its_ranks(
+    strengths: list[float], ranks: tuple[tuple[int, int], ...]
+) -> None:
+    values = np.array(strengths)
+    assert rank_intervals(values, p_values(values, 0.01 * np.eye(3))) == ranks
+
+
+def test_the_true_rank_is_inside_nearly_always() -> None:
+    chance = np.random.default_rng(1)
+    truth = np.array([0.3, 0.1, 0.0, -0.4])
+    covariance = 0.02 * np.eye(4)
+    inside = []
+    for _ in range(300):
+        drawn = chance.multivariate_normal(truth, covariance)
+        intervals = rank_intervals(drawn, p_values(drawn, covariance))
+        inside.append(all(low <= n <= high for n, (low, high) in enumerate(intervals, start=1)))
+
+    assert np.mean(inside) > 0.93
+
+
+def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_sample() -> None:
+    chance = np.random.default_rng(4)
+    given = chance.normal(size=(15, 3)) + np.array([0.6, 0.0, 0.0])
+    influences = (given - given.mean(axis=0)) / len(given)
+    alone = np.zeros(15, int)
+    errors = TwoWayErrors.of(influences, alone, np.arange(15), np.arange(15), alone)
+    assert errors is not None
+
+    found = omnibus(given.mean(axis=0), errors)
+
+    turn = np.array([[-1, 1, 0], [-1, 0, 1]])
+    means, spread = turn @ given.mean(axis=0), turn @ np.cov(given.T) @ turn.T
+    squared = 15 * means @ np.linalg.solve(spread, means)
+    assert (found.df, found.df_rest) == pytest.approx((2, 13))
+    assert found.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
+
+
+def test_strengths_that_differ_are_found_by_one_test_and_by_contrasts() -> None:
+    votes = made_votes()
+    found = bradley_terry(votes)
+    assert found.two_way is not None
+    together = omnibus(found.strengths, found.two_way)
+    assert together.df == 3
+    assert together.df_rest == pytest.approx(found.two_way.freedom - 2)
+    assert 0 < together.p_value <= 1
+
+
+def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
+    votes = made_votes()
+    assert votes.segment is not None
+    few = Votes(**{**vars(votes), "segment": votes.segment % 3})
+    found = bradley_terry(few)
+    assert found.two_way is not None
+    assert "too few for one test of 4 conditions" in omnibus(found.strengths, found.two_way).reason
+
+
+def swept() -> Votes:
+    """C wins all of its 40 votes; a and b share theirs."""
+    return votes_of(
+        ["c"] * 40 + ["a", "b"] * 20,
+        ["a", "b"] * 20 + ["b", "a"] * 20,
+        [1] * 40 + [1, 1, -1] * 13 + [1],
+        [f"p{number % 10}" for number in range(80)],
+        segment=[f"s{number % 8}" for number in range(80)],
+    )
+
+
+def test_who_never_lost_has_a_strength_after_a_prior_and_is_named() -> None:
+    found = bradley_terry(swept(), left=False)
+    assert not found.reason
+    assert found.swept == "c never lost to any of the others"
+    assert np.isfinite(found.strengths).all()
+    assert found.strengths[found.conditions.index("c")] > 2
+
+
+def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:
+    votes = votes_of(["c"] * 9, ["a"] * 9, [1] * 9, [str(n) for n in range(9)])
+    found = bradley_terry(votes, left=False)
+    # With strengths s and -s: 9 log F(2s) + 2 * (log F(s) + log F(-s)) / 2 is largest.
+    tried = np.linspace(0, 6, 60_001)
+    value = -9 * np.log1p(np.exp(-2 * tried)) - np.log1p(np.exp(-tried)) - np.log1p(np.exp(tried))
+    assert found.strengths[0] == pytest.approx(tried[value.argmax()], abs=1e-3)
+    assert found.log_likelihood == pytest.approx(-9 * np.log1p(np.exp(-2 * found.strengths[0])))
+
+
+def test_groups_that_were_never_compared_are_named() -> None:
+    votes = votes_of(["a", "b", "c", "d"], ["b", "a", "d", "c"], [1, 1, 1, 1], ["p", "q"] * 2)
+    assert bradley_terry(votes).reason == (
+        "never compared with one another, not even through others: a and b | c and d; strengths "
+        "have no common scale"
+    )

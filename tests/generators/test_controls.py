@@ -1,0 +1,173 @@
+"""Mismatched: another segment's motion, nobody's own, everybody's a different one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from generators.controls import Broken, Mismatched, Static, partners
+from generators.interface import SpeechSegment, StudyClips
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.segment import Segment
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from tests.motion.random_clips import arkit_of
+
+Speak = Callable[..., SpeechSegment]
+
+ARM = [joint_index(f"{side}_{part}") for side in ("left", "right") for part in ("elbow", "wrist")]
+
+
+def test_nothing_moves(speak: Callable[..., SpeechSegment]) -> None:
+    clip = Static().generate(speak("a", 3.0), seed=0, frame_rate=30)
+    assert (clip.poses == clip.poses[0]).all()
+    assert (clip.trans == clip.trans[0]).all()
+    assert not arkit_of(clip).any()
+
+
+def test_both_hands_hang_below_the_hips_beside_the_body(
+    speak: Callable[..., SpeechSegment],
+) -> None:
+    clip = Static().generate(speak("a", 1.0), seed=0, frame_rate=30)
+    joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    left, right = (joints[0, joint_index(f"{side}_wrist")] for side in ("left", "right"))
+    assert left[1] < joints[0, joint_index("pelvis"), 1]
+    np.testing.assert_allclose(left, right * (-1, 1, 1), atol=1e-6)
+    assert 0.17 < left[0] < 0.4
+
+
+def of_length(*seconds: float) -> list[Segment]:
+    return [
+        Segment(name=f"s{k}", wav="a.wav", start=0, end=end, speaker="a", emotion="neutral")
+        for k, end in enumerate(seconds)
+    ]
+
+
+@given(st.lists(st.floats(0.5, 60), min_size=2, max_size=12), st.integers(0, 2**32))
+def test_nobody_keeps_their_own_motion_and_no_two_get_the_same(
+    lengths: list[float], seed: int
+) -> None:
+    chosen = partners(of_length(*lengths), seed)
+    assert all(taker != giver for taker, giver in chosen.items())
+    assert sorted(chosen.values()) == sorted(chosen)
+
+
+@given(st.permutations(of_length(4, 5, 6, 7)), st.integers(0, 100))
+def test_the_order_of_the_segments_does_not_matter(order: list[Segment], seed: int) -> None:
+    assert partners(order, seed) == partners(of_length(4, 5, 6, 7), seed)
+
+
+def test_partners_long_enough_are_preferred() -> None:
+    for seed in range(20):
+        chosen = partners(of_length(10, 10, 4, 4), seed)
+        assert {chosen["s0"], chosen["s1"]} == {"s0", "s1"}
+
+
+def test_seeds_choose_different_partners() -> None:
+    assert len({tuple(partners(of_length(*[5] * 6), seed).items()) for seed in range(10)}) > 5
+
+
+def test_the_motion_is_the_partners(study: StudyClips, speak: Speak) -> None:
+    speech = speak(study.segments[0].name, 4.0)
+    clip = Mismatched().generate(speech, seed=3, frame_rate=25, source=study)
+    partner = clip.provenance["motion_of_segment"]
+    assert partner != speech.segment.name
+    np.testing.assert_array_equal(clip.poses, study.clip(partner).poses[: len(clip)])
+
+
+def test_a_short_partner_goes_on_backwards_without_a_jump(study: StudyClips, speak: Speak) -> None:
+    speech = speak(study.segments[2].name, 15.0)
+    clip = Mismatched().generate(speech, seed=3, frame_rate=25, source=study)
+    own = study.clip(clip.provenance["motion_of_segment"])
+    assert clip.provenance["continued_by_reversal"] == "true"
+    largest = np.abs(np.diff(own.poses, axis=0)).max()
+    assert np.abs(np.diff(clip.poses, axis=0)).max() <= largest + 1e-6
+    np.testing.assert_array_equal(clip.poses[len(own)], own.poses[-2])
+
+
+def test_a_study_of_one_segment_is_refused(speak: Speak) -> None:
+    with pytest.raises(InputError, match="another segment"):
+        partners(of_length(5), 0)
+
+
+def test_a_segment_that_is_not_of_the_study_is_refused(study: StudyClips, speak: Speak) -> None:
+    with pytest.raises(InputError, match="stranger"):
+        Mismatched().generate(speak("stranger", 4.0), seed=0, frame_rate=25, source=study)
+
+
+def jerk(clip: MotionClip) -> np.ndarray:
+    """Size of the third derivative of elbows and wrists, m/s^3, shape (T - 3, 4)."""
+    joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    third = np.diff(joints[:, ARM], n=3, axis=0) * clip.frame_rate**3
+    return np.asarray(np.linalg.norm(third, axis=2))
+
+
+@pytest.fixture(params=range(4))
+def pair(
+    request: pytest.FixtureRequest, study: StudyClips, speak: Speak
+) -> tuple[MotionClip, MotionClip]:
+    whole = study.clip(study.segments[2].name)
+    speech = speak(study.segments[2].name, len(whole) / 25)
+    return whole, Broken().generate(speech, seed=request.param, frame_rate=25, source=study)
+
+
+def test_every_second_is_far_jerkier_than_the_source(
+    pair: tuple[MotionClip, MotionClip],
+) -> None:
+    whole, broken = pair
+    for start in range(0, len(whole) - 25, 25):
+        second = slice(start, start + 25)
+        assert jerk(broken)[second].mean() > 8 * jerk(whole)[second].mean()
+
+
+def test_every_two_seconds_hold_a_neck_or_wrist_twisted_too_far_and_an_elbow_bent_back(
+    pair: tuple[MotionClip, MotionClip],
+) -> None:
+    _, broken = pair
+    turns = np.degrees(np.linalg.norm(broken.poses, axis=2))
+    twisting = [joint_index(name) for name in ("neck", "left_wrist", "right_wrist")]
+    twisted = (turns[:, twisting] > 110).any(axis=1)
+    # Elbows bend about -y on the left and +y on the right.
+    backward = np.degrees(
+        broken.poses[:, [joint_index("left_elbow"), joint_index("right_elbow")], 1]
+    )
+    bent_back = np.max(backward * (1, -1), axis=1) > 50
+    for start in range(0, len(broken) - 50, 25):
+        assert twisted[start : start + 50].any()
+        assert bent_back[start : start + 50].any()
+
+
+def test_the_body_freezes_at_times(study: StudyClips, speak: Speak) -> None:
+    speech = speak(study.segments[2].name, 6.0)
+    still = study.clip(study.segments[2].name)
+    broken = Broken().generate(speech, seed=0, frame_rate=25, source=study)
+    hip = joint_index("left_hip")
+    stops = (np.abs(np.diff(broken.poses[:, hip], axis=0)).max(axis=1) == 0).sum()
+    own_stops = (np.abs(np.diff(still.poses[:, hip], axis=0)).max(axis=1) == 0).sum()
+    assert stops > own_stops + 10
+
+
+def test_the_face_flickers(pair: tuple[MotionClip, MotionClip]) -> None:
+    whole, broken = pair
+    flickering, smooth = arkit_of(broken), arkit_of(whole)
+    changes = [np.abs(np.diff(face, axis=0)).mean() for face in (flickering, smooth)]
+    assert changes[0] > 5 * changes[1]
+    assert (flickering == 1).any(axis=1).mean() > 0.2
+
+
+def test_a_source_without_a_face_stays_without(study: StudyClips, speak: Speak) -> None:
+    name = study.segments[0].name
+
+    class Faceless:
+        segments = study.segments
+
+        def clip(self, segment_name: str) -> MotionClip:
+            return replace(study.clip(segment_name), arkit=None)
+
+    clip = Broken().generate(speak(name, 4.0), seed=0, frame_rate=25, source=Faceless())
+    assert clip.arkit is None

@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from motion.formats.bvh import read_bvh
+from motion.formats.bvh_motion import BvhJoint, BvhMotion, settle_first_frame, write_bvh
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_text
+
+TURNS = ("Zrotation", "Xrotation", "Yrotation")
+ROOT = ("Xposition", "Yposition", "Zposition", *TURNS)
+
+JOINTS = (
+    BvhJoint(name="hips", parent=-1, offset=(0.0, 1.5, -0.25), channels=ROOT),
+    BvhJoint(name="left", parent=0, offset=(10.0, 0.0, 0.0), channels=TURNS),
+    BvhJoint(name="right", parent=0, offset=(-10.0, 0.0, 0.0), channels=TURNS),
+    BvhJoint(name="left tip", parent=1, offset=(5.0, 0.0, 0.0), channels=()),
+)
+"""Not depth first: the child of ``left`` comes after ``right``."""
+
+
+def a_motion(frames: int = 5, seed: int = 0) -> BvhMotion:
+    values = np.round(np.random.default_rng(seed).uniform(-180, 180, (frames, 12)), 4)
+    return BvhMotion(joints=JOINTS, values=values, frame_rate=30.0)
+
+
+def test_what_is_written_is_read_back(tmp_path: Path) -> None:
+    motion = a_motion()
+    write_bvh(tmp_path / "deep" / "a.bvh", motion)
+    back = read_bvh(tmp_path / "deep" / "a.bvh")
+    assert back.frame_rate == motion.frame_rate
+    assert back.notes == ()
+    assert back.joint_names == ("hips", "left", "left tip", "right")
+    for joint in motion.joints:
+        own = back.joints[back.joint_names.index(joint.name)]
+        assert own.offset == joint.offset
+        assert own.channels == joint.channels
+    positions, _ = motion.forward_kinematics()
+    found, _ = back.forward_kinematics()
+    order = [motion.joint_names.index(name) for name in back.joint_names]
+    np.testing.assert_allclose(found, positions[:, order], atol=1e-3)
+
+
+@pytest.mark.parametrize("rate", [15.0, 23.976, 29.97, 30.0, 59.94, 60.0, 120.0])
+def test_the_frame_rate_comes_back_as_it_was(tmp_path: Path, rate: float) -> None:
+    write_bvh(tmp_path / "a.bvh", replace(a_motion(), frame_rate=rate))
+    assert read_bvh(tmp_path / "a.bvh").frame_rate == pytest.approx(rate, rel=1e-6)
+
+
+def test_the_same_motion_gives_the_same_bytes_and_zero_has_no_sign(tmp_path: Path) -> None:
+    motion = a_motion()
+    motion.values[0, :3] = -0.0
+    motion.values[1, :3] = -1e-9
+    write_bvh(tmp_path / "a.bvh", motion)
+    write_bvh(tmp_path / "b.bvh", motion)
+    text = (tmp_path / "a.bvh").read_text()
+    assert text == (tmp_path / "b.bvh").read_text()
+    rows = text.split("Frame Time")[1].splitlines()[1:]
+    assert [row.split()[:3] for row in rows[:2]] == [["0", "0", "0"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"values": np.zeros((0, 12))}, "no frame"),
+        ({"values": np.zeros((2, 11))}, "11 columns, the skeleton 12"),
+        ({"values": np.full((2, 12), np.nan)}, "frame 0"),
+        ({"joints": (JOINTS[0], replace(JOINTS[1], parent=-1), *JOINTS[2:])}, "2 roots"),
+    ],
+)
+def test_what_cannot_be_written_is_said_and_leaves_no_file(
+    tmp_path: Path, change: dict[str, object], complaint: str
+) -> None:
+    with pytest.raises(InputError, match=complaint):
+        write_bvh(tmp_path / "a.bvh", replace(a_motion(), **change))  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())
+
+
+def chain(tmp_path: Path, rows: np.ndarray) -> BvhMotion:
+    return read_bvh(save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, rows)))
+
+
+def test_pose_left_over_in_the_first_frame_settles(tmp_path: Path) -> None:
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(4)])
+    rows[0] += columns_of(CHAIN, {"hip": (20, 0, 0)})
+    motion = settle_first_frame(chain(tmp_path, rows))
+    rows[0] -= columns_of(CHAIN, {"hip": (20, 0, 0)})
+    np.testing.assert_allclose(motion.values, rows)
+    assert "1 joints" in motion.notes[0]
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4])
+def test_motion_without_such_a_pose_stays_as_it_is(tmp_path: Path, frames: int) -> None:
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(frames)])
+    motion = chain(tmp_path, rows)
+    assert settle_first_frame(motion) is motion
+
+
+def _bending(**first: tuple[float, float, float]) -> np.ndarray:
+    """Return four rows of a slowly bending leg; the first has the pose `first` instead."""
+    rows = [columns_of(CHAIN, {"hip": (5, k, 0), "knee": (0, 10 + 5 * k, 0)}) for k in range(4)]
+    return np.stack([columns_of(CHAIN, first), *rows[1:]])
+
+
+def test_calibration_pose_in_the_first_row_is_no_motion(tmp_path: Path) -> None:
+    rows = _bending(hip=(170, 0, 0), knee=(0, 0, 90))
+    motion = settle_first_frame(chain(tmp_path, rows))
+    np.testing.assert_allclose(motion.values, rows[[1, 1, 2, 3]])
+    assert motion.calibration is not None
+    np.testing.assert_allclose(motion.calibration, rows[0])
+    assert "first frame is a pose apart" in motion.notes[0]
+
+
+def test_a_glitch_later_on_does_not_keep_the_calibration_pose(tmp_path: Path) -> None:
+    angles = 20 * np.sin(np.arange(90) / 9)
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, angle, 0)}) for angle in angles])
+    rows[0] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 0, 90)})
+    rows[50] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 90, 0)})
+    motion = settle_first_frame(chain(tmp_path, rows))
+    assert motion.calibration is not None
+    np.testing.assert_allclose(motion.calibration, rows[0])
+    np.testing.assert_allclose(motion.values, rows[[1, *range(1, 90)]])
+
+
+def test_quick_start_of_a_motion_is_kept(tmp_path: Path) -> None:
+    motion = chain(tmp_path, _bending(hip=(80, 0, 0), knee=(0, 0, 60)))
+    assert settle_first_frame(motion) is motion
+
+
+def test_jumps_all_along_are_no_calibration(tmp_path: Path) -> None:
+    rows = _bending(hip=(170, 0, 0), knee=(0, 0, 90))
+    rows[3] = columns_of(CHAIN, {"hip": (-170, 0, 90), "knee": (0, 90, 0)})
+    motion = chain(tmp_path, rows)
+    assert settle_first_frame(motion) is motion
+
+
+def test_real_recording_cut_to_its_upper_body_does_not_jump(shared_data: Path) -> None:
+    motion = read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15)
+    settled = settle_first_frame(motion)
+    assert not settled.values[:, settled.columns(0)].any()
+    assert "13 joints" in settled.notes[-1]
+    assert settled.calibration is None
+
+
+def test_real_recording_begins_after_its_calibration(shared_data: Path) -> None:
+    motion = read_bvh(shared_data / "aitviewer_sample.bvh")
+    settled = settle_first_frame(motion)
+    np.testing.assert_array_equal(settled.values[0], motion.values[1])
+    np.testing.assert_array_equal(settled.calibration, motion.values[0])

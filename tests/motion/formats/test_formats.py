@@ -1,0 +1,192 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.clearance import clear_of_body
+from motion.errors import InputError
+from motion.formats import read_clip, read_motion, write_clip
+from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, forward_kinematics, joint_index
+from tests.motion.formats.bvh_text import (
+    CHAIN,
+    bvh_text,
+    columns_of,
+    depth_first,
+    save_bvh_text,
+    smplx_skeleton,
+)
+from tests.motion.random_clips import assert_same_clip, random_clip
+
+
+def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
+    skeleton = [
+        (prefix + name, None if parent is None else prefix + parent, offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    rows = np.stack([columns_of(skeleton, {f"{prefix}left_elbow": (k, 0, 0)}) for k in (10, 20)])
+    return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
+
+
+def test_own_file_comes_as_it_is(tmp_path: Path) -> None:
+    write_clip(tmp_path / "a.npz", random_clip())
+    assert_same_clip(read_motion(tmp_path / "a.npz"), random_clip())
+
+
+@pytest.mark.parametrize("ending", ["bvh", "npz", "npy", "txt"])
+def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) -> None:
+    path = person_bvh(tmp_path / f"a.{ending}")
+    clip = read_motion(path)
+    elbow = np.degrees(clip.poses[:, joint_index("left_elbow")])
+    np.testing.assert_allclose(elbow, [[0, 0, 10], [0, 0, 20]], atol=1e-4)
+    assert clip.provenance["source"] == path.name
+    assert clip.provenance["format"] == "bvh (smplx)"
+
+
+def test_foreign_npz_is_placed_and_says_so(tmp_path: Path) -> None:
+    poses = np.zeros((4, 165))
+    poses[:, 0] = np.pi / 2
+    np.savez(tmp_path / "amass.npz", poses=poses, trans=np.ones((4, 3)), mocap_framerate=120)
+    clip = read_motion(tmp_path / "amass.npz")
+    np.testing.assert_allclose(clip.poses[:, : FINGERS.start], 0, atol=1e-6)
+    np.testing.assert_allclose(clip.trans, 0, atol=1e-6)
+    assert clip.provenance["source"] == "amass.npz"
+    assert clip.provenance["format"] == "npz"
+    assert clip.provenance["notes"].endswith("z was up; turned to y up")
+    np.testing.assert_allclose(read_clip(tmp_path / "amass.npz").poses[:, 0, 0], np.pi / 2)
+
+
+def test_talkshow_in_camera_axes_is_stood_up(tmp_path: Path) -> None:
+    rows = np.zeros((3, 265))
+    rows[:, 9] = np.pi
+    np.save(tmp_path / "a.npy", rows)
+    clip = read_motion(tmp_path / "a.npy")
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    np.testing.assert_allclose(positions[0, :25], REST_JOINTS[:25], atol=1e-5)
+    assert clip.provenance["format"] == "talkshow"
+    assert "-y was up" in clip.provenance["notes"]
+
+
+@pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])
+def test_fingers_relative_to_the_mean_hands_become_absolute(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / ("a.npy" if kind == "talkshow" else "a.npz")
+    if kind == "talkshow":
+        np.save(path, np.zeros((3, 265)))
+    else:
+        np.savez(path, poses=np.zeros((3, 165)), mocap_frame_rate=30, model="smplx2020")
+    clip = read_motion(path)
+    assert clip.provenance["format"] == kind
+    assert "relaxed hands took their place" in clip.provenance["notes"]
+    np.testing.assert_allclose(clip.poses[2, FINGERS], RELAXED_HANDS, atol=1e-6)
+    mean = np.full((30, 3), 0.2, np.float32)
+    licensed = read_motion(path, mean_hands=mean)
+    assert "which the licensed model gave" in licensed.provenance["notes"]
+    np.testing.assert_allclose(licensed.poses[2, FINGERS], mean, atol=1e-6)
+
+
+def test_own_files_and_amass_keep_their_fingers(tmp_path: Path) -> None:
+    poses = np.full((3, 165), 0.01)
+    np.savez(tmp_path / "amass.npz", poses=poses, mocap_framerate=30)
+    clip = read_motion(tmp_path / "amass.npz", mean_hands=np.ones((30, 3), np.float32))
+    np.testing.assert_allclose(clip.poses[:, 1:], 0.01, atol=1e-6)
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    write_clip(tmp_path / "own.npz", read_motion(tmp_path / "a.npy"))
+    assert_same_clip(read_motion(tmp_path / "own.npz"), read_motion(tmp_path / "a.npy"))
+
+
+@pytest.mark.parametrize("ending", ["bvh", "npz"])
+def test_fingers_that_nobody_recorded_are_relaxed_and_said(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"a.{ending}"
+    if ending == "bvh":
+        person_bvh(path)
+    else:
+        np.savez(path, poses=np.zeros((3, 72)), mocap_framerate=30)
+    clip = read_motion(path)
+    np.testing.assert_allclose(clip.poses[1, FINGERS], RELAXED_HANDS, atol=1e-6)
+    assert "no finger is told by the file; relaxed ones are shown" in clip.provenance["notes"]
+
+
+def test_only_fingers_that_nobody_recorded_are_relaxed(tmp_path: Path) -> None:
+    poses = np.zeros((3, 55, 3))
+    thumb = joint_index("left_thumb2")
+    poses[:, thumb] = 0.5
+    np.savez(tmp_path / "a.npz", poses=poses, mocap_framerate=30)
+    clip = read_motion(tmp_path / "a.npz")
+    kept = slice(thumb - 1, thumb + 2)
+    np.testing.assert_allclose(clip.poses[1, kept], poses[1, kept])
+    np.testing.assert_allclose(clip.poses[1, thumb + 2 : 55], RELAXED_HANDS[15:])
+    assert "9 of 10 fingers are not told" in clip.provenance["notes"]
+
+
+def test_frame_rate_reaches_every_reader(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    np.savez(tmp_path / "b.npz", poses=np.zeros((3, 165)))
+    person_bvh(tmp_path / "c.bvh", frames=99)
+    for name in ("a.npy", "b.npz", "c.bvh"):
+        assert read_motion(tmp_path / name, frame_rate=15).frame_rate == 15
+    assert "99 frames" in read_motion(tmp_path / "c.bvh", frame_rate=15).provenance["notes"]
+
+
+def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
+    path = person_bvh(tmp_path / "a.bvh", "x")
+    with pytest.raises(InputError, match=r"a\.bvh: the skeleton is unknown"):
+        read_motion(path)
+    own = {name.removeprefix("x"): name for name in depth_first(smplx_skeleton())}
+    own = {name: f"x{name}" for name in own}
+    assert read_motion(path, joint_map=own).provenance["format"] == "bvh (own map)"
+    with pytest.raises(InputError, match=r"a\.bvh: the joint map lacks"):
+        read_motion(path, joint_map={"pelvis": "xpelvis"})
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("words.bvh", b"nothing of the kind"),
+        ("empty.npz", b""),
+        ("torn.npz", b"PK\x03\x04"),
+        ("torn.npy", b"\x93NUMPY\x01"),
+        ("chain.bvh", bvh_text(CHAIN, np.zeros((1, 12))).encode()),
+        ("torn.bvh", b"HIERARCHY"),
+        ("picture.npy", b"\x89PNG\r\n"),
+    ],
+)
+def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=name) as caught:
+        read_motion(tmp_path / name)
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize("name", ["gone.bvh", "."])
+def test_missing_file_is_named(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_motion(tmp_path / name)
+
+
+def test_real_recording_is_read_in_the_studys_world(shared_data: Path) -> None:
+    clip = read_motion(shared_data / "2_scott_0_1_1.bvh", frame_rate=15)
+    assert clip.duration == pytest.approx(63.8)
+    assert clip.provenance["format"] == "bvh (beat)"
+    assert "7669 frames" in clip.provenance["notes"]
+    steps = np.linalg.norm(np.diff(clip.poses[:, 0], axis=0), axis=1)
+    assert steps.max() < 0.01
+
+
+def test_other_real_recording_is_turned_to_the_front(shared_data: Path) -> None:
+    clip = read_motion(shared_data / "aitviewer_sample.bvh")
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    assert "to face +z" in clip.provenance["notes"]
+    assert positions[:, :, 1].min() > -1.5
+    assert np.abs(clip.trans).max() < 1
+
+
+def test_hands_stay_where_they_were_recorded_if_asked(shared_data: Path) -> None:
+    path = shared_data / "2_scott_0_1_1.bvh"
+    moved, recorded = (
+        read_motion(path, frame_rate=15, as_recorded=as_recorded) for as_recorded in (False, True)
+    )
+    cleared, (note,) = clear_of_body(recorded)
+    assert note in moved.provenance["notes"]
+    assert "moved out" not in recorded.provenance["notes"]
+    np.testing.assert_allclose(cleared.poses, moved.poses, atol=1e-3)

@@ -1,0 +1,145 @@
+"""Prosody against sounds whose energy, pitch, accents and pauses are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motion.audio import Audio, read_audio
+from motion.errors import InputError
+from motion.prosody import prosody
+
+RATE = 16000
+
+
+def voice(seconds: float, pitch: float | np.ndarray, rate: int = RATE) -> np.ndarray:
+    """A buzz of ten harmonics, which a pitch tracker hears as a voice."""
+    times = np.arange(round(seconds * rate)) / rate
+    phase = 2 * np.pi * np.cumsum(np.broadcast_to(pitch, times.shape)) / rate
+    return np.asarray(0.2 * np.sum([np.sin(k * phase) / k for k in range(1, 11)], axis=0))
+
+
+def syllables(
+    seconds: float,
+    at: Sequence[float],
+    loudness: Sequence[float],
+    pitch: float | np.ndarray = 120.0,
+) -> np.ndarray:
+    """Humps of voice, 0.2 s long, that peak at the times `at`."""
+    times = np.arange(round(seconds * RATE)) / RATE
+    humps = [
+        loud * np.cos(np.clip((times - peak) / 0.2, -0.5, 0.5) * np.pi) ** 2
+        for peak, loud in zip(at, loudness, strict=True)
+    ]
+    return np.asarray(voice(seconds, pitch) * np.max(humps, axis=0))
+
+
+def audio(samples: np.ndarray, rate: int = RATE) -> Audio:
+    return Audio(samples.astype(np.float32), rate)
+
+
+@pytest.mark.parametrize("pitch", [80.0, 150.0, 300.0])
+@pytest.mark.parametrize("rate", [16000, 44100])
+def test_pitch_of_a_steady_voice_is_its_own_within_a_quarter_tone(pitch: float, rate: int) -> None:
+    heard = prosody(audio(voice(1.5, pitch, rate), rate), 30)
+    inside = heard.pitch[5:-5]
+    assert heard.voiced[5:-5].all()
+    assert np.abs(12 * np.log2(inside / pitch)).max() < 0.5
+
+
+def test_noise_and_silence_are_not_voiced() -> None:
+    noise = np.random.default_rng(0).normal(0, 0.1, RATE)
+    heard = prosody(audio(np.concatenate([noise, np.zeros(RATE)])), 30)
+    assert heard.voiced.mean() < 0.1
+    assert np.isnan(heard.pitch[~heard.voiced]).all()
+
+
+def test_energy_is_one_at_the_loud_level_and_zero_in_silence() -> None:
+    heard = prosody(audio(np.concatenate([voice(1, 120), np.zeros(RATE)])), 50)
+    assert heard.energy[10:40].min() > 0.95
+    assert heard.energy[60:].max() == 0
+
+
+def test_energy_falls_by_decibels() -> None:
+    softer = 10 ** (-17.5 / 20)
+    heard = prosody(audio(np.concatenate([voice(1, 120), softer * voice(1, 120)])), 50)
+    assert heard.energy[60:90].mean() == pytest.approx(0.5, abs=0.03)
+
+
+def test_accents_are_the_louder_syllables_at_their_peaks() -> None:
+    at = [0.4, 0.8, 1.2, 1.6, 2.0, 2.4]
+    loud = [1.0, 0.35, 1.0, 0.35, 1.0, 0.35]
+    heard = prosody(audio(syllables(2.8, at, loud)), 30)
+    np.testing.assert_allclose(heard.syllables, at, atol=0.03)
+    np.testing.assert_allclose(heard.accents, [0.4, 1.2, 2.0], atol=0.03)
+
+
+def test_a_rise_of_pitch_makes_an_accent_among_equally_loud_syllables() -> None:
+    at = [0.4, 0.8, 1.2, 1.6, 2.0]
+    times = np.arange(round(2.4 * RATE)) / RATE
+    pitch = np.where(np.abs(times - 1.2) < 0.15, 170.0, 120.0)
+    heard = prosody(audio(syllables(2.4, at, [1.0] * 5, pitch)), 30)
+    strongest = heard.accents[np.argmax(heard.prominence)]
+    assert strongest == pytest.approx(1.2, abs=0.03)
+
+
+def test_the_strongest_accent_has_prominence_one() -> None:
+    heard = prosody(audio(syllables(2.4, [0.4, 1.0, 1.6], [0.5, 1.0, 0.7])), 30)
+    assert heard.prominence.max() == 1
+    assert heard.prominence.min() > 0
+
+
+def test_pauses_are_the_quiet_stretches_of_a_fifth_of_a_second_and_more() -> None:
+    sound, long_gap, short_gap = voice(0.6, 120), np.zeros(RATE // 2), np.zeros(RATE // 10)
+    heard = prosody(audio(np.concatenate([sound, long_gap, sound, short_gap, sound])), 30)
+    assert len(heard.pauses) == 1
+    np.testing.assert_allclose(heard.pauses[0], [0.6, 1.1], atol=0.06)
+
+
+def test_silence_has_no_accent_and_one_pause() -> None:
+    heard = prosody(audio(np.zeros(2 * RATE)), 30)
+    assert not heard.energy.any()
+    assert len(heard.accents) == len(heard.prominence) == 0
+    np.testing.assert_allclose(heard.pauses, [[0, 2]], atol=0.02)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    samples=st.integers(1700, 9000),
+    frame_rate=st.floats(10, 120),
+    seed=st.integers(0, 2**16),
+)
+def test_per_frame_values_have_one_entry_a_frame(
+    samples: int, frame_rate: float, seed: int
+) -> None:
+    sound = audio(np.random.default_rng(seed).normal(0, 0.1, samples).clip(-1, 1))
+    heard = prosody(sound, frame_rate)
+    frames = round(sound.duration * frame_rate)
+    assert len(heard.energy) == len(heard.pitch) == len(heard.voiced) == frames
+    assert heard.energy.min() >= 0 and heard.energy.max() <= 1
+    assert (np.diff(heard.accents) > 0).all()
+
+
+def test_loudness_of_the_recording_does_not_matter() -> None:
+    samples = syllables(2.4, [0.4, 1.0, 1.6], [0.5, 1.0, 0.7])
+    loud, soft = prosody(audio(samples), 30), prosody(audio(samples * 0.1), 30)
+    np.testing.assert_allclose(loud.energy, soft.energy, atol=1e-3)
+    np.testing.assert_allclose(loud.accents, soft.accents)
+
+
+@pytest.mark.parametrize("frame_rate", [0.0, -1.0, float("nan"), 2.0])
+def test_an_unusable_frame_rate_is_refused(frame_rate: float) -> None:
+    with pytest.raises(InputError):
+        prosody(audio(np.zeros(1000)), frame_rate)
+
+
+def test_a_real_voice_has_plausible_pitch_and_rate_of_accents(shared_data: Path) -> None:
+    speech = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 20)
+    heard = prosody(speech, 30)
+    assert 80 < np.nanmedian(heard.pitch) < 220
+    assert 0.5 < len(heard.accents) / speech.duration < 3

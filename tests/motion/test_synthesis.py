@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import librosa
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from motion.errors import InputError
+from motion.segment import EMOTIONS
+from motion.synthesis import (
+    PROSODY_OF_EMOTION,
+    speak,
+    speak_as,
+    synthesiser_version,
+)
+
+SENTENCE = "I walked along the river this morning, and everybody was already there."
+
+needs_espeak = pytest.mark.skipif(
+    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
+)
+
+
+def pitch(audio: Audio) -> np.ndarray:
+    """Return the pitch of the voiced frames in Hz."""
+    hertz, voiced, _ = librosa.pyin(audio.samples, fmin=50, fmax=500, sr=audio.sample_rate)
+    return np.asarray(hertz[voiced])
+
+
+@pytest.fixture(scope="module")
+def spoken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Audio]:
+    folder = tmp_path_factory.mktemp("speech")
+    return {emotion: speak(SENTENCE, emotion, folder / f"{emotion}.wav") for emotion in EMOTIONS}
+
+
+def test_every_emotion_has_a_prosody_of_its_own() -> None:
+    assert set(PROSODY_OF_EMOTION) == set(EMOTIONS)
+    assert len(set(PROSODY_OF_EMOTION.values())) == len(EMOTIONS)
+
+
+@needs_espeak
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_every_emotion_is_audible_and_not_clipped(spoken: dict[str, Audio], emotion: str) -> None:
+    audio = spoken[emotion]
+    assert 2 < audio.duration < 10
+    assert np.sqrt(np.mean(audio.samples**2)) > 0.02
+    assert np.abs(audio.samples).max() < 0.999
+    assert audio.notes == ()
+
+
+@needs_espeak
+def test_emotions_sound_as_their_prosody_says(spoken: dict[str, Audio]) -> None:
+    def loudness(emotion: str) -> float:
+        return float(np.sqrt(np.mean(spoken[emotion].samples ** 2)))
+
+    assert spoken["fear"].duration < spoken["neutral"].duration < spoken["sadness"].duration
+    assert loudness("anger") > loudness("neutral") > loudness("sadness")
+    fear, sadness, surprise = (pitch(spoken[name]) for name in ("fear", "sadness", "surprise"))
+    assert np.median(fear) > 1.2 * np.median(sadness)
+    spread = [np.std(12 * np.log2(hertz)) for hertz in (surprise, sadness)]
+    assert spread[0] > 1.5 * spread[1]
+
+
+@needs_espeak
+def test_same_text_gives_the_same_file(tmp_path: Path) -> None:
+    for name in ("a.wav", "b.wav"):
+        speak(SENTENCE, "fear", tmp_path / name)
+    assert (tmp_path / "a.wav").read_bytes() == (tmp_path / "b.wav").read_bytes()
+
+
+@needs_espeak
+def test_text_is_neither_markup_nor_options(tmp_path: Path) -> None:
+    plain = speak("one and two", "neutral", tmp_path / "a.wav")
+    odd = speak("--help one <break time='9s'/> & two", "neutral", tmp_path / "b.wav")
+    assert plain.duration < odd.duration < 9
+
+
+@needs_espeak
+def test_speakers_sound_different(tmp_path: Path) -> None:
+    voices = [speak(SENTENCE, "neutral", tmp_path / "a.wav", voice) for voice in ("en", "en+f3")]
+    assert np.median(pitch(voices[1])) > 1.3 * np.median(pitch(voices[0]))
+
+
+@needs_espeak
+def test_unknown_voice_is_refused_and_nothing_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"voice 'nosuch'.*espeak-ng --voices"):
+        speak(SENTENCE, "neutral", tmp_path / "a.wav", "nosuch")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("text", "emotion", "complaint"),
+    [(SENTENCE, "boredom", "unknown emotion"), (" ...", "neutral", "nothing to say")],
+)
+def test_what_cannot_be_spoken_is_refused(
+    tmp_path: Path, text: str, emotion: str, complaint: str
+) -> None:
+    with pytest.raises(InputError, match=complaint):
+        speak(text, emotion, tmp_path / "a.wav")
+
+
+def test_missing_espeak_is_said_with_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="apt-get install espeak-ng"):
+        speak(SENTENCE, "neutral", tmp_path / "a.wav")
+
+
+def stand_in(folder: Path, script: str) -> None:
+    """Put a program named espeak-ng into `folder`."""
+    program = folder / "espeak-ng"
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+
+
+@pytest.mark.parametrize(
+    ("script", "limit", "complaint"),
+    [("exit 0", 60.0, "wrote no sound"), ("exec /bin/sleep 60", 0.2, "longer than")],
+)
+def test_espeak_that_fails_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, script: str, limit: float, complaint: str
+) -> None:
+    programs, speech = tmp_path / "programs", tmp_path / "speech"
+    programs.mkdir()
+    stand_in(programs, script)
+    monkeypatch.setenv("PATH", str(programs))
+    monkeypatch.setattr("motion.synthesis._TIME_LIMIT", limit)
+    with pytest.raises(InputError, match=complaint):
+        speak(SENTENCE, "neutral", speech / "a.wav")
+    assert not list(speech.iterdir())
+
+
+@needs_espeak
+def test_a_prosody_of_ones_own_is_heard(tmp_path: Path, spoken: dict[str, Audio]) -> None:
+    neutral = PROSODY_OF_EMOTION["neutral"]
+    faster = replace(neutral, speed=2 * neutral.speed)
+    assert np.array_equal(
+        speak_as(SENTENCE, neutral, tmp_path / "a.wav").samples, spoken["neutral"].samples
+    )
+    quick = speak_as(SENTENCE, faster, tmp_path / "b.wav")
+    assert quick.duration < 0.7 * spoken["neutral"].duration
+
+
+@needs_espeak
+def test_the_version_names_the_synthesiser_and_no_path() -> None:
+    version = synthesiser_version()
+    assert "eSpeak" in version
+    assert "/" not in version

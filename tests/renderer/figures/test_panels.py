@@ -1,0 +1,144 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from motion.body.model import BodyModel
+from motion.clip import MotionClip
+from motion.skeleton import joint_index
+from renderer.clip_video import Stage, frame_at, still
+from renderer.figures.panels import (
+    FAR,
+    CutOut,
+    aspect_of,
+    box_around,
+    common_box,
+    cropped,
+    cut_out,
+    face_camera,
+    faces_level,
+)
+from renderer.figures.skeleton_lines import joints_of
+from renderer.framing import Camera, project
+from renderer.look import BACKGROUND, Look
+from tests.motion.random_clips import clip_of
+
+
+@pytest.fixture(scope="module")
+def stage(body_path: Path, camera: Camera, small_look: Look) -> Iterator[Stage]:
+    with Stage(body_path, camera, small_look) as stage:
+        yield stage
+
+
+@pytest.fixture(scope="module")
+def figure(stage: Stage, clip: MotionClip, camera: Camera) -> CutOut:
+    return cut_out(stage, frame_at(clip, 0.4), camera)
+
+
+def test_a_figure_put_back_on_its_background_is_the_frame(
+    figure: CutOut, stage: Stage, clip: MotionClip
+) -> None:
+    ground = Image.new("RGBA", figure.picture.size, (*BACKGROUND, 255))
+    ground.alpha_composite(figure.picture)
+    put_back = np.asarray(ground.convert("RGB")).astype(int)
+    drawn = np.asarray(still(stage, clip, 0.4)).astype(int)
+    assert np.abs(put_back - drawn).max() <= 4
+
+
+def test_nothing_of_the_background_is_left_on_the_edges(figure: CutOut) -> None:
+    pixels = np.asarray(figure.picture).astype(int)
+    alpha = pixels[..., 3]
+    assert (alpha[:4] == 0).all()
+    assert alpha[-4:, 70:90].min() == 255
+    partly = (alpha > 60) & (alpha < 200)
+    assert partly.any()
+    assert np.abs(pixels[partly, :3] - BACKGROUND).max(axis=-1).min() > 10
+
+
+def test_depth_says_where_the_figure_is_and_how_far(
+    figure: CutOut, clip: MotionClip, body: BodyModel, camera: Camera
+) -> None:
+    solid = np.asarray(figure.picture)[..., 3] == 255
+    assert (figure.depth[solid] < FAR).all()
+    assert (figure.depth[:4] == FAR).all()
+    joints = joints_of(frame_at(clip, 0.4), body)[0]
+    x, y, depth = project(joints[joint_index("spine2")], camera, 160)
+    # The chest's surface lies before its joint.
+    assert depth - 0.25 < figure.depth[int(y), int(x)] < depth
+
+
+def test_a_box_holds_the_whole_figure_and_little_else(
+    figure: CutOut, clip: MotionClip, body: BodyModel, camera: Camera
+) -> None:
+    left, top, right, bottom = box_around(body, frame_at(clip, 0.4), camera)
+    ys, xs = np.nonzero(np.asarray(figure.picture)[..., 3])
+    assert left * 160 == pytest.approx(xs.min(), abs=1.5)
+    assert right * 160 == pytest.approx(xs.max() + 1, abs=1.5)
+    assert top * 160 == pytest.approx(ys.min(), abs=1.5)
+    assert bottom == 1
+
+
+def test_a_common_box_holds_every_figure(clip: MotionClip, body: BodyModel, camera: Camera) -> None:
+    poses = [frame_at(clip, seconds) for seconds in (0.0, 0.3, 0.7)]
+    common = common_box(body, poses, camera)
+    for pose in poses:
+        left, top, right, bottom = box_around(body, pose, camera)
+        assert common[0] <= left and common[1] <= top
+        assert common[2] >= right and common[3] >= bottom
+
+
+def test_cutting_to_a_box_keeps_what_is_inside() -> None:
+    picture = Image.new("RGBA", (100, 100), "white")
+    picture.paste("red", (25, 50, 75, 100))
+    box = (0.25, 0.5, 0.75, 1.0)
+    assert aspect_of(box) == 1
+    assert cropped(picture, box, (50, 50)).getcolors() == [(2500, (255, 0, 0, 255))]
+
+
+def test_a_part_of_a_cut_out_has_its_picture_and_its_depth(figure: CutOut) -> None:
+    part = figure.within((0.25, 0.5, 0.75, 1.0))
+    assert part.picture.size == part.depth.shape[::-1] == (80, 80)
+    np.testing.assert_array_equal(part.depth, figure.depth[80:160, 40:120])
+    np.testing.assert_array_equal(
+        np.asarray(part.picture), np.asarray(figure.picture)[80:160, 40:120]
+    )
+
+
+def test_the_face_fills_the_picture_and_is_never_cut(
+    clip: MotionClip, body: BodyModel, camera: Camera
+) -> None:
+    close = face_camera([clip], body, camera)
+    assert close.field_of_view < camera.field_of_view / 2
+    for name in ("left_eye", "right_eye", "head"):
+        seen = project(joints_of(clip, body)[:, joint_index(name)], close, 100)[:, :2]
+        assert seen.min() > 20 and seen.max() < 80
+
+
+def test_faces_of_who_sits_and_who_stands_are_in_one_place(
+    clip: MotionClip, body: BodyModel, camera: Camera
+) -> None:
+    seated = clip_of(clip.poses, clip.trans - [0.1, 0.45, 0.2])
+    level = faces_level([[clip], [seated]], body)
+    close = face_camera([each for group in level for each in group], body, camera)
+    seen = [
+        project(joints_of(each, body)[:, joint_index("left_eye")], close, 100) for (each,) in level
+    ]
+    np.testing.assert_allclose(seen[0], seen[1], atol=0.01)
+    assert close.field_of_view == face_camera([clip], body, camera).field_of_view
+
+
+def test_all_clips_are_seen_by_one_camera(
+    clip: MotionClip, body: BodyModel, camera: Camera
+) -> None:
+    aside = clip_of(clip.poses, clip.trans + np.array([0.3, 0, 0]))
+    close = face_camera([frame_at(clip, 0), frame_at(aside, 0)], body, camera)
+    eyes = [
+        project(joints_of(frame_at(each, 0), body)[0, joint_index("left_eye")], close, 100)
+        for each in (clip, aside)
+    ]
+    assert eyes[1][0] - eyes[0][0] == pytest.approx(100 * 0.3 / 0.64, rel=0.1)
+    assert np.isfinite(eyes).all()

@@ -1,0 +1,122 @@
+from __future__ import annotations
+
+import tempfile
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.audio import Audio
+from renderer.encoder import SOUND_RATE, forget_bit_rates, pad_to_equal_size
+from tests.encoded import Told, write_video
+
+NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
+
+
+def heard(video: Path) -> tuple[list[bytes], bytes]:
+    """Return the encoded sound of a video, and its bit rate as a file tells it."""
+    with av.open(str(video)) as container:
+        stream: Any = container.streams.audio[0]
+        rate = stream.codec_context.bit_rate.to_bytes(4, "big")
+        return [bytes(p) for p in container.demux(stream) if p.pts is not None], rate
+
+
+@pytest.fixture
+def video(tmp_path: Path) -> Path:
+    write_video(tmp_path / "video.mp4", Told(frames=30, sound=NOISE))
+    return tmp_path / "video.mp4"
+
+
+def test_the_file_no_longer_says_how_many_bits_its_sound_has(video: Path) -> None:
+    before, rate = heard(video)
+    size = video.stat().st_size
+    told = video.read_bytes().count(rate)
+
+    forget_bit_rates(video)
+
+    assert video.read_bytes().count(rate) == told - 2
+    assert heard(video)[0] == before
+    assert video.stat().st_size == size
+
+
+def test_nothing_but_the_two_rates_is_changed(video: Path) -> None:
+    before = np.frombuffer(video.read_bytes(), np.uint8)
+
+    forget_bit_rates(video)
+
+    after = np.frombuffer(video.read_bytes(), np.uint8)
+    changed = np.flatnonzero(before != after)
+    assert 0 < len(changed) <= 8
+    assert changed[-1] - changed[0] < 8
+    assert not after[changed].any()
+
+
+def test_a_video_without_sound_stays_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "silent.mp4"
+    write_video(path, Told(sound=None))
+    before = path.read_bytes()
+
+    forget_bit_rates(path)
+
+    assert path.read_bytes() == before
+
+
+def test_its_sound_still_decodes(video: Path) -> None:
+    forget_bit_rates(video)
+
+    with av.open(str(video)) as container:
+        seconds = sum(Fraction(f.samples, f.sample_rate) for f in container.decode(audio=0))
+
+    assert seconds >= 1
+
+
+def boxes(data: bytes) -> list[bytes]:
+    kinds, at = [], 0
+    while at < len(data):
+        size = int.from_bytes(data[at : at + 4], "big")
+        assert size >= 8
+        kinds.append(data[at + 4 : at + 8])
+        at += size
+    assert at == len(data)
+    return kinds
+
+
+@given(st.lists(st.integers(8, 200), min_size=1, max_size=6))
+def test_files_end_up_equally_large_and_still_made_of_whole_boxes(sizes: list[int]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        videos = [Path(folder) / f"{k}.mp4" for k in range(len(sizes))]
+        for video, size in zip(videos, sizes, strict=True):
+            video.write_bytes(size.to_bytes(4, "big") + b"mdat" + b"x" * (size - 8))
+        pad_to_equal_size(videos)
+        contents = [video.read_bytes() for video in videos]
+        assert len({len(content) for content in contents}) == 1
+        assert all(boxes(content)[0] == b"mdat" for content in contents)
+        assert all(set(boxes(content)[1:]) <= {b"free"} for content in contents)
+
+
+def test_padding_twice_changes_nothing(tmp_path: Path) -> None:
+    videos = [tmp_path / "a.mp4", tmp_path / "b.mp4"]
+    for video, size in zip(videos, (30, 100), strict=True):
+        video.write_bytes(size.to_bytes(4, "big") + b"mdat" + b"x" * (size - 8))
+    pad_to_equal_size(videos)
+    before = [video.stat().st_mtime_ns for video in videos]
+    pad_to_equal_size(videos)
+    assert [video.stat().st_mtime_ns for video in videos] == before
+
+
+def test_no_videos_need_no_padding() -> None:
+    pad_to_equal_size([])
+
+
+@pytest.mark.parametrize("difference", range(1, 8))
+def test_a_difference_too_small_for_a_box_is_still_hidden(tmp_path: Path, difference: int) -> None:
+    a, b = tmp_path / "a.mp4", tmp_path / "b.mp4"
+    for video, size in ((a, 50), (b, 50 + difference)):
+        video.write_bytes(size.to_bytes(4, "big") + b"mdat" + b"x" * (size - 8))
+    pad_to_equal_size([a, b])
+    assert a.stat().st_size == b.stat().st_size

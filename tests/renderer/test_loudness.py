@@ -1,0 +1,147 @@
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pyloudnorm
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.audio import Audio, read_audio
+from motion.segment import EMOTIONS
+from motion.synthesis import speak
+from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.loudness import (
+    PEAK_CEILING,
+    SHORTEST,
+    TARGET,
+    at_common_loudness,
+    integrated_loudness,
+    true_peak,
+)
+
+needs_espeak = pytest.mark.skipif(
+    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
+)
+
+
+def loudness_by_another(audio: Audio) -> float:
+    """Return the loudness in LUFS as pyloudnorm, which shares no code with FFmpeg, has it."""
+    meter = pyloudnorm.Meter(audio.sample_rate)
+    return float(meter.integrated_loudness(audio.samples.astype(np.float64)))
+
+
+def tone(seconds: float, amplitude: float, hertz: float = 997.0) -> Audio:
+    moments = np.arange(round(seconds * SOUND_RATE)) / SOUND_RATE
+    return Audio(np.float32(amplitude) * np.sin(2 * np.pi * hertz * moments), SOUND_RATE)
+
+
+@pytest.fixture(scope="module")
+def spoken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Audio]:
+    folder = tmp_path_factory.mktemp("spoken")
+    text = "I walked along the river this morning, and everybody was already there."
+    for emotion in EMOTIONS:
+        speak(text, emotion, folder / f"{emotion}.wav")
+    return {
+        emotion: read_audio(folder / f"{emotion}.wav", sample_rate=SOUND_RATE)
+        for emotion in EMOTIONS
+    }
+
+
+@needs_espeak
+@pytest.mark.parametrize("amplitude", [1.0, 0.3, 0.02])
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_speech_of_any_level_comes_out_at_the_target_by_another_meter(
+    spoken: dict[str, Audio], emotion: str, amplitude: float
+) -> None:
+    speech = spoken[emotion]
+    level = Audio(speech.samples * np.float32(amplitude), speech.sample_rate)
+    heard = at_common_loudness(level)
+    assert loudness_by_another(heard) == pytest.approx(TARGET, abs=0.1)
+    assert true_peak(heard) <= PEAK_CEILING
+    assert heard.notes == ()
+
+
+@needs_espeak
+def test_speech_was_not_at_one_loudness_before(spoken: dict[str, Audio]) -> None:
+    before = [loudness_by_another(speech) for speech in spoken.values()]
+    assert max(before) - min(before) > 3
+
+
+@needs_espeak
+def test_the_sound_of_a_finished_video_has_the_target_loudness(
+    spoken: dict[str, Audio], tmp_path: Path
+) -> None:
+    sound = at_common_loudness(spoken["anger"])
+    video = tmp_path / "video.mp4"
+    with VideoWriter(video, 64, 64, 30, sound):
+        pass
+    decoded = read_audio(video, sample_rate=None)
+    assert loudness_by_another(decoded) == pytest.approx(TARGET, abs=0.3)
+
+
+@given(amplitude=st.floats(0.001, 1.0), hertz=st.floats(80, 8000))
+def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
+    audio = tone(0.6, amplitude, hertz)
+    heard = at_common_loudness(audio)
+    loudest = np.abs(audio.samples).argmax()
+    gain = heard.samples[loudest] / audio.samples[loudest]
+    assert len(heard.samples) == len(audio.samples)
+    np.testing.assert_allclose(heard.samples, gain * audio.samples, rtol=1e-4, atol=1e-6)
+    assert true_peak(heard) <= PEAK_CEILING + 0.01
+
+
+def test_the_same_sound_comes_out_the_same() -> None:
+    once, again = at_common_loudness(tone(1, 0.4)), at_common_loudness(tone(1, 0.4))
+    assert once.samples.tobytes() == again.samples.tobytes()
+
+
+def test_sound_at_the_target_already_stays() -> None:
+    once = at_common_loudness(tone(2, 0.4))
+    np.testing.assert_allclose(at_common_loudness(once).samples, once.samples, rtol=1e-3)
+
+
+def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:
+    clicks = np.zeros(2 * SOUND_RATE, np.float32)
+    clicks[:: SOUND_RATE // 10] = 0.9
+    heard = at_common_loudness(Audio(clicks, SOUND_RATE))
+    assert true_peak(heard) == pytest.approx(PEAK_CEILING, abs=0.01)
+    (note,) = heard.notes
+    assert "its peaks allow -" in note
+    assert "not the -23 LUFS" in note
+
+
+@pytest.mark.parametrize(
+    ("audio", "why"),
+    [
+        (tone(SHORTEST - 0.05, 0.5), "too short"),
+        (tone(2, 0), "it is silent"),
+        (tone(2, 1e-5), "it is silent"),
+    ],
+)
+def test_sound_without_a_loudness_stays_as_it_is_and_is_told(audio: Audio, why: str) -> None:
+    heard = at_common_loudness(audio)
+    assert heard.samples.tobytes() == audio.samples.tobytes()
+    (note,) = heard.notes
+    assert why in note
+    assert integrated_loudness(audio) is None
+
+
+def test_a_full_scale_sine_of_997_hertz_measures_as_the_standard_says() -> None:
+    measured = integrated_loudness(tone(3, 1.0))
+    assert measured == pytest.approx(-3.01, abs=0.02)
+
+
+def test_a_peak_between_two_samples_is_found() -> None:
+    # At a quarter of the sample rate and an eighth of a turn, samples miss the crest by 3 dB.
+    turns = np.arange(4800) / 4 + 1 / 8
+    audio = Audio(np.sin(2 * np.pi * turns).astype(np.float32), SOUND_RATE)
+    assert 20 * math.log10(np.abs(audio.samples).max()) == pytest.approx(-3.01, abs=0.01)
+    assert true_peak(audio) > -0.5
+
+
+def test_silence_has_no_peak() -> None:
+    assert true_peak(tone(1, 0)) == -math.inf

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from renderer.pair import FrameCache
+
+
+def write(folder: Path, name: str, size: int, used: int) -> Path:
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.mkv"
+    path.write_bytes(bytes(size))
+    os.utime(path, (used, used))
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "frames"
+
+
+def test_what_was_used_longest_ago_goes_first(folder: Path) -> None:
+    old, new, middle = (write(folder, n, 10, t) for n, t in (("a", 1), ("b", 3), ("c", 2)))
+    FrameCache(folder, 20).shrink(needed=())
+    assert (old.exists(), middle.exists(), new.exists()) == (False, True, True)
+
+
+def test_use_makes_frames_young_again(folder: Path) -> None:
+    old, new = write(folder, "a", 10, 1), write(folder, "b", 10, 2)
+    cache = FrameCache(folder, 10)
+    cache.used(old)
+    cache.shrink(needed=())
+    assert (old.exists(), new.exists()) == (True, False)
+
+
+def test_needed_frames_stay_whatever_the_limit(folder: Path) -> None:
+    needed, other = write(folder, "a", 10, 1), write(folder, "b", 10, 2)
+    FrameCache(folder, 0).shrink(needed={needed})
+    assert (needed.exists(), other.exists()) == (True, False)
+
+
+def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> None:
+    mine, stale, draft = (write(folder, name, 1, 1) for name in ("mine", "stale", ".draft"))
+    FrameCache(folder, 100).keep_only({mine})
+    assert (mine.exists(), stale.exists(), draft.exists()) == (True, False, True)
+
+
+def test_no_folder_is_an_empty_cache(folder: Path) -> None:
+    cache = FrameCache(folder, 0)
+    cache.shrink(needed=())
+    cache.keep_only(())
+    cache.used(folder / "gone.mkv")
+    assert cache.size() == 0
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    sizes=st.lists(st.integers(0, 50), max_size=8),
+    limit=st.integers(0, 200),
+    needed=st.sets(st.integers(0, 7)),
+)
+def test_the_limit_is_kept_but_for_what_is_needed_and_no_more_goes_than_must(
+    tmp_path: Path, sizes: list[int], limit: int, needed: set[int]
+) -> None:
+    folder = tmp_path / "many"
+    for old in folder.glob("*"):
+        old.unlink()
+    files = [write(folder, str(n), size, used=n + 1) for n, size in enumerate(sizes)]
+    held = {files[n] for n in needed if n < len(files)}
+    cache = FrameCache(folder, limit)
+    cache.shrink(needed=held)
+    left = {path for path in files if path.exists()}
+    assert held <= left
+    assert cache.size() <= max(limit, sum(sizes[files.index(path)] for path in held))
+    gone = [path for path in files if path not in left]
+    if gone:
+        assert cache.size() + sizes[files.index(gone[-1])] > limit

@@ -1,0 +1,193 @@
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.errors import InputError
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.loudness import at_common_loudness
+from renderer.stream_copy import copy_video, end_of, write_dubbed
+from tests.encoded import Told, write_video
+
+LASTS = Fraction(2071, 1000)
+SOURCES = {
+    "plain": Told(),
+    "named": Told(name="groundtruth", language="jpn", rate=25, frames=50),
+    "ending-late": Told(frames=62, sound=Audio(0.1 * np.ones(99_000, np.float32), SOUND_RATE)),
+}
+
+SECONDS = 2.03
+RATE = 30
+
+
+def copied(folder: Path, told: Told, *, sound: bool = True) -> Path:
+    write_video(folder / "source.mp4", told)
+    copy_video(folder / "source.mp4", folder / "copy.mp4", lasts=LASTS, sound=sound)
+    return folder / "copy.mp4"
+
+
+def pictures(video: Path) -> list[bytes]:
+    with av.open(str(video)) as container:
+        return [frame.to_ndarray().tobytes() for frame in container.decode(video=0)]
+
+
+def sounds(video: Path) -> list[bytes]:
+    with av.open(str(video)) as container:
+        return [bytes(packet) for packet in container.demux(audio=0) if packet.pts is not None]
+
+
+@pytest.mark.parametrize("told", SOURCES.values(), ids=list(SOURCES))
+def test_a_copy_shows_and_sounds_as_the_original_does(tmp_path: Path, told: Told) -> None:
+    copy = copied(tmp_path, told)
+
+    assert pictures(copy) == pictures(tmp_path / "source.mp4")
+    assert sounds(copy) == sounds(tmp_path / "source.mp4")
+
+
+def test_nothing_is_told_beside_picture_and_sound(tmp_path: Path) -> None:
+    told = Told(name="groundtruth", language="jpn")
+    copy = copied(tmp_path, told).read_bytes()
+
+    source = (tmp_path / "source.mp4").read_bytes()
+    for secret in (b"groundtruth", b"x264"):
+        assert secret in source
+        assert secret not in copy
+    with av.open(str(tmp_path / "copy.mp4")) as container:
+        assert "title" not in container.metadata
+        assert {stream.metadata["language"] for stream in container.streams} == {"und"}
+
+
+def test_copies_of_unlike_originals_last_equally_long(tmp_path: Path) -> None:
+    lengths = set()
+    for number, (told, sound) in enumerate(product(SOURCES.values(), (True, False))):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        with av.open(str(copied(folder, told, sound=sound))) as container:
+            picture = container.streams.video[0]
+            assert picture.duration is not None
+            assert picture.time_base is not None
+            lengths.add((container.duration, picture.duration * picture.time_base))
+
+    assert lengths == {(2_071_000, LASTS)}
+
+
+def test_a_copy_without_sound_has_none_at_all(tmp_path: Path) -> None:
+    with av.open(str(copied(tmp_path, Told(), sound=False))) as container:
+        assert not container.streams.audio
+
+
+def test_a_copy_plays_while_it_loads(tmp_path: Path) -> None:
+    content = copied(tmp_path, Told()).read_bytes()
+
+    assert 0 < content.index(b"moov") < content.index(b"mdat")
+
+
+def test_the_end_is_that_of_picture_or_sound_whichever_is_later(tmp_path: Path) -> None:
+    write_video(tmp_path / "late.mp4", SOURCES["ending-late"])
+    write_video(tmp_path / "named.mp4", SOURCES["named"])
+
+    assert float(end_of(tmp_path / "late.mp4")) == pytest.approx(62 / 30)
+    assert float(end_of(tmp_path / "named.mp4")) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("content", [b"", b"no video"])
+def test_what_is_no_video_is_named_and_nothing_is_written(tmp_path: Path, content: bytes) -> None:
+    broken = tmp_path / "broken.mp4"
+    broken.write_bytes(content)
+
+    for attempt in (
+        lambda: end_of(broken),
+        lambda: copy_video(broken, tmp_path / "copy.mp4", lasts=LASTS, sound=True),
+    ):
+        with pytest.raises(InputError, match=r"broken.mp4: this is not a video"):
+            attempt()
+    assert list(tmp_path.iterdir()) == [broken]
+
+
+def tone(seconds: float, pitch: float) -> Audio:
+    moments = np.arange(round(seconds * SOUND_RATE)) / SOUND_RATE
+    return Audio((0.2 * np.sin(2 * np.pi * pitch * moments)).astype(np.float32), SOUND_RATE)
+
+
+def rendered(folder: Path, seconds: float) -> Path:
+    """Return a rendered clip with its own speech, which lies beside it."""
+    write_wav(folder / "own.wav", tone(seconds, 200))
+    speech = read_audio(folder / "own.wav", sample_rate=SOUND_RATE)
+    with VideoWriter(folder / "clip.mp4", 64, 64, RATE, at_common_loudness(speech)) as writer:
+        for shade in range(round(seconds * RATE)):
+            writer.write(video_frame(np.full((64, 64, 3), 60 + shade % 99, np.uint8)))
+    return folder / "clip.mp4"
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    return rendered(tmp_path, SECONDS)
+
+
+def packets(video: Path, kind: str) -> list[bytes]:
+    with av.open(str(video)) as container:
+        (stream,) = [stream for stream in container.streams if stream.type == kind]
+        return [bytes(packet) for packet in container.demux(stream) if packet.pts is not None]
+
+
+def dubbed(clip: Path, speech: Audio) -> Path:
+    write_wav(clip.with_name("other.wav"), speech)
+    video = clip.with_name("dubbed.mp4")
+    write_dubbed(
+        picture=clip,
+        speech=clip.with_name("other.wav"),
+        start=0.0,
+        end=min(SECONDS, speech.duration),
+        seconds=SECONDS,
+        video=video,
+    )
+    return video
+
+
+def test_the_picture_is_the_same_and_the_sound_another_one(clip: Path) -> None:
+    video = dubbed(clip, tone(3.0, 400))
+
+    assert packets(video, "video") == packets(clip, "video")
+    assert packets(video, "audio") != packets(clip, "audio")
+
+
+# Above 10 seconds a muxer no longer waits for the other stream's packets.
+@pytest.mark.parametrize("seconds", [SECONDS, 12.0])
+def test_with_its_own_speech_the_file_is_the_same_to_the_byte(
+    tmp_path: Path, seconds: float
+) -> None:
+    clip = rendered(tmp_path, seconds)
+    write_dubbed(
+        picture=clip,
+        speech=clip.with_name("own.wav"),
+        start=0.0,
+        end=seconds,
+        seconds=seconds,
+        video=clip.with_name("again.mp4"),
+    )
+
+    assert clip.with_name("again.mp4").read_bytes() == clip.read_bytes()
+
+
+@pytest.mark.parametrize("seconds", [1.5, 2.03, 2.5])
+def test_a_shorter_speech_makes_no_shorter_video(clip: Path, seconds: float) -> None:
+    lasting = []
+    for video in (clip, dubbed(clip, tone(seconds, 400))):
+        with av.open(str(video)) as container:
+            lasting.append((container.duration, [stream.duration for stream in container.streams]))
+
+    assert lasting[0] == lasting[1]
+
+
+def test_a_clip_that_is_damaged_is_named(clip: Path) -> None:
+    clip.write_bytes(b"no video")
+
+    with pytest.raises(InputError, match=r"clip.mp4: the rendered clip cannot be read"):
+        dubbed(clip, tone(2.0, 400))
+    assert not clip.with_name("dubbed.mp4").exists()

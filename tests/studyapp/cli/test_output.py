@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import sys
+import time
+
+import pytest
+
+from studyapp.cli.output import progress
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Return a list whose only number is the time."""
+    now = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_without_a_terminal_a_line_comes_now_and_then_with_rate_and_time_left(
+    clock: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress("render", "frame") as show:
+        show(0, 1000)
+        for done in range(100, 1001, 100):
+            clock[0] += 10
+            show(done, 1000, f"{done // 100} of 10 videos, 1 failed")
+    assert capsys.readouterr().err.splitlines() == [
+        "render: 300 of 1000 frames, 10 a second, about 01:10 left, 3 of 10 videos, 1 failed",
+        "render: 600 of 1000 frames, 10 a second, about 00:40 left, 6 of 10 videos, 1 failed",
+        "render: 900 of 1000 frames, 10 a second, about 00:10 left, 9 of 10 videos, 1 failed",
+        "render: 1000 of 1000 frames, 10 a second, 10 of 10 videos, 1 failed",
+    ]
+
+
+def test_what_was_done_before_counts_for_no_rate(
+    clock: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress("train", "step") as show:
+        clock[0] += 100
+        show(501, 1000)
+        clock[0] += 50
+        show(601, 1000)
+    assert capsys.readouterr().err.splitlines() == [
+        "train: 501 of 1000 steps",
+        "train: 601 of 1000 steps, 2 a second, about 03:19 left",
+    ]
+
+
+def test_how_far_the_first_one_is_is_said_before_it_is_done(
+    clock: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress("generate", "clip") as show:
+        clock[0] += 40
+        show(0, 2, "one: 50 %")
+    assert capsys.readouterr().err.splitlines() == ["generate: 0 of 2 clips, one: 50 %"]
+
+
+def test_nothing_to_do_says_nothing(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    with progress("render", "frame") as show:
+        show(0, 0)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_terminal_gets_a_bar_with_rate_and_time_left(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with progress("render", "frame") as show:
+        show(0, 200)
+        show(200, 200, "4 of 4 videos")
+    bar = capsys.readouterr().err.split("\r")[-1]
+    assert "200/200" in bar
+    assert "frame/s" in bar
+    assert "4 of 4 videos" in bar

@@ -1,0 +1,306 @@
+"""`motionjury recruit`, with a server that stands in for Prolific."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shutil
+import tomllib
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from motion.errors import InputError
+from studyapp.cli.main import group
+from studyapp.database.engine import Database, database_url_of
+from studyapp.preflight.recruiting_checks import made_findings
+from studyapp.recruitment.record import draw_codes, read_made_there
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.study.folder import StudyFolder
+from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+ADDRESS = "https://study.example.org/"
+
+
+@pytest.fixture
+def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
+    """Return the study with an empty database of the newest schema: making one takes longer."""
+    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
+    return tiny_study
+
+
+@pytest.fixture
+def stand_in(monkeypatch: pytest.MonkeyPatch) -> Iterator[StandIn]:
+    monkeypatch.setenv("PROLIFIC_TOKEN", TOKEN)
+    with served(StandIn()) as running:
+        monkeypatch.setattr("studyapp.recruitment.prolific_client.API", running.address)
+        yield running
+
+
+@pytest.fixture
+def folder(tiny_study: Path) -> Path:
+    """Return a study on Prolific that has drawn its codes."""
+    path = tiny_study / "study.toml"
+    text = path.read_text("utf-8")
+    assert "minutes = " in text
+    more = '\n# Ours.\n[recruitment]\nchannel = "prolific"\n[recruitment.prolific]\nreward = 150\n'
+    path.write_text(text + more, "utf-8")
+    draw_codes(StudyFolder(tiny_study))
+    return tiny_study
+
+
+def run(folder: Path, *arguments: str) -> Result:
+    return CliRunner().invoke(group, ["recruit", str(folder), *arguments])
+
+
+def said(folder: Path, *arguments: str) -> str:
+    result = run(folder, *arguments)
+    assert result.exit_code == 0, result.output
+    assert TOKEN not in result.output
+    return result.output
+
+
+def test_codes_are_drawn_into_the_study_file_and_kept(folder: Path) -> None:
+    text = (folder / "study.toml").read_text("utf-8")
+
+    assert "# Ours." in text
+    assert len(set(tomllib.loads(text)["recruitment"]["prolific"].values())) == 4
+    assert "already" in said(folder, "codes")
+    assert (folder / "study.toml").read_text("utf-8") == text
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        (
+            "[recruitment.prolific]\nreward = 9 # cents\n\n# The page.\n",
+            '[recruitment.prolific]\ncompleted = "…"\nscreened_out = "…"\n'
+            'failed_attention = "…"\nreward = 9 # cents\n\n# The page.\n',
+        ),
+        (
+            '[recruitment.prolific]\nscreened_out = ""  # ours\n',
+            '[recruitment.prolific]\ncompleted = "…"\nfailed_attention = "…"\n'
+            'screened_out = "…"  # ours\n',
+        ),
+        (
+            "# The end.\n",
+            '# The end.\n\n[recruitment.prolific]\ncompleted = "…"\nscreened_out = "…"\n'
+            'failed_attention = "…"\n',
+        ),
+    ],
+)
+def test_codes_stand_where_they_belong_and_all_else_stays(
+    tiny_study: Path, written: str, expected: str
+) -> None:
+    path = tiny_study / "study.toml"
+    before = path.read_text("utf-8").rstrip() + "\n\n"
+    path.write_text(before + written, "utf-8")
+
+    assert len(draw_codes(StudyFolder(tiny_study))) == 3
+
+    after = path.read_text("utf-8").removeprefix(before)
+    assert re.sub(r'"[A-Z0-9]{12}"', '"…"', after) == expected
+
+
+def test_codes_are_not_written_into_a_file_that_is_wrong(tiny_study: Path) -> None:
+    path = tiny_study / "study.toml"
+    for more in ("[recruitment\n", "[recruitment]\nprolific = { reward = 9 }\n"):
+        text = path.read_text("utf-8")
+        path.write_text(text + more, "utf-8")
+        with pytest.raises(InputError, match=r"study\.toml"):
+            draw_codes(StudyFolder(tiny_study))
+        assert path.read_text("utf-8") == text + more
+        path.write_text(text, "utf-8")
+
+
+def test_nothing_is_sent_before_it_is_agreed_to(folder: Path, stand_in: StandIn) -> None:
+    shown = said(folder, "create", "--address", ADDRESS)
+
+    assert "9.00 for an hour" in shown
+    assert "Nothing was sent" in shown
+    assert stand_in.asked == []
+
+
+def test_a_study_is_made_once_and_published_paused_and_stopped(
+    folder: Path, stand_in: StandIn
+) -> None:
+    first = said(folder, "create", "--address", ADDRESS, "--yes")
+    second = said(folder, "create", "--address", ADDRESS, "--yes")
+    (folder / "recruitment.json").unlink()
+    third = said(folder, "create", "--address", ADDRESS, "--yes")
+
+    assert "Made the draft" in first
+    assert "There already is the study" in second
+    assert "There already is the study" in third
+    assert len(stand_in.studies) == 1
+    assert "Nothing was published" in said(folder, "publish")
+    assert "active" in said(folder, "publish", "--yes")
+    assert "paused" in said(folder, "pause")
+    assert "active" in said(folder, "resume")
+    assert "200 places" in said(folder, "places", "200")
+    assert "awaiting review" in said(folder, "stop")
+
+
+def test_who_is_paid_is_shown_before_anybody_is(
+    folder: Path, stand_in: StandIn, clock: SetClock
+) -> None:
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    code = StudyFolder(folder).study().recruitment.prolific.completed
+    study = ServedStudy.read(folder)
+    database = Database.open(database_url_of(folder))
+    try:
+        open_study(database, study, clock)
+        for name in ("ann", "bob"):
+            token = enrol(database, study, Arrival(recruiter_participant=name), clock)
+            if name == "ann":
+                Participant(database, study, clock, token).begin().take_all()
+    finally:
+        database.close()
+    stand_in.add_submission("ann", "AWAITING REVIEW", code)
+    stand_in.add_submission("bob", "AWAITING REVIEW", code)
+    stand_in.add_submission("eve", "TIMED-OUT", None)
+
+    shown = said(folder, "approve")
+
+    assert "1 to be paid, 1 to be decided by you, 0 under way, 1 settled" in shown
+    assert "did not finish here, but entered the code of those who do" in shown
+    assert "Nothing was paid" in shown
+    assert not any("bulk-approve" in each for each in stand_in.asked)
+    assert run(folder, "approve", "--also", "unknown", "--yes").exit_code != 0
+    assert "Approved 1 " in said(folder, "approve", "--yes")
+    assert [each["status"] for each in stand_in.submissions] == [
+        "APPROVED",
+        "AWAITING REVIEW",
+        "TIMED-OUT",
+    ]
+    counts = said(folder, "status")
+    assert "awaiting review  unfinished  1" in counts
+    asked = said(folder, "return", "submission-bob", "other", "--reason", "You did not finish.")
+    assert "submission-bob: asked to return it" in asked
+    assert "other: is none of this study's submissions" in asked
+    assert stand_in.returns == {"submission-bob": ["You did not finish."]}
+
+
+def test_a_second_submission_of_somebody_who_finished_is_not_paid(
+    folder: Path, stand_in: StandIn, clock: SetClock
+) -> None:
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    code = StudyFolder(folder).study().recruitment.prolific.completed
+    study = ServedStudy.read(folder)
+    arrival = Arrival(recruiter_participant="ann", recruiter_session="submission-ann")
+    with closing(Database.open(database_url_of(folder))) as database:
+        open_study(database, study, clock)
+        token = enrol(database, study, arrival, clock)
+        Participant(database, study, clock, token).begin().take_all()
+    stand_in.add_submission("ann", "APPROVED", code)
+    stand_in.add_submission("ann", "AWAITING REVIEW", code, id="submission-again")
+
+    shown = said(folder, "approve", "--yes")
+
+    assert "took part under another submission" in shown
+    assert [each["status"] for each in stand_in.submissions] == ["APPROVED", "AWAITING REVIEW"]
+
+
+def test_codes_are_not_drawn_anew_once_prolific_knows_them(folder: Path, stand_in: StandIn) -> None:
+    path = folder / "study.toml"
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    text = path.read_text("utf-8")
+
+    refused = run(folder, "codes", "--again")
+
+    assert refused.exit_code != 0
+    assert "on Prolific already" in str(refused.exception) + refused.output
+    assert path.read_text("utf-8") == text
+    assert "already" in said(folder, "codes")
+    assert stand_in.studies
+
+
+def test_without_a_token_nothing_is_asked(
+    folder: Path, stand_in: StandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("PROLIFIC_TOKEN")
+
+    refused = run(folder, "create", "--address", ADDRESS, "--yes")
+
+    assert "PROLIFIC_TOKEN is not set" in refused.output
+    assert stand_in.asked == []
+
+
+def test_a_command_of_another_channel_says_so(folder: Path) -> None:
+    refused = run(folder, "invite", "--count", "3", "--address", ADDRESS)
+
+    assert refused.exit_code != 0
+    assert "'prolific', and this command is for 'invitations'" in refused.output
+
+
+def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_table(
+    tiny_study: Path, tmp_path: Path
+) -> None:
+    path = tiny_study / "study.toml"
+    path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "invitations"\n', "utf-8")
+    people = tmp_path / "people.csv"
+    people.write_text("who,note\nann@x.org,a\nbob@x.org,b\n\nann@x.org,again\n", "utf-8")
+    address = ("--address", ADDRESS)
+
+    assert "Added 2 links" in said(tiny_study, "invite", "--list", str(people), *address)
+    assert "Added 0 links" in said(tiny_study, "invite", "--list", str(people), *address)
+    assert "Added 3 links" in said(tiny_study, "invite", "--count", "3", *address)
+
+    assert (tiny_study / "invitations.csv").stat().st_mode & 0o777 == 0o600
+    with (tiny_study / "invitations.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["for"] for row in rows][:3] == ["ann@x.org", "bob@x.org", "invitation 3"]
+    assert len({row["link"] for row in rows}) == 5
+    assert all(row["link"].startswith(f"{ADDRESS}?invitation=") for row in rows)
+    assert "5 invitations: 0 have begun" in said(tiny_study, "status")
+
+
+def test_a_table_of_something_else_is_not_written_over(tiny_study: Path) -> None:
+    path = tiny_study / "study.toml"
+    path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "invitations"\n', "utf-8")
+    other = tiny_study / "answers.csv"
+    other.write_text("a,b\n1,2\n", "utf-8")
+
+    refused = run(tiny_study, "invite", "--count", "1", "--address", ADDRESS, "--out", str(other))
+
+    assert "not a table of invitations" in refused.output
+    assert other.read_text("utf-8") == "a,b\n1,2\n"
+
+
+def test_a_code_that_was_changed_after_prolific_was_told_is_found(
+    folder: Path, stand_in: StandIn
+) -> None:
+    def problems() -> dict[str, str]:
+        study = StudyFolder(folder).study()
+        return {each.name: each.what for each in made_findings(study, folder)}
+
+    path = folder / "study.toml"
+    as_told = path.read_text("utf-8")
+    assert problems() == {}
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    assert problems() == {}
+
+    code = tomllib.loads(as_told)["recruitment"]["prolific"]["screened_out"]
+    path.write_text(as_told.replace(code, "HB4NVJ9ZCDQW"), "utf-8")
+    assert problems()["codes-differ"].endswith("the code for screened_out")
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    assert list(problems()) == ["codes-differ"]
+
+    path.write_text(as_told, "utf-8")
+    (folder / "recruitment.json").write_text("{", "utf-8")
+    assert list(problems()) == ["made-there-unreadable"]
+
+
+def test_what_was_made_there_is_not_lost_for_a_file_that_cannot_be_read(folder: Path) -> None:
+    (folder / "recruitment.json").write_text(json.dumps({"other": 1}), "utf-8")
+
+    with pytest.raises(InputError, match=r"recruitment\.json"):
+        read_made_there(folder)

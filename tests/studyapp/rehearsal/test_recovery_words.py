@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from math import comb
+
+import pytest
+
+from analysis.results.known_values import KnownDifference, KnownValue
+from analysis.stats.clustered_mean import Estimate
+from studyapp.rehearsal.bookkeeping import Check, Person
+from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
+from studyapp.rehearsal.recovery_page import recovery_page, recovery_tables
+from studyapp.rehearsal.recovery_words import (
+    chance_in_words,
+    chance_of_missing,
+    difference_in_words,
+    exclusions_in_words,
+    recovery_lines,
+    summary,
+)
+from studyapp.rehearsal.simulation.population import Kind, Population
+from studyapp.rehearsal.simulation.raters import Rater
+
+KNOWN = KnownValue(
+    about="ours-theirs", question="fit", measure="win_share", value=0.6, on_these_segments=0.62
+)
+FOUND = Estimate(estimate=0.55, low=0.45, high=0.65, participants=25)
+UNDECIDED = KnownDifference(
+    part="",
+    question="fit",
+    measure="win_share",
+    first="ours",
+    second="theirs",
+    truth=0.1,
+    found=Estimate(estimate=0.05, low=-0.15, high=0.25, participants=25),
+    decided=False,
+)
+RIGHT = Check(what="completed, says the report", happened=3, counted=3)
+RECOVERY = Recovery(
+    title="A study",
+    seed=1,
+    values=((KNOWN, FOUND), (replace(KNOWN, question="emotion", value=0.9), FOUND)),
+    differences=(UNDECIDED,),
+    kinds=(),
+    checks=(RIGHT,),
+    rules=("failed more than 1 catch trial",),
+)
+
+
+def person(number: int, kind: Kind, *, completed: bool = True) -> Person:
+    people = Population(quality={}, kinds={kind: 1.0})
+    rater = Rater(population=people, seed=1, name=str(number))
+    return Person(study_session=str(number), name=f"p{number}", rater=rater, completed=completed)
+
+
+def kinds() -> tuple[KindRecovered, ...]:
+    return kinds_recovered(
+        [
+            *(person(number, "attentive") for number in range(3)),
+            *(person(number, "careless") for number in (3, 4)),
+            *(person(number, "dropping_out", completed=False) for number in (5, 6)),
+        ],
+        analysed=["0", "1", "4"],
+        removed_by={"2": "catch", "3": "catch", "5": "incomplete"},
+    )
+
+
+def test_a_design_that_cannot_answer_is_told_from_bad_luck() -> None:
+    said = difference_in_words(UNDECIDED)
+    assert (
+        "the design cannot answer this question. 25 participants give an interval of ±0.20" in said
+    )
+    assert "the true difference is +0.10: see 'motionjury plan'" in said
+    unlucky = difference_in_words(replace(UNDECIDED, truth=0.3))
+    assert "this time" in unlucky
+    assert "cannot answer" not in unlucky
+
+
+def test_ranks_that_have_no_interval_say_why() -> None:
+    ranks = replace(UNDECIDED, found=Estimate(estimate=0.1, reason="tested otherwise"))
+    assert "(tested otherwise)" in difference_in_words(ranks)
+
+
+def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
+    found = {kind.kind: kind for kind in kinds()}
+    attentive, careless, left = (found[kind] for kind in ("attentive", "careless", "dropping_out"))
+    assert (attentive.came, attentive.analysed, attentive.wrongly_excluded) == (3, 2, 1)
+    assert (careless.excluded_by, careless.missed) == ({"catch": 1}, 1)
+    assert (left.completed, left.excluded, left.silent, left.missed) == (0, 1, 1, 0)
+    said = list(exclusions_in_words(kinds()))
+    assert said[0] == (
+        "Exclusion: of 4 who answered badly or left, 2 are left out, 1 gave no answer, 1 is "
+        "analysed all the same; of 3 others, 1 is wrongly left out."
+    )
+    assert "careless: 2 came, 1 analysed, 1 by catch" in said[2]
+
+
+def test_a_miss_is_shown_and_put_down_to_chance() -> None:
+    lines = list(recovery_lines(RECOVERY))
+    assert lines[1].split() == [
+        "fit",
+        "ours-theirs",
+        "win",
+        "share",
+        "0.60",
+        "0.55",
+        "0.45",
+        "to",
+        "0.65",
+    ]
+    assert lines[2].endswith("outside")
+    assert "1 of 2 intervals hold the true value" in lines[3]
+    assert "1 or more of 2 intervals in 10 of 100" in lines[3]
+
+
+def test_what_is_counted_wrong_is_cried_out() -> None:
+    wrong = replace(RECOVERY, checks=(RIGHT, replace(RIGHT, what="left for good", counted=2)))
+    assert "COUNTED WRONG: left for good: 3, counted 2." in list(summary(wrong))
+    assert replace(RIGHT, counted=2, allowed=True).agrees
+
+
+def test_tables_and_page_hold_it_all() -> None:
+    whole = replace(RECOVERY, kinds=kinds())
+    tables = recovery_tables(whole)
+    assert tables["values.csv"]["inside"].tolist() == [True, False]
+    assert tables["differences.csv"]["sign"].tolist() == ["undecided"]
+    assert tables["raters.csv"]["excluded_by_catch"].tolist() == [1, 0, 1]
+    assert tables["bookkeeping.csv"]["agrees"].tolist() == [True]
+    page = recovery_page(whole)
+    assert page.mark.startswith("Rehearsal")
+    assert [section.anchor for section in page.sections] == [
+        *("values", "differences", "raters", "bookkeeping")
+    ]
+
+
+def test_a_rehearsal_of_nobody_says_so() -> None:
+    nothing = replace(RECOVERY, values=(), differences=(), kinds=())
+    said = " ".join(recovery_lines(nothing))
+    assert "No true value could be estimated" in said
+    assert "No two conditions could be compared" in said
+
+
+def test_of_many_comparisons_without_an_answer_the_wrong_ones_and_a_few_are_told() -> None:
+    wrong = replace(
+        UNDECIDED, first="theirs", found=replace(UNDECIDED.found, estimate=-0.3), decided=True
+    )
+    said = list(summary(replace(RECOVERY, differences=(*[UNDECIDED] * 6, wrong))))
+    told = [line for line in said if line.startswith("  fit")]
+    assert len(told) == 4
+    assert "finds -0.30 where +0.10 is true" in told[0]
+    assert "  … and 3 more, which the page lists" in said
+
+
+@pytest.mark.parametrize(("missed", "intervals"), [(1, 4), (2, 20), (5, 20)])
+def test_the_chance_of_so_many_misses_is_that_of_a_binomial(missed: int, intervals: int) -> None:
+    by_hand = 1 - sum(comb(intervals, k) * 0.05**k * 0.95 ** (intervals - k) for k in range(missed))
+    assert chance_of_missing(missed, intervals) == pytest.approx(by_hand)
+
+
+def test_one_miss_of_twenty_frightens_nobody() -> None:
+    assert "1 or more of 20 intervals in 64 of 100 rehearsals" in chance_in_words(1, 20)
+
+
+def test_so_many_misses_that_chance_hardly_explains_them_are_said_to_be() -> None:
+    assert "fewer than 1 of 100" in chance_in_words(5, 20)
+
+
+def test_no_miss_is_said_to_be_no_proof() -> None:
+    assert chance_in_words(0, 4) == (
+        "A sound design finds all of 4 intervals right in 81 of 100 rehearsals."
+    )
+    assert "no interval" in chance_in_words(0, 0)

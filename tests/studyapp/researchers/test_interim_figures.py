@@ -1,0 +1,194 @@
+"""Figures are kept in the database: computed once, by one process, and no more often than said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from sqlalchemy import delete
+
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import InterimFigures
+from studyapp.researchers.exclusion_decisions import decide_exclusion
+from studyapp.researchers.interim_figures import (
+    GIVEN_UP_AFTER,
+    RESTS,
+    SECONDS,
+    Basis,
+    Document,
+    FigureProcess,
+    Kept,
+    NoFiguresError,
+    What,
+    kept_figures,
+)
+from studyapp.results.looks import agreement_so_far
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.figures_at_hand import FiguresAtHand
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+REST = RESTS["agreement"].total_seconds()
+
+
+@dataclass(frozen=True)
+class CountedFigures(FiguresAtHand):
+    """Figures that say how often they were computed, when a test has them computed."""
+
+    computed: list[What] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+    def compute(self, what: What, *, seconds: float = SECONDS) -> str:
+        if self.problems:
+            raise NoFiguresError(self.problems.pop())
+        self.computed.append(what)
+        return f"{what} {len(self.computed)}"
+
+
+@pytest.fixture
+def figures(tmp_path: Path) -> CountedFigures:
+    return CountedFigures(tmp_path, "")
+
+
+@pytest.fixture
+def comer(opened: Database, served: ServedStudy, clock: SetClock) -> Participant:
+    """Return a participant who has answered one trial."""
+    found = Participant(opened, served, clock).enrol().begin()
+    found.take_trial()
+    return found
+
+
+@BOTH
+def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_over(
+    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+) -> None:
+    def ask() -> Kept:
+        return kept_figures(opened, clock, "agreement", figures)
+
+    first, second = ask(), ask()
+    assert (first.document, first.is_awaited, second.is_awaited) == ("", True, True)
+    assert figures.work() == 1
+    assert (ask().document, ask().is_current, ask().is_awaited) == ("agreement 1", True, False)
+    clock.advance(seconds=REST + 1)
+    assert ask().is_current and figures.work() == 0
+
+    comer.take_trial()
+    changed = ask()
+    assert (changed.document, changed.is_current, changed.is_awaited) == (
+        "agreement 1",
+        False,
+        True,
+    )
+    figures.work()
+    comer.take_trial()
+    assert (ask().document, ask().is_current, figures.work()) == ("agreement 2", False, 0)
+    clock.advance(seconds=REST + 1)
+    assert (ask().is_awaited, figures.work(), ask().document) == (True, 1, "agreement 3")
+
+
+def test_excluding_somebody_makes_figures_old(
+    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+) -> None:
+    kept_figures(opened, clock, "results", figures)
+    figures.work()
+
+    decide_exclusion(opened, clock, 1, excluded=True, by="Ada", reason="came twice")
+
+    assert not kept_figures(opened, clock, "results", figures).is_current
+
+
+def test_a_process_that_went_away_is_replaced_after_a_while(
+    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+) -> None:
+    kept_figures(opened, clock, "results", figures)
+    figures.begun.clear()
+    kept_figures(opened, clock, "results", figures)
+    assert figures.begun == []
+
+    clock.advance(seconds=GIVEN_UP_AFTER.total_seconds() + 1)
+    kept_figures(opened, clock, "results", figures)
+
+    assert figures.work() == 1
+    assert kept_figures(opened, clock, "results", figures).document == "results 1"
+
+
+def test_a_failure_is_said_keeps_what_there_was_and_is_tried_again(
+    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+) -> None:
+    kept_figures(opened, clock, "results", figures)
+    figures.work()
+    comer.take_trial()
+    clock.advance(minutes=2)
+    figures.problems.append("It took too long.")
+    kept_figures(opened, clock, "results", figures)
+    figures.work()
+
+    failed = kept_figures(opened, clock, "results", figures)
+    clock.advance(minutes=2)
+    kept_figures(opened, clock, "results", figures)
+    figures.work()
+    after = kept_figures(opened, clock, "results", figures)
+
+    assert (failed.document, failed.problem, failed.is_awaited) == (
+        "results 1",
+        "It took too long.",
+        False,
+    )
+    assert (after.document, after.problem) == ("results 2", "")
+
+
+def test_what_was_begun_before_somebody_was_forgotten_is_not_kept(
+    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+) -> None:
+    kept_figures(opened, clock, "results", figures)
+    with opened.writing() as session:
+        session.execute(delete(InterimFigures))
+    figures.work()
+
+    assert kept_figures(opened, clock, "results", figures).document == ""
+
+
+@pytest.mark.slow
+def test_the_process_hands_over_documents_and_says_why_it_cannot(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answer_study(tiny_study, people=3, stop_after=2)
+    monkeypatch.chdir(tiny_study)
+    # What lies where the server was started is not to be taken for a package.
+    (tiny_study / "analysis.py").write_text("raise SystemExit(5)", "utf-8")
+    process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
+
+    agreement = agreement_so_far(StudyFolder(tiny_study))
+    results = Document.model_validate_json(process.compute("results"))
+
+    assert agreement.basis == results.basis
+    assert (results.basis.finished, results.basis.planned, results.basis.answers) == (2, 4, 28)
+    assert {row["question"] for row in agreement.rows} == {"rhythm", "emotion"}
+    assert {row["measure"] for row in results.rows} == {"win_share"}
+    (tiny_study / "study.toml").write_text("title = 1", "utf-8")
+    with pytest.raises(NoFiguresError, match=r"study\.toml"):
+        process.compute("results")
+
+
+def test_a_process_that_takes_too_long_is_stopped(tiny_study: Path) -> None:
+    Database.open(sqlite_url(tiny_study / "responses.db")).close()
+    process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
+
+    with pytest.raises(NoFiguresError, match=r"longer than 0\.01 seconds"):
+        process.compute("agreement", seconds=0.01)
+
+
+def test_a_document_is_read_as_it_was_written() -> None:
+    basis = Basis(finished=2, planned=4, answers=24, answered=3, analysed=2)
+    written = Document(basis=basis, rows=())
+
+    assert Document.read(written.model_dump_json()) == written
+    assert (basis.state.finished, basis.state.is_interim) == (2, True)
+
+
+@pytest.mark.parametrize("text", ["", "{", '{"rows": []}', '{"basis": null, "more": 1}'])
+def test_what_another_version_kept_is_none(text: str) -> None:
+    assert Document.read(text) is None

@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import base64
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from motion.errors import InputError
+from studyapp.results.report_subject import COUNT, NO_VIDEOS, SIDE, Stills, frames_at, study_stills
+from studyapp.study.folder import StudyFolder
+from tests.finished_study import SEGMENTS, write_finished_study, write_short_video
+from tests.renderer.figures.small_videos import write_block_video
+from tests.tiny_study import write_pair_video
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> StudyFolder:
+    """Return a study of finished videos, without speech files."""
+    write_short_video(tmp_path / "video.mp4")
+    study = tmp_path / "study"
+    study.mkdir()
+    write_finished_study(study, "rating", tmp_path / "video.mp4")
+    return StudyFolder(study)
+
+
+def stills(folder: StudyFolder) -> Stills:
+    study = folder.study()
+    return study_stills(folder, study, tuple(folder.segments_of(study)))
+
+
+def test_every_condition_is_shown_at_the_same_moments_of_the_first_segment(
+    folder: StudyFolder,
+) -> None:
+    found = stills(folder)
+    assert found.reason == ""
+    assert {still.segment for still in found.stills} == {min(SEGMENTS)}
+    times = {
+        condition: tuple(s.seconds for s in found.stills if s.condition == condition)
+        for condition in ("ours", "theirs", "real")
+    }
+    assert len(set(times.values())) == 1
+    assert len(times["ours"]) == COUNT
+    assert list(times["ours"]) == sorted(times["ours"])
+
+
+def test_stills_are_small_pictures_that_need_no_other_file(folder: StudyFolder) -> None:
+    start = "data:image/webp;base64,"
+    address = stills(folder).stills[0].image
+    assert address.startswith(start)
+    with Image.open(io.BytesIO(base64.b64decode(address.removeprefix(start)))) as picture:
+        assert max(picture.size) == SIDE
+    assert len(address) < 20_000
+
+
+def test_two_runs_take_the_same_bytes(folder: StudyFolder) -> None:
+    assert stills(folder) == stills(folder)
+
+
+def test_a_segment_with_all_videos_is_preferred_to_an_earlier_one(folder: StudyFolder) -> None:
+    first, second, *_ = sorted(SEGMENTS)
+    study = folder.study()
+    segments = tuple(folder.segments_of(study))
+    (folder.videos / "ours" / f"{first}.mp4").unlink()
+    found = study_stills(folder, study, segments)
+    assert {still.segment for still in found.stills} == {second}
+    assert len(found.stills) == 3 * COUNT
+
+
+def test_a_damaged_video_leaves_the_other_conditions(folder: StudyFolder) -> None:
+    for segment in SEGMENTS:
+        (folder.videos / "theirs" / f"{segment}.mp4").write_bytes(b"damaged")
+    study = folder.study()
+    found = study_stills(folder, study, tuple(folder.segments_of(study)))
+    assert {still.condition for still in found.stills} == {"ours", "real"}
+
+
+def test_without_videos_a_sentence_says_so(tiny_study: Path) -> None:
+    assert stills(StudyFolder(tiny_study)) == Stills(reason=NO_VIDEOS)
+
+
+def test_before_anything_is_rendered_a_sentence_says_so(tiny_study: Path) -> None:
+    (tiny_study / "stimuli.json").unlink()
+    found = stills(StudyFolder(tiny_study))
+    assert found.reason == ("There are no stills of the conditions: the study has no videos yet.")
+
+
+def left_edge(picture: np.ndarray) -> int:
+    """Return where the dark block begins."""
+    return int(np.flatnonzero(picture[60, :, 0] < 120)[0])
+
+
+def test_frames_are_those_of_their_moments(tmp_path: Path) -> None:
+    video = write_block_video(tmp_path / "v.mkv", range(60))
+    pictures = [np.asarray(one) for one in frames_at(video, (0.0, 0.5, 1.5), 128)]
+    assert [left_edge(one) for one in pictures] == pytest.approx([0, 15, 45], abs=1)
+
+
+def test_a_moment_past_the_end_gives_the_last_frame(tmp_path: Path) -> None:
+    video = write_block_video(tmp_path / "v.mkv", range(30))
+    early, late = frames_at(video, (0.1, 99.0), 128)
+    assert left_edge(np.asarray(late)) == pytest.approx(29, abs=1)
+    assert left_edge(np.asarray(early)) == pytest.approx(3, abs=1)
+
+
+def test_the_longer_side_is_as_long_as_asked_for(tmp_path: Path) -> None:
+    write_pair_video(tmp_path / "wide.mp4", shade=60, seconds=0.5)
+    (picture,) = frames_at(tmp_path / "wide.mp4", (0.2,), 100)
+    assert picture.size == (100, 50)
+
+
+def test_a_file_that_is_no_video_is_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "v.mp4").write_bytes(b"no video")
+    with pytest.raises(InputError, match=r"v\.mp4: the video cannot be read"):
+        frames_at(tmp_path / "v.mp4", (0.0,), 100)

@@ -1,0 +1,142 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from studyapp.database.engine import Database
+from studyapp.session.participation import leave_break
+from studyapp.session.refusal import ConflictError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.shown_trials import expected_seconds, minutes_left
+from studyapp.session.versions import open_study
+from tests.functional.redefining import redefine
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+@pytest.fixture
+def resting(tiny_study: Path, database: Database, clock: SetClock) -> Participant:
+    """Return a participant of a study of six trials with a break after every two."""
+    redefine(tiny_study, ("[page]\n", "[page]\nbreak_every = 2\n"))
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+    return Participant(database, served, clock).enrol().begin()
+
+
+def go_on(participant: Participant, position: int) -> None:
+    leave_break(
+        participant.database,
+        participant.served,
+        participant.token,
+        position,
+        participant.clock,
+    )
+
+
+def test_breaks_come_between_trials_and_never_right_before_the_end(resting: Participant) -> None:
+    breaks = []
+    while (situation := resting.look()).state != "completed":
+        if situation.rest is not None:
+            breaks.append((situation.rest.done, situation.rest.position))
+            assert situation.trial is None
+            go_on(resting, situation.rest.position)
+        else:
+            resting.take_trial()
+
+    assert breaks == [(2, 3), (4, 5)]
+
+
+def test_a_break_waits_until_it_is_left(resting: Participant) -> None:
+    for _ in range(2):
+        resting.take_trial()
+
+    for stale in (1, 2, 5):
+        go_on(resting, stale)
+        assert resting.look().rest is not None
+
+    go_on(resting, 3)
+    go_on(resting, 3)
+    assert resting.trial().position == 3
+
+
+def test_a_break_takes_no_time_from_the_trial_after_it(resting: Participant) -> None:
+    for _ in range(2):
+        resting.take_trial()
+    left = resting.look().rest
+    assert left is not None
+
+    resting.clock.advance(minutes=30)
+    go_on(resting, 3)
+    shown = resting.trial()
+
+    assert shown.minutes_left == left.minutes_left
+    resting.take_trial()
+    resting.clock.advance(minutes=30)
+    assert resting.trial().minutes_left == left.minutes_left
+
+
+def test_looking_at_a_break_keeps_the_place(resting: Participant) -> None:
+    for _ in range(2):
+        resting.take_trial()
+    for number in range(3):
+        resting.clock.advance(minutes=40)
+        assert resting.look().rest is not None
+        Participant(resting.database, resting.served, resting.clock).enrol(f"other {number}")
+
+    go_on(resting, 3)
+    assert resting.look().state == "started"
+
+
+def test_nothing_can_be_answered_during_a_break(resting: Participant) -> None:
+    resting.take_trial()
+    second = resting.trial()
+    resting.clock.advance(seconds=5)
+    resting.watch((0.0, 2.0))
+    ahead = second.next_videos
+    resting.answer(second.token)
+
+    assert resting.look().rest is not None
+    with pytest.raises(ConflictError, match="already answered"):
+        resting.answer(second.token, {"rhythm": "0", "emotion": "0"})
+    assert ahead
+
+
+def test_a_trial_that_was_shown_is_not_interrupted_by_a_new_rule(
+    participant: Participant, tiny_study: Path
+) -> None:
+    participant.take_trial()
+    participant.trial()
+    page = participant.served.study.page.model_copy(update={"break_every": 1})
+    object.__setattr__(participant.served.study, "page", page)
+
+    assert participant.trial().position == 2
+
+
+def test_all_players_of_a_page_count() -> None:
+    assert expected_seconds([10.0, 10.0, 10.0], 1) - expected_seconds([10.0], 1) == 34.0
+
+
+def test_many_answers_to_a_page_take_longer_than_its_videos() -> None:
+    assert expected_seconds([10.0], 6) - expected_seconds([10.0], 2) == 16.0
+    assert expected_seconds([10.0], 1) == expected_seconds([10.0], 0)
+
+
+def test_before_the_first_answer_the_videos_tell() -> None:
+    short, long = expected_seconds([10.0], 1), expected_seconds([60.0] * 5, 8)
+
+    assert minutes_left([], [short]) == 1
+    assert minutes_left([], [long] * 8 + [short] * 12) == 51
+
+
+def test_the_participants_own_pace_is_carried_over_to_longer_trials() -> None:
+    assert minutes_left([(50.0, 25.0)], [300.0] * 2) == 20
+
+
+def test_one_long_interruption_changes_nothing() -> None:
+    steady = [(30.0, 30.0), (30.0, 30.0)]
+
+    assert minutes_left([*steady, (3600.0, 30.0)], [30.0] * 4) == minutes_left(steady, [30.0] * 4)
+
+
+def test_something_is_always_left() -> None:
+    assert minutes_left([(1.0, 60.0)], [10.0]) == 1

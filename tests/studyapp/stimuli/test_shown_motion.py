@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from renderer.look import FIRST_AVATAR
+from studyapp.stimuli.shown_motion import (
+    body_file,
+    expression_matrix_file,
+    left_out,
+    shown_abilities,
+    shown_body,
+)
+from studyapp.study.folder import StudyFolder
+from tests.studyapp.preflight.test_preflight import change
+
+
+def _clip(**face: Any) -> MotionClip:
+    still = np.zeros((2, 55, 3), np.float32)
+    return MotionClip(poses=still, trans=still[:, 0], frame_rate=30, **face)
+
+
+def _name_matrix(folder: StudyFolder, shape: tuple[int, int]) -> None:
+    np.save(folder.root / "face.npy", np.ones(shape))
+    change(folder, "video", "expression_matrix", value="face.npy")
+
+
+def test_paths_of_the_study_file_begin_at_its_folder(folder: StudyFolder, tmp_path: Path) -> None:
+    change(folder, "video", "body", value="models/SMPLX_NEUTRAL.npz")
+    change(folder, "video", "expression_matrix", value=str(tmp_path / "face.csv"))
+    study = folder.study()
+    assert body_file(folder, study) == folder.root / "models/SMPLX_NEUTRAL.npz"
+    assert expression_matrix_file(folder, study) == tmp_path / "face.csv"
+
+
+def test_abilities_are_those_of_the_body_that_is_built(folder: StudyFolder) -> None:
+    _name_matrix(folder, (100, 52))
+    study = folder.study()
+    assert study.video.avatar == FIRST_AVATAR
+    assert shown_abilities(folder, study) == shown_body(folder, study).abilities
+
+
+def test_the_mannequin_has_no_face(folder: StudyFolder) -> None:
+    change(folder, "video", "avatar", value="mannequin")
+    assert not shown_abilities(folder, folder.study()).has_face
+
+
+def test_a_broken_matrix_is_refused(folder: StudyFolder) -> None:
+    _name_matrix(folder, (100, 51))
+    with pytest.raises(InputError, match=r"face\.npy: the expression matrix has shape"):
+        shown_abilities(folder, folder.study())
+
+
+def test_each_condition_is_told_once(folder: StudyFolder) -> None:
+    coefficients = _clip(expressions=np.ones((2, 100)))
+    shown = [("one", coefficients), ("two", _clip()), ("one", coefficients)]
+    (sentence,) = left_out(shown, shown_abilities(folder, folder.study()))
+    assert sentence.startswith("one: ")
+    _name_matrix(folder, (52, 100))
+    assert left_out(shown, shown_abilities(folder, folder.study())) == ()

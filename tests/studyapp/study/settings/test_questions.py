@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from studyapp.study.settings.questions import Form, FormQuestion
+
+
+def asked(**keys: Any) -> FormQuestion:
+    return FormQuestion.model_validate({"name": "q", "text": "Which?", **keys})
+
+
+YES_NO = asked(choices=["yes", "no"])
+AGE = asked(kind="number", low=18, high=99)
+SCALE = asked(kind="scale", low=1, high=5, choices=["never", "always"])
+
+
+@pytest.mark.parametrize(
+    ("question", "accepted", "refused"),
+    [
+        (YES_NO, ["yes", "no"], ["maybe", "Yes", ""]),
+        (AGE, ["18", "99"], ["17", "100", "20.5", "old", "", "１８", "9" * 30]),
+        (SCALE, ["1", "5"], ["0", "6", "never"]),
+        (asked(kind="text"), ["anything", "<b>"], ["", "   ", "x" * 2001]),
+        (asked(kind="text", required=False), ["", "words"], ["x" * 2001]),
+    ],
+)
+def test_only_what_is_offered_can_be_answered(
+    question: FormQuestion, accepted: list[str], refused: list[str]
+) -> None:
+    assert [question.problem(answer) for answer in accepted] == [None] * len(accepted)
+    assert all(question.problem(answer) is not None for answer in refused)
+
+
+@given(st.text(max_size=30))
+def test_any_text_is_judged_without_an_error(answer: str) -> None:
+    for question in (YES_NO, AGE, SCALE):
+        question.problem(answer)
+
+
+@pytest.mark.parametrize(
+    "question", [YES_NO, AGE, SCALE, asked(kind="text"), asked(choices=["a", "b"], eligible=["b"])]
+)
+def test_an_example_can_be_answered_and_lets_a_person_in(question: FormQuestion) -> None:
+    assert question.problem(question.example) is None
+    assert not question.eligible or question.example in question.eligible
+
+
+def test_a_scale_names_its_ends() -> None:
+    assert [SCALE.label(step) for step in SCALE.offered] == [
+        "1 – never", "2", "3", "4", "5 – always",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"kind": "choice"}, "needs choices"),
+        ({"kind": "text", "choices": ["a"]}, "has no choices"),
+        ({"kind": "scale", "choices": ["a"]}, "or two"),
+        ({"kind": "number", "low": 5, "high": 5}, "not below"),
+        ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "not among the choices"),
+    ],
+)
+def test_a_question_that_cannot_be_asked_is_refused(keys: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        asked(**keys)
+
+
+def test_names_are_not_used_twice_and_only_the_entrance_turns_people_away() -> None:
+    yes = {"name": "q", "text": "?", "choices": ["yes", "no"]}
+    with pytest.raises(ValidationError, match="the same name"):
+        Form.model_validate({"eligibility": [yes], "closing": [yes]})
+    with pytest.raises(ValidationError, match="under eligibility and consent"):
+        Form.model_validate({"closing": [{**yes, "eligible": ["yes"]}]})

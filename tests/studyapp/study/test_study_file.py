@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.reading import read_study
+from studyapp.study.study_file import TEMPLATES, add_condition, new_study
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_each_template_is_a_valid_study_with_comments(tmp_path: Path, template: str) -> None:
+    path = tmp_path / "study.toml"
+    made = new_study(path, template=template, name="study")
+    assert read_study(path) == made
+    assert path.read_text().count("#") > 8
+    assert all(c.trials == 0 or c.trials > c.max_failed for c in (made.catch, made.attention))
+
+
+def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="scott", title="T", reference="static", trials=6)
+    study = read_study(path)
+    assert isinstance(study, PairwiseStudy)
+    assert (study.name, study.title, study.reference, study.trials) == ("scott", "T", "static", 6)
+    assert study.conditions["static"].generator == "static"
+    assert study.conditions["mismatched"].source == "static"
+
+
+def test_a_reference_that_no_generator_makes_is_expected_as_files(tmp_path: Path) -> None:
+    for name in ("ground_truth", "diffsheg"):
+        study = new_study(tmp_path / f"{name}.toml", name="s", reference=name)
+        assert study.conditions[name].generator is None
+
+
+def test_few_trials_leave_room_for_more_than_practice(tmp_path: Path) -> None:
+    study = new_study(tmp_path / "study.toml", name="s", trials=2)
+    assert isinstance(study, PairwiseStudy)
+    assert study.practice == 1
+
+
+def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="a")
+    before = path.read_text()
+    with pytest.raises(InputError, match="exists already"):
+        new_study(path, name="b")
+    assert path.read_text() == before
+
+
+def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    conditions = {"a": Condition(generator="static"), "b": Condition(generator="nothing")}
+    with pytest.raises(InputError, match="unknown generator 'nothing'"):
+        new_study(path, name="s", reference="a", conditions=conditions)
+    assert not path.exists()
+
+
+def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="s")
+    comments = path.read_text().count("#")
+    study = add_condition(path, "ground_truth")
+    assert study.conditions["ground_truth"].generator is None
+    assert path.read_text().count("#") == comments
+    assert "[conditions.ground_truth]\n\n[catch]\n# Catch trials" in path.read_text()
+    assert "ground_truth" in read_study(path).conditions
+
+
+@pytest.mark.parametrize(
+    ("paper", "protocol"), [("amuse", "pairwise"), ("s2ue", "rating"), ("diffsheg", "ranking")]
+)
+def test_a_template_goes_by_the_name_of_the_paper_too(
+    tmp_path: Path, paper: str, protocol: str
+) -> None:
+    study = new_study(tmp_path / "study.toml", template=paper, name="mine")
+
+    assert study.protocol == protocol
+    assert study.page.sound_check
+
+
+def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    study = new_study(path, template="three-systems", name="s", trials=15, participants=10)
+    assert isinstance(study, PairwiseStudy)
+    assert list(study.conditions) == [
+        "ground_truth", "amuse", "diffsheg", "s2ue", "rule_based", "mismatched",
+    ]  # fmt: skip
+    assert study.has_recording and study.conditions["mismatched"].source == "ground_truth"
+    assert [question.name for question in study.questions] == ["gestures", "face", "realism"]
+    assert len(study.pairs) == 2 * (15 + 1)
+    assert (study.trials, study.participants) == (15, 10)
+
+
+def test_a_network_takes_its_place_in_the_study_of_three_systems_by_one_line(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, template="three-systems", name="s")
+    files = {
+        f"networks/{name}.safetensors": f"released/{name}.pt"
+        for name in ("amuse", "amuse-speech", "diffsheg", "s2ue")
+    }
+    lines = path.read_text().splitlines()
+    for old, new in files.items():
+        (line,) = (number for number, text in enumerate(lines) if f'"{old}"' in text)
+        lines[line] = lines[line].replace(old, new)
+    path.write_text("\n".join(lines))
+    settings = [condition.settings for condition in read_study(path).conditions.values()]
+    told = {
+        str(value)
+        for one in settings
+        for key, value in one.model_dump(exclude_none=True).items()
+        if key in ("checkpoint", "speech_model")
+    }
+    assert told == set(files.values())
+
+
+def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: Path) -> None:
+    conditions = {"amuse": Condition(generator="static"), "b": Condition(generator="rule_based")}
+    study = new_study(
+        tmp_path / "study.toml", template="three-systems", name="s", conditions=conditions
+    )
+    assert list(study.rehearsal.strength) == ["amuse"]
+
+
+def test_a_ranking_shows_the_reference_apart_where_the_template_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    study = new_study(path, template="ranking", name="s", reference="recorded")
+    assert isinstance(study, RankingStudy)
+    assert study.reference == "recorded"
+    assert study.conditions["recorded"].generator is None
+    assert "[conditions.ground_truth]" not in path.read_text()
+    assert '"ground_truth".\nreference = "recorded"\n' in path.read_text()
+    assert path.read_text().splitlines().count("[conditions.recorded]") == 1

@@ -1,0 +1,224 @@
+"""A preview is what a participant sees and stores nothing; a test participation takes no place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from sqlalchemy import func, select
+
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Base, Place, StudySession
+from studyapp.recruitment.invitations import make_test_participation
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.researchers_at_hand import joined
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.research.conftest import LogIn
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.studyapp.web.visitor import Visitor
+
+OWN = ("action", "src", "data-watched-url", "data-watched", "data-following", "data-next-batch")
+"""What belongs to one participant or address."""
+
+
+@pytest.fixture
+def protocol_app(
+    finished_study: Callable[[str], Path],
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    empty_sqlite: Path,
+) -> Iterator[Flask]:
+    path = tmp_path / "responses.db"
+    path.write_bytes(empty_sqlite.read_bytes())
+    app = create_app(finished_study(request.param), database_url=sqlite_url(path))
+    with app.app_context():
+        here = running()
+    with closing(here.database):
+        yield app
+
+
+def opened(app: Flask) -> tuple[ResearchBrowser, Database]:
+    with app.app_context():
+        database = running().database
+    joined(database, SetClock(), "Ada")
+    browser = ResearchBrowser(app)
+    browser.log_in("Ada")
+    return browser, database
+
+
+def trial_part(page: PageReader) -> str:
+    """Return what a trial's page shows, without what belongs to one participant."""
+    main = PageReader(page.text).one("main")
+    for tag in main.find_all(True):
+        for name in OWN:
+            tag.attrs.pop(name, None)
+        if tag.get("name") in ("trial", "video"):
+            tag.attrs.pop("value", None)
+    return str(main)
+
+
+def test_the_page_is_the_one_that_a_participant_gets(app: Flask, clock: SetClock) -> None:
+    browser, _ = opened(app)
+    participant = Visitor(app, clock).enrol().begin()
+
+    for position in range(1, 7):
+        seen = participant.page()
+        previewed = browser.get(f"/research/preview/0/1/{position}/")
+        assert trial_part(previewed) == trial_part(seen)
+        assert f"Trial {position} of 6 · about" in previewed.one(".progress").get_text()
+        assert "Preview: nothing is stored" in previewed.one("header").get_text()
+        participant.watch()
+        assert participant.post(seen)[0] == 303
+    assert browser.client.get("/research/preview/0/1/7/").status_code == 404
+
+
+@pytest.mark.parametrize("protocol_app", PROTOCOLS, indirect=True)
+def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask) -> None:
+    browser, database = opened(protocol_app)
+    before = rows(database)
+    listed = browser.get("/research/preview")
+    positions = [str(link["href"]) for link in listed.soup.select("tbody a")]
+    assert positions
+
+    for number, address in enumerate(positions):
+        page = browser.get(address)
+        for video in page.soup.select("video"):
+            part = browser.client.get(
+                str(video["src"]), headers={"Range": "bytes=0-9"}, buffered=True
+            )
+            assert (part.status_code, len(part.data)) == (206, 10)
+            report = browser.client.post(
+                str(video["data-watched-url"]), json={"batch": 3, "intervals": [[0, 1]]}
+            )
+            assert report.get_json() == {
+                "intervals": [],
+                "missing": 0.0,
+                "next_batch": 4,
+                "stored": True,
+            }
+        style = page.soup.select("link[rel=stylesheet]")[0]["href"]
+        assert browser.client.get(str(style), buffered=True).status_code == 200
+        sent = browser.client.post(page.action, data={"trial": page.trial})
+        last = number == len(positions) - 1
+        assert sent.location == (
+            "/research/preview?" + sent.location.partition("?")[2]
+            if last
+            else positions[number + 1]
+        )
+        scripted = browser.client.post(page.action, headers={"Accept": "application/json"})
+        assert scripted.get_json() == {"next": sent.location}
+
+    assert rows(database) == before
+
+
+def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
+    browser, _ = opened(app)
+    for rest in (
+        "9/1/1/",
+        "0/0/1/",
+        "0/10000/1/",
+        "0/1/0/",
+        "0/1/1/media/0.mp4",
+        "0/1/9/media/1.mp4",
+        "0/1/1/static/..%2f..%2f..%2fapp.py",
+        "0/1/1/static/../app.py",
+    ):
+        assert browser.client.get(f"/research/preview/{rest}").status_code == 404, rest
+    odd = browser.get("/research/preview?arm=nonsense&place=99999999999")
+    assert odd.value("[name=place]", "value") == "1"
+    nonsense = browser.client.post("/research/preview/0/1/1/take/preview/watched/1", data=b"\xff")
+    assert nonsense.get_json()["next_batch"] == 1
+
+
+def test_a_preview_names_conditions_to_researchers_alone(app: Flask) -> None:
+    browser, _ = opened(app)
+
+    assert "rule_based | mismatched" in browser.get("/research/preview").text.replace(
+        "mismatched | rule_based", "rule_based | mismatched"
+    )
+    page = browser.get("/research/preview/0/1/1/")
+    assert "rule_based" not in page.one("main").get_text()
+    assert app.test_client().get("/research/preview/0/1/1/media/1.mp4").status_code == 303
+
+
+MARK = "This is a test participation"
+CHANGED_BY_LOGGING_IN = {"researchers", "researcher_logins", "login_attempts", "audit_lines"}
+
+
+def rows(database: Database) -> dict[str, int | None]:
+    with database.reading() as session:
+        return {
+            table.name: session.scalar(select(func.count()).select_from(table))
+            for table in Base.metadata.sorted_tables
+            if table.name not in CHANGED_BY_LOGGING_IN
+        }
+
+
+def test_a_researcher_takes_part_without_taking_a_place(
+    app: Flask, stored: Database, log_in: LogIn, tiny_study: Path
+) -> None:
+    browser = log_in("viewer")
+    before = rows(stored)
+
+    answer = browser.post("/research/try")
+
+    assert answer.status_code == 303
+    assert answer.location.startswith("/try/?invitation=")
+    consent = app.test_client().get(answer.location)
+    assert consent.status_code == 200
+    assert MARK in consent.text
+    assert MARK not in app.test_client().get("/").text
+    assert rows(stored) == before
+    assert StudyFolder(tiny_study).tries.exists()
+
+
+def test_a_test_goes_through_the_whole_study_marked_on_every_page(
+    app: Flask, stored: Database, serve: Serve, tiny_study: Path, clock: SetClock
+) -> None:
+    served = ServedStudy.read(tiny_study)
+    token = make_test_participation(tiny_study, served, clock, by="Ada")
+    before = rows(stored)
+    tester = Visitor(serve(tried=True), clock).enrol(f"?invitation={token}").begin()
+
+    while (page := tester.page()).soup.select("video"):
+        assert MARK in page.text
+        tester.watch()
+        assert tester.post(page)[0] in (200, 303)
+
+    assert MARK in page.text
+    assert "code" in page.text
+    assert rows(stored) == before
+
+
+def test_there_is_a_place_for_every_test_and_all_are_erased(
+    tiny_study: Path, clock: SetClock, log_in: LogIn, serve: Serve
+) -> None:
+    served = ServedStudy.read(tiny_study)
+    places = sum(arm.places for arm in served.study.arms)
+    for _ in range(places + 1):
+        token = make_test_participation(tiny_study, served, clock, by="Ada")
+        Visitor(serve(tried=True), clock).enrol(f"?invitation={token}")
+    database = Database.open(sqlite_url(StudyFolder(tiny_study).tries))
+    with database.reading() as session:
+        assert session.scalar(select(func.count(StudySession.id))) == places + 1
+
+    assert log_in("analyst").post("/research/try/erase").status_code == 303
+
+    with database.reading() as session:
+        assert session.scalar(select(func.count(StudySession.id))) == 0
+        assert session.scalar(select(func.count(Place.id))) == 0
+    database.close()
+
+
+def test_without_a_link_there_is_nothing_to_try(app: Flask, serve: Serve) -> None:
+    assert app.test_client().get("/try/").status_code == 404
+    assert serve(tried=True).test_client().get("/").status_code == 403

@@ -1,0 +1,147 @@
+"""The pages that show how a study goes."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from flask import Flask
+
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.session.intake import decided
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.web.running import running
+from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.research.conftest import LogIn
+
+
+def people(app: Flask, clock: SetClock) -> None:
+    """Let one finish, and another be in the middle."""
+    with app.app_context():
+        here = running()
+    Participant(here.database, here.served, clock).enrol("one").begin().take_all()
+    other = Participant(here.database, here.served, clock).enrol("other").begin()
+    other.take_trial()
+    other.look()
+
+
+def test_the_line_of_truth_leads_to_what_it_counts(
+    app: Flask, log_in: LogIn, clock: SetClock
+) -> None:
+    people(app, clock)
+    viewer = log_in("viewer")
+
+    page = viewer.get("/research/")
+
+    truth = " ".join(page.one(".truth").get_text().split())
+    assert truth == (
+        "1 of 4 places done, 1 active, 0 stale, 2 open; "
+        "too few have finished lately to tell when it is done."
+    )
+    links = [str(link["href"]) for link in page.soup.select("#live a")]
+    assert len(links) > 6
+    for link in links:
+        number = page.soup.select(f'#live a[href="{link}"]')[0].get_text().split()[0]
+        listed = viewer.get(link).one("p[role=status]").get_text()
+        assert listed.startswith(f"{number} study session"), link
+
+
+def test_the_page_refreshes_itself_unless_it_is_to_be_still(log_in: LogIn) -> None:
+    viewer = log_in("viewer")
+
+    page, still = viewer.get("/research/"), viewer.get("/research/?refresh=off")
+
+    assert "refreshed" in page.value("noscript meta", "content")
+    assert page.value("#live", "data-address") == "/research/?refreshed="
+    assert not still.soup.select("noscript, [src*=refreshing]")
+
+
+def test_a_study_session_shows_its_trials_and_what_happened(
+    app: Flask, log_in: LogIn, clock: SetClock
+) -> None:
+    people(app, clock)
+    viewer = log_in("viewer")
+
+    page = viewer.get("/research/study-sessions/2")
+
+    assert page.heading == "Study session 2"
+    assert len(page.soup.select("tbody tr")) == 6
+    events = [item.get_text() for item in page.soup.select(".events li")]
+    assert "Agreed to take part" in events[0]
+    assert "Trial 2 was shown" in events[-1]
+    assert viewer.client.get("/research/study-sessions/3").status_code == 404
+
+
+def test_a_rehearsal_is_shown_apart_and_is_not_changed(
+    app: Flask, log_in: LogIn, clock: SetClock, tiny_study: Path, empty_sqlite: Path
+) -> None:
+    people(app, clock)
+    viewer = log_in("viewer")
+    assert viewer.client.get("/research/rehearsal/").status_code == 404
+    (tiny_study / "rehearsal.db").write_bytes(b"this is not a database" * 100)
+    damaged = viewer.get("/research/rehearsal/", status=409)
+    assert "Run 'motionjury rehearse' again." in damaged.soup.get_text()
+    path = shutil.copyfile(empty_sqlite, tiny_study / "rehearsal.db")
+    rehearsed = Database.open(sqlite_url(path))
+    served = ServedStudy.read(tiny_study)
+    open_study(rehearsed, served, clock)
+    Participant(rehearsed, served, clock).enrol().begin()
+    rehearsed.close()
+    before = path.read_bytes()
+
+    page = viewer.get("/research/rehearsal/")
+
+    assert "simulated" in page.one(".ribbon").get_text()
+    assert "0 of 4 places done, 1 active" in " ".join(page.one(".truth").get_text().split())
+    assert {str(link["href"]).split("?")[0] for link in page.soup.select("#live a")} == {
+        "/research/rehearsal/study-sessions"
+    }
+    assert "simulated" in viewer.get("/research/rehearsal/study-sessions/1").text
+    assert path.read_bytes() == before
+
+
+def test_no_page_says_what_was_answered(app: Flask, log_in: LogIn, clock: SetClock) -> None:
+    people(app, clock)
+    owner = log_in("owner")
+    for address in ("/research/", "/research/study-sessions", "/research/study-sessions/1"):
+        text = PageReader(owner.get(address).text).one("main").get_text().lower()
+        for word in ("rhythm", "prefer", "win", "rated"):
+            assert word not in text, address
+
+
+def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
+    app: Flask, log_in: LogIn, stored: Database
+) -> None:
+    analyst = log_in("analyst")
+    newcomers = "/research/newcomers"
+    start = {"visit": "v" * 32}
+    assert "New participants are admitted" in analyst.get(newcomers).text
+
+    unexplained = analyst.post(f"{newcomers}/state", state="paused")
+    paused = analyst.post(f"{newcomers}/state", state="paused", reason="a video stalls <b>")
+    refused = app.test_client().post("/", data=start)
+    resumed = analyst.post(f"{newcomers}/state", state="open", reason="it plays")
+    taken = app.test_client().post("/", data=start)
+    extended = analyst.post(f"{newcomers}/more", more="2", reason="two were ill")
+    odd = [analyst.post(f"{newcomers}/more", more=m, reason="r") for m in ("", "-1", "1e9", "٣")]
+    nonsense = analyst.post(f"{newcomers}/state", state="nonsense", reason="r")
+    closed = analyst.post(f"{newcomers}/state", state="closed", reason="enough")
+
+    assert (unexplained.status_code, nonsense.status_code) == (422, 422)
+    assert {each.status_code for each in odd} == {422}
+    assert {each.status_code for each in (paused, resumed, extended, closed, taken)} == {303}
+    assert refused.status_code == 409
+    assert "closed to new participants" in analyst.get("/research/").text
+    page = analyst.get(newcomers)
+    assert "a video stalls <b>" in page.soup.get_text()
+    assert [(each.state, each.more_places, each.researcher) for each in decided(stored)] == [
+        ("closed", 2, "Charles"),
+        ("open", 2, "Charles"),
+        ("open", 0, "Charles"),
+        ("paused", 0, "Charles"),
+    ]
+    assert "0 of 6 places done, 1 active" in " ".join(
+        analyst.get("/research/").one(".truth").get_text().split()
+    )

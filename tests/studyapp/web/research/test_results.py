@@ -1,0 +1,190 @@
+"""Results before the end: asked for with a reason, logged, and shown as interim."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import cast
+
+import pytest
+from flask import Flask
+
+from analysis.stats.multiple_testing import equally_spaced
+from studyapp.database.engine import Database
+from studyapp.researchers.audit import logged_changes, looks
+from studyapp.web.running import running
+from tests.studyapp.figures_at_hand import FiguresAtHand
+from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.web.research.conftest import LogIn
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+RESULTS = "/research/results"
+
+
+@pytest.fixture
+def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> Iterator[FiguresAtHand]:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    with app.app_context():
+        yield cast(FiguresAtHand, running().figures)
+
+
+def arrive(app: Flask, clock: SetClock, *names: str) -> None:
+    """Let participants finish who do not answer all alike."""
+    with app.app_context():
+        here = running()
+    for person, name in enumerate(names):
+        comer = Participant(here.database, here.served, clock).enrol(name).begin()
+        for trial in range(6):
+            if comer.look().trial is None:
+                break
+            rhythm, emotion = (person + trial) % 5 - 2, (person * 2 + trial) % 5 - 2
+            comer.take_trial({"rhythm": str(rhythm), "emotion": str(emotion)})
+        assert comer.look().completion_code
+
+
+def unblinded(log_in: LogIn, figures: FiguresAtHand, reason: str = "a video broke") -> str:
+    """Return the page with results, of an analyst who has given a reason."""
+    analyst = log_in("analyst")
+    assert analyst.post(RESULTS, reason=reason).status_code == 303
+    assert "being computed" in analyst.get(RESULTS).text
+    figures.work()
+    return analyst.get(RESULTS).text
+
+
+def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
+    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two")
+    analyst = log_in("analyst")
+
+    before = analyst.get(RESULTS)
+    unexplained = analyst.post(RESULTS, reason="  ")
+    assert looks(stored) == []
+    asked = analyst.post(RESULTS, reason="a video <b>broke</b>")
+    waiting = analyst.get(RESULTS)
+    figures.work()
+    shown = analyst.get(RESULTS)
+    analyst.get(RESULTS)
+
+    assert "rule_based" not in before.text and "False findings" in before.text
+    assert (unexplained.status_code, asked.status_code) == (422, 303)
+    assert "being computed" in waiting.text and "rule_based" not in waiting.text
+    assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
+    assert "rule_based against mismatched" in " ".join(shown.soup.get_text().split())
+    assert "a video <b>broke</b>" in shown.soup.get_text()
+    logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(stored)]
+    assert logged == [(clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
+    so_far = [(each.finished, each.planned, each.answers) for each in looks(stored)]
+    assert so_far == [(2, 4, 24)] * 2
+    events = [line.event for line in logged_changes(stored)][:3]
+    assert events == ["results looked at", "results looked at", "results unblinded"]
+
+
+def test_a_reason_holds_for_an_hour_in_one_browser_alone(
+    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two")
+    analyst = log_in("analyst")
+    elsewhere = ResearchBrowser(app)
+    elsewhere.log_in("Charles")
+    analyst.post(RESULTS, reason="a video broke")
+    analyst.get(RESULTS)
+    figures.work()
+
+    assert "Interim" in analyst.get(RESULTS).text
+    assert "Interim" not in elsewhere.get(RESULTS).text
+    clock.advance(minutes=40)
+    assert "Interim" in analyst.get(RESULTS).text
+    clock.advance(minutes=21)
+    assert "Interim" not in analyst.get(RESULTS).text
+
+
+def test_at_the_end_results_are_final_and_nobody_is_asked_why(
+    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two", "three")
+    analyst = log_in("analyst")
+    with app.app_context():
+        here = running()
+        comer = Participant(here.database, here.served, clock).enrol("four").begin()
+    analyst.post("/research/newcomers/state", state="closed", reason="enough")
+    assert "Results before the end" in analyst.get(RESULTS).text
+    clock.advance(minutes=here.served.study.lease_minutes + 1)
+
+    assert "being computed" in analyst.get(RESULTS).text
+    figures.work()
+    closed = " ".join(analyst.get(RESULTS).soup.get_text().split())
+    assert "The study is closed: 3 of 4 participants finished. These are the final" in closed
+    assert "Interim" not in closed and "You look because" not in closed
+    for _ in range(6):
+        comer.take_trial({"rhythm": "1", "emotion": "-1"})
+    clock.advance(minutes=2)
+    analyst.get(RESULTS)
+    figures.work()
+    everybody = " ".join(analyst.get(RESULTS).soup.get_text().split())
+
+    assert "All 4 participants have finished" in everybody and "Interim" not in everybody
+    logged = [(each.finished, each.reason) for each in looks(stored)]
+    assert logged == [(4, "everybody has finished"), (3, "the study is closed")]
+
+
+def test_the_page_tells_what_a_look_costs_this_study(
+    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two")
+
+    text = " ".join(log_in("owner").get(RESULTS).soup.get_text().split())
+
+    assert "with no look and the end at 4 participants it would be 5.0 %" in text
+    assert f"with a look now at 2 it would be {100 * equally_spaced(2):.1f} %" in text
+    assert "Nobody has looked yet" in text
+
+
+def test_results_are_computed_again_only_when_there_is_something_new(
+    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two")
+    text = unblinded(log_in, figures)
+    analyst = log_in("analyst")
+    analyst.post(RESULTS, reason="again")
+    clock.advance(minutes=2)
+    assert "As of 24 answers" in text and "As of 24 answers" in analyst.get(RESULTS).text
+    assert figures.work() == 0
+
+    arrive(app, clock, "three")
+    clock.advance(minutes=2)
+    assert "being computed" in analyst.get(RESULTS).text
+    assert "being computed" in analyst.get(RESULTS).text
+    assert figures.work() == 1
+    assert "As of 36 answers" in analyst.get(RESULTS).text
+
+
+def test_without_answers_nothing_is_computed_and_no_look_is_logged(
+    log_in: LogIn, stored: Database, figures: FiguresAtHand
+) -> None:
+    owner = log_in("owner")
+    owner.post(RESULTS, reason="curious")
+
+    assert "Nobody has answered yet" in owner.get(RESULTS).text
+    assert "Nobody has answered yet" in owner.get("/research/").text
+    assert (figures.work(), looks(stored)) == (0, [])
+
+
+def test_figures_that_cannot_be_computed_are_said_to_be_so_and_tried_again(
+    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
+) -> None:
+    arrive(app, clock, "one", "two")
+    viewer = log_in("viewer")
+    whole = (figures.folder / "study.toml").read_text("utf-8")
+
+    assert "It is being computed" in viewer.get("/research/").text
+    (figures.folder / "study.toml").write_text("title = 1", "utf-8")
+    figures.work()
+    failed = viewer.get("/research/").text
+    (figures.folder / "study.toml").write_text(whole, "utf-8")
+    clock.advance(minutes=11)
+    viewer.get("/research/")
+    figures.work()
+
+    assert "It could not be computed" in failed
+    assert "Krippendorff" in viewer.get("/research/").text
+    assert looks(stored) == []

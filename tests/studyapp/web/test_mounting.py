@@ -1,0 +1,150 @@
+"""A study below a path of its host: every address on every page begins with that path."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from flask import Flask
+
+from motion.errors import InputError
+from studyapp.researchers.links import first_owner_link
+from studyapp.web.mounting import checked_prefix
+from studyapp.web.running import running
+from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.studyapp.session.test_form_answers import FORM
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.walking import Walker
+
+PREFIX = "/studies/one"
+ADDRESSES = ("href", "src", "action", "data-address", "data-watched-url", "content")
+STATIC = Path(__file__).parents[3] / "studyapp" / "web" / "static"
+
+
+@pytest.fixture
+def below(serve: Serve, cheap_passwords: None) -> Flask:
+    """Return the application of a study with every kind of page, below a path."""
+    sound = ("[page]", "[page]\nsound_check = true\n")
+    return serve(sound, added=FORM, prefix=f"{PREFIX}/")
+
+
+def addresses(page: PageReader) -> list[str]:
+    """Return every address on the page that leads anywhere on its own host."""
+    found = (str(tag.get(name, "")) for tag in page.soup.select("*") for name in ADDRESSES)
+    return [address for address in found if address.startswith("/")]
+
+
+def strays(page: PageReader) -> list[str]:
+    return [each for each in addresses(page) if not each.startswith(f"{PREFIX}/")]
+
+
+def test_a_whole_study_session_never_leaves_its_path(below: Flask, clock: SetClock) -> None:
+    walker = Walker(below, clock, f"{PREFIX}/")
+
+    seen = list(walker.pages())
+
+    assert seen[-1].soup.select("#completion-code")
+    assert all(addresses(page) for page in seen)
+    assert [each for page in seen for each in strays(page)] == []
+    assert walker.address.startswith(f"{PREFIX}/take/")
+
+
+def test_videos_and_scripts_come_from_below_the_path(below: Flask, clock: SetClock) -> None:
+    walker = Walker(below, clock, f"{PREFIX}/")
+    trial = next(page for page in walker.pages() if page.soup.select("video"))
+    client = below.test_client()
+
+    files = [str(tag["src"]) for tag in trial.soup.select("video, script[src]")]
+    files += [str(tag["href"]) for tag in trial.soup.select("link[href]")]
+
+    assert {client.get(file, buffered=True).status_code for file in files} == {200}
+    with client.get(trial.value("video", "src"), headers={"Range": "bytes=0-9"}) as part:
+        assert (part.status_code, len(part.data)) == (206, 10)
+
+
+def test_scripts_name_no_address_of_their_own() -> None:
+    for script in sorted(STATIC.glob("*.js")):
+        text = script.read_text("utf-8")
+        assert not re.search(r"""(?:fetch|replace|assign|import)\(\s*["'`]/""", text), script.name
+        assert not re.search(r"""from ["']/""", text), script.name
+
+
+def test_researchers_log_in_and_look_at_every_page_below_the_path(
+    below: Flask, clock: SetClock
+) -> None:
+    with below.app_context():
+        token = first_owner_link(running().database, clock)
+    client = below.test_client()
+    join = PageReader(client.get(f"{PREFIX}/research/join/{token}").text)
+    fields = {"name": "Ada", "password": PASSWORD, "again": PASSWORD}
+    code = join.value("main [name=form_code]", "value")
+    joined = client.post(join.action, data={**fields, "form_code": code})
+    assert joined.location == f"{PREFIX}/research/"
+    assert f"Path={PREFIX}/research" in joined.headers["Set-Cookie"]
+
+    open_, looked_at = [joined.location], set[str]()
+    while open_:
+        address = open_.pop().partition("#")[0]
+        if address in looked_at or "/media/" in address:
+            continue
+        looked_at.add(address)
+        answer = client.get(address, buffered=True)
+        assert answer.status_code == 200, address
+        if answer.mimetype == "text/html":
+            page = PageReader(answer.text)
+            assert strays(page) == [], address
+            if "/preview/" not in address or address.endswith("/1/"):
+                open_ += [str(link["href"]) for link in page.soup.select("a[href]")]
+
+    researched = {each.partition("?")[0].removeprefix(f"{PREFIX}/research/") for each in looked_at}
+    assert {"", "study-sessions", "preview", "newcomers", "changes", "researchers"} <= researched
+
+
+def test_who_must_log_in_first_is_led_back_below_the_path(below: Flask) -> None:
+    answer = below.test_client().get(f"{PREFIX}/research/changes")
+
+    assert answer.location == f"{PREFIX}/research/log-in?next=/research/changes"
+
+
+def test_the_path_itself_leads_on_with_what_a_recruiter_added(below: Flask) -> None:
+    answer = below.test_client().get(f"{PREFIX}?PROLIFIC_PID=p1&STUDY_ID=s%26")
+
+    assert answer.status_code == 308
+    assert answer.headers["Location"] == f"{PREFIX}/?PROLIFIC_PID=p1&STUDY_ID=s%26"
+
+
+@pytest.mark.parametrize("path", ["/", "/research/", "/studies", "/studies/one2/", "/static/x"])
+def test_nothing_lies_beside_the_path(below: Flask, path: str) -> None:
+    answer = below.test_client().get(path)
+
+    assert answer.status_code == 404
+    assert answer.headers["Referrer-Policy"] == "no-referrer"
+
+
+def test_health_is_asked_past_the_proxy_too(below: Flask) -> None:
+    client = below.test_client()
+
+    assert client.get("/healthz").status_code == client.get(f"{PREFIX}/healthz").status_code == 200
+
+
+def test_no_header_names_another_path(below: Flask) -> None:
+    headers = {"X-Forwarded-Prefix": "/evil", "X-Script-Name": "/evil", "Script-Name": "/evil"}
+
+    page = PageReader(below.test_client().get(f"{PREFIX}/", headers=headers).text)
+
+    assert strays(page) == []
+
+
+@pytest.mark.parametrize(
+    "path", ["one", "/a b", "/a//b", "/../x", "/a/./b", "/a?b", "//host", "/é"]
+)
+def test_what_is_no_path_is_refused(path: str) -> None:
+    with pytest.raises(InputError, match="/studies/one"):
+        checked_prefix(path)
+
+
+def test_a_slash_at_the_end_of_a_path_means_nothing() -> None:
+    assert [checked_prefix(path) for path in ("", "/", "/a", "/a/b-1/")] == ["", "", "/a", "/a/b-1"]

@@ -1,0 +1,111 @@
+"""Who comes is believed where Prolific signed it, for this host and not long ago."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import jwt
+import pytest
+from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey, generate_private_key
+
+from studyapp.session.refusal import UnacceptableError
+from studyapp.web.participants.sent_by import prolific_keys, signed_names
+
+HOST = "study.example.org"
+NAMES = {"PROLIFIC_PID": "p1", "STUDY_ID": "s1", "SESSION_ID": "x1"}
+
+
+@pytest.fixture(scope="module")
+def private_key() -> RSAPrivateKey:
+    return generate_private_key(public_exponent=65537, key_size=2048)
+
+
+@pytest.fixture
+def fetched(private_key: RSAPrivateKey, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
+    """Let Prolific's keys be fetched from here; a mark is made each time."""
+    public = jwt.algorithms.RSAAlgorithm.to_jwk(private_key.public_key(), as_dict=True)
+    times: list[int] = []
+
+    def fetch(client: jwt.PyJWKClient) -> dict[str, Any]:
+        times.append(1)
+        keys = {"keys": [public | {"kid": "one", "alg": "RS256", "use": "sig"}]}
+        assert client.jwk_set_cache is not None
+        client.jwk_set_cache.put(keys)
+        return keys
+
+    monkeypatch.setattr(jwt.PyJWKClient, "fetch_data", fetch)
+    prolific_keys.cache_clear()
+    yield times
+    prolific_keys.cache_clear()
+
+
+def signed(key: RSAPrivateKey, *, kid: str = "one", **changes: Any) -> str:
+    claims = {"aud": HOST, "exp": time.time() + 60, "prolific": NAMES | {"workspace_id": "w"}}
+    return jwt.encode(claims | changes, key, algorithm="RS256", headers={"kid": kid})
+
+
+@pytest.mark.parametrize("audience", [HOST, f"https://{HOST}", [f"https://{HOST}/one"]])
+def test_whom_prolific_signed_is_believed(
+    private_key: RSAPrivateKey, fetched: list[int], audience: Any
+) -> None:
+    for _ in range(3):
+        assert signed_names(signed(private_key, aud=audience), HOST) == NAMES
+    assert len(fetched) == 1
+
+
+def test_who_reads_the_first_pages_for_long_is_still_believed(
+    private_key: RSAPrivateKey, fetched: list[int]
+) -> None:
+    assert signed_names(signed(private_key, exp=time.time() - 1800), HOST) == NAMES
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"aud": "other.example.org"},
+        {"exp": time.time() - 7200},
+        {"prolific": {"PROLIFIC_PID": ""}},
+        {"prolific": "p1"},
+    ],
+)
+def test_what_was_signed_for_another_purpose_is_not_believed(
+    private_key: RSAPrivateKey, fetched: list[int], changes: dict[str, Any]
+) -> None:
+    assert signed_names(signed(private_key, **changes), HOST) is None
+
+
+def test_nobody_else_can_sign(private_key: RSAPrivateKey, fetched: list[int]) -> None:
+    claims = {"aud": HOST, "exp": time.time() + 60, "prolific": NAMES}
+    made_up = generate_private_key(public_exponent=65537, key_size=2048)
+
+    for token in (
+        "",
+        "no.token.atall",
+        "x" * 5000,
+        jwt.encode(claims, "", algorithm="none", headers={"kid": "one"}),
+        jwt.encode(claims, HOST * 2, algorithm="HS256", headers={"kid": "one"}),
+        jwt.encode(claims, made_up, algorithm="RS256", headers={"kid": "one"}),
+    ):
+        assert signed_names(token, HOST) is None
+
+
+def test_made_up_keys_do_not_make_the_server_ask_prolific_each_time(
+    private_key: RSAPrivateKey, fetched: list[int]
+) -> None:
+    for number in range(20):
+        assert signed_names(signed(private_key, kid=f"made up {number}"), HOST) is None
+    assert len(fetched) <= 2
+
+
+def test_where_the_keys_cannot_be_fetched_people_are_asked_to_come_again(
+    private_key: RSAPrivateKey, fetched: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_client: jwt.PyJWKClient) -> None:
+        raise jwt.PyJWKClientConnectionError("no way out")
+
+    monkeypatch.setattr(jwt.PyJWKClient, "fetch_data", fail)
+
+    with pytest.raises(UnacceptableError, match="At the moment"):
+        signed_names(signed(private_key), HOST)

@@ -1,0 +1,84 @@
+"""Fours of windows, two texts, each by two speakers, in one emotion; and classes of takes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from tests.generators.amuse.toy_speech import ROWS, toy_speech
+from training.data.labelled_windows import Classes, macro_f1, quadruples
+from training.data.windows import Windows
+
+
+def _windows() -> Windows:
+    return Windows(toy_speech(), split="train", frames=ROWS, stride=ROWS)
+
+
+def test_each_four_has_two_texts_by_two_speakers_in_one_emotion() -> None:
+    windows = _windows()
+    fours = quadruples(windows, most=100, seed=0)
+    assert len(fours) == 2 * 2  # Emotions times windows of a take.
+    for row in fours:
+        takes = [windows.take_of(int(one)) for one in row]
+        texts = [take.name.rsplit("_", 1)[1] for take in takes]
+        assert len({take.emotion for take in takes}) == 1
+        assert [take.speaker for take in takes] == ["ann", "ann", "bob", "bob"]
+        assert texts[0] == texts[2] != texts[1] == texts[3]
+        assert len({windows.start_of(int(one)) for one in row}) == 1
+
+
+def test_of_too_many_some_are_drawn_the_same_each_time() -> None:
+    fours = quadruples(_windows(), most=3, seed=7)
+    assert len(fours) == 3
+    assert (fours == quadruples(_windows(), most=3, seed=7)).all()
+
+
+def test_there_are_none_where_one_speaker_speaks_all_texts() -> None:
+    prepared = toy_speech()
+    alone = tuple(take for take in prepared.takes if take.speaker == "ann")
+    arrays = {"filterbank": prepared.arrays["filterbank"][: len(alone)]}
+    windows = Windows(
+        replace(prepared, takes=alone, arrays=arrays), split="train", frames=ROWS, stride=ROWS
+    )
+    assert quadruples(windows, most=100, seed=0).shape == (0, 4)
+    with pytest.raises(InputError, match="no two speakers speak the same two texts"):
+        quadruples(windows, most=100, seed=0, needed=True)
+
+
+FIELDS = ("emotion", "speaker")
+
+
+def test_classes_are_those_of_what_is_learned_from_and_others_are_not_known() -> None:
+    prepared = toy_speech()
+    strangers = tuple(
+        replace(take, speaker="eve") if take.emotion == "anger" and take.speaker == "bob" else take
+        for take in prepared.takes
+    )
+    learned = Windows(prepared, split="train", frames=ROWS, stride=ROWS)
+    classes = Classes.of(learned, FIELDS)
+    assert classes.names == {"emotion": ("anger", "happiness"), "speaker": ("ann", "bob")}
+    other = Windows(replace(prepared, takes=strangers), split="train", frames=ROWS, stride=ROWS)
+    known = classes.known(other)
+    assert 0 < len(known) < len(other)
+    numbers = classes.numbers(other, known)
+    for row, emotion, speaker in zip(known, *numbers, strict=True):
+        take = other.take_of(int(row))
+        assert take.emotion == classes.names["emotion"][emotion]
+        assert take.speaker == classes.names["speaker"][speaker]
+
+
+def test_what_nobody_told_is_no_class() -> None:
+    prepared = toy_speech()
+    untold = tuple(replace(take, emotion="") for take in prepared.takes)
+    windows = Windows(replace(prepared, takes=untold), split="train", frames=ROWS, stride=ROWS)
+    classes = Classes.of(windows, FIELDS)
+    assert classes.names["emotion"] == ()
+    assert len(classes.known(windows)) == 0
+
+
+def test_the_macro_f1_weighs_rare_classes_like_common_ones() -> None:
+    told, true = np.array([0, 0, 0, 0]), np.array([0, 0, 0, 1])
+    assert macro_f1(told, true) == pytest.approx((6 / 7 + 0) / 2)

@@ -1,0 +1,142 @@
+"""An audio spectrogram transformer: what it sets out from, and what it hears while learning."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import torch
+from transformers import ASTConfig, ASTForAudioClassification, ASTModel, DeiTConfig, DeiTModel
+
+from generators.amuse.config import SPEECH_PRESETS
+from generators.amuse.speech import SpeechEncoder, ast_config
+from motion.errors import InputError
+from tests.generators.amuse.test_speech import SMALL
+from training.hearing.spectrogram_transformer import (
+    MASKED_BANDS,
+    MASKED_ROWS,
+    augmented,
+    listen,
+    read_ast_weights,
+)
+
+CONFIG = ast_config(SMALL)
+
+
+def _saved(folder: Path) -> ASTModel:
+    torch.manual_seed(8)
+    model = SpeechEncoder(SMALL).transformer
+    torch.nn.init.normal_(model.embeddings.position_embeddings)
+    model.save_pretrained(folder)
+    return model
+
+
+def _image_model(**changes: int) -> DeiTModel:
+    config = DeiTConfig(
+        hidden_size=SMALL.width,
+        num_hidden_layers=SMALL.layers,
+        num_attention_heads=SMALL.heads,
+        intermediate_size=SMALL.feed_forward,
+        **changes,
+    )
+    model = DeiTModel(config, add_pooling_layer=False)
+    torch.nn.init.normal_(model.embeddings.position_embeddings)
+    return model
+
+
+def test_an_encoder_with_the_weights_of_an_ast_hears_what_it_hears(tmp_path: Path) -> None:
+    model = _saved(tmp_path).eval()
+    encoder = SpeechEncoder(SMALL).eval()
+    encoder.transformer.load_state_dict(read_ast_weights(tmp_path, CONFIG))
+    sound = torch.randn(2, SMALL.frames, SMALL.bands)
+    with torch.inference_mode():
+        torch.testing.assert_close(encoder.transformer(sound)[0], model(sound)[0])
+
+
+def test_a_classifiers_transformer_is_taken_without_its_classes(tmp_path: Path) -> None:
+    classifier = ASTForAudioClassification(CONFIG)
+    classifier.save_pretrained(tmp_path)
+    weights = read_ast_weights(tmp_path, CONFIG)
+    expected = classifier.audio_spectrogram_transformer.state_dict()
+    assert weights.keys() == expected.keys()
+    assert all(torch.equal(weights[name], expected[name]) for name in expected)
+
+
+def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
+    model = _image_model(image_size=48)
+    model.save_pretrained(tmp_path)
+    weights = read_ast_weights(tmp_path, CONFIG)
+    SpeechEncoder(SMALL).transformer.load_state_dict(weights)
+    colours = model.embeddings.patch_embeddings.projection.weight
+    torch.testing.assert_close(
+        weights["embeddings.patch_embeddings.projection.weight"], colours.sum(1, keepdim=True)
+    )
+    # Of 3 rows of patches the first 2 are the middle; 3 columns are stretched to 4.
+    own, fitted = model.embeddings.position_embeddings, weights["embeddings.position_embeddings"]
+    torch.testing.assert_close(fitted[:, :2], own[:, :2])
+    assert fitted.shape == (1, 2 + 2 * 4, SMALL.width)
+    torch.testing.assert_close(fitted[:, 2], own[:, 2])
+    torch.testing.assert_close(fitted[:, 5], own[:, 4])
+
+
+def test_an_encoder_of_another_size_is_refused_by_what_differs(tmp_path: Path) -> None:
+    ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
+        tmp_path
+    )
+    with pytest.raises(InputError, match=r"another size.*hidden_size 8 in place of 24"):
+        read_ast_weights(tmp_path, CONFIG)
+
+
+def test_another_architecture_is_refused_by_its_name(tmp_path: Path) -> None:
+    _saved(tmp_path)
+    (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
+    with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
+        read_ast_weights(tmp_path, CONFIG)
+
+
+def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    early = torch.zeros(1, config.frames, config.bands)
+    early[:, 16:32] = 3.0
+    late = early.roll(10 * 16, dims=1)
+    with torch.inference_mode():
+        before = (encoder(early)[0] - encoder(late)[0]).abs().max()
+        listen(encoder.transformer, torch.randn(4, config.frames, config.bands))
+        after = (encoder(early)[0] - encoder(late)[0]).abs().max()
+    assert before < 1e-4
+    assert after > 1e-2
+
+
+def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud_ones() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    loud, soft = torch.randn(2, 16, 16)
+    sizes = torch.randn(2, 30, config.frames // 16, config.bands // 16, 1, 1)
+    patches = 9 + 3.0 * sizes[0] * loud + 0.1 * sizes[1] * soft
+    filterbanks = patches.transpose(2, 3).reshape(30, config.frames, config.bands)
+    listen(encoder.transformer, filterbanks)
+    embeddings = encoder.transformer.embeddings.patch_embeddings
+    with torch.inference_mode():
+        heard = embeddings(filterbanks).flatten(0, 1)
+    assert heard.mean(dim=0).abs().max() < 0.02
+    spreads = heard.std(dim=0)
+    assert (spreads[:2] / spreads[0] - 1).abs().max() < 0.05
+
+
+def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
+    torch.manual_seed(2)
+    filterbanks = torch.ones(40, 1024, 128)
+    heard, target = augmented(filterbanks)
+    hidden = target == 0
+    rows, bands = hidden.all(dim=2).sum(dim=1), hidden.all(dim=1).sum(dim=1)
+    assert int(rows.max()) <= round(MASKED_ROWS * 1024)
+    assert int(bands.max()) <= round(MASKED_BANDS * 128)
+    assert int(rows.max()) > 0
+    assert int(bands.max()) > 0
+    # What is heard is noisy by a tenth at most, and shifted.
+    assert float((heard.sum() - target.sum()) / heard.numel()) < 0.1
+    assert float(heard.max()) <= 1.1

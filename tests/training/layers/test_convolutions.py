@@ -1,0 +1,104 @@
+"""Convolutions on graphs gather from neighbours alone, and components from their own nodes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pytest
+import torch
+
+from motion.body.face_landmarks import FaceLandmarks
+from training.layers.convolutions import (
+    BODY_PARTS,
+    ComponentEncoder,
+    Decoder,
+    GraphConvolution,
+    bone_graph,
+    component_graph,
+    components_of,
+    face_graph,
+    lips_of,
+    over_time,
+)
+
+
+def test_a_node_sees_itself_and_its_neighbours_and_no_others() -> None:
+    edges = np.zeros((4, 4), np.float32)
+    edges[0, 1] = edges[1, 0] = edges[2, 3] = edges[3, 2] = 1
+    torch.manual_seed(1)
+    layer = GraphConvolution(3, 5, edges, 1).eval()
+    values = torch.randn(1, 3, 6, 4)
+    moved = values.clone()
+    moved[..., 1] += 1
+    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1, 2)) > 1e-6
+    assert changed.tolist() == [True, True, False, False]
+
+
+def test_time_is_seen_as_far_as_the_convolution_reaches() -> None:
+    torch.manual_seed(1)
+    layer = GraphConvolution(2, 3, np.zeros((1, 1), np.float32), 5).eval()
+    values = torch.randn(1, 2, 12, 1)
+    moved = values.clone()
+    moved[:, :, 6] += 1
+    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1, 3)) > 1e-6
+    assert changed.nonzero().ravel().tolist() == [4, 5, 6, 7, 8]
+
+
+def test_a_component_of_few_nodes_is_filled_with_nothing() -> None:
+    edges = np.zeros((3, 3), np.float32)
+    torch.manual_seed(1)
+    encoder = ComponentEncoder(
+        edges, ((0, 1), (2,)), component_graph(2, pose=False), (4, 6), (3, 3, 5), 3
+    ).eval()
+    values = torch.randn(2, 4, 3, 3)
+    assert encoder(values).shape == (2, 6, 5)
+    assert encoder.places.tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(("kernel", "dilation"), [(3, 1), (5, 1), (3, 4)])
+def test_a_convolution_reaches_half_its_kernel_to_both_sides(kernel: int, dilation: int) -> None:
+    torch.manual_seed(1)
+    layer = over_time(2, 3, kernel, dilation).eval()
+    values = torch.randn(1, 2, 20)
+    moved = values.clone()
+    moved[..., 10] += 1
+    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1)) > 1e-6
+    reach = kernel // 2 * dilation
+    wanted = list(range(10 - reach, 10 + reach + 1, dilation))
+    assert changed.nonzero().ravel().tolist() == wanted
+
+
+def test_a_decoder_tells_every_frame() -> None:
+    assert Decoder(6, 8, 27)(torch.randn(2, 11, 6)).shape == (2, 11, 27)
+
+
+FACE: Final = FaceLandmarks.of_default_body()
+COMPONENTS: Final = components_of(FACE.actions)
+
+
+def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
+    eyes, nose, lips, jaw = COMPONENTS
+    assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
+    assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
+    corners = set(lips) - set(lips_of(FACE.actions))
+    assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
+
+
+def test_graphs_join_what_the_paper_says() -> None:
+    bones = bone_graph(2)
+    assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
+    assert bones[5, 8] == 0  # the two forearms
+    components = component_graph(3, pose=True)
+    assert components[0, 1] == components[0, 2] == 1
+    assert components[1, 2] == 0
+    assert component_graph(4, pose=False).sum() == 12
+    face = face_graph(COMPONENTS, FACE.neutral)
+    np.testing.assert_array_equal(face, face.T)
+    eyes, _, lips, _ = COMPONENTS
+    assert face[eyes[0], eyes[1]] == 1
+    assert face[np.ix_(eyes, lips)].sum() == 1
+
+
+def test_each_bone_belongs_to_one_part() -> None:
+    assert sorted(bone for part in BODY_PARTS for bone in part) == list(range(9))

@@ -1,0 +1,248 @@
+"""Recordings of a folder of any known layout, and those that are clips as plain arrays.
+
+These are TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from motion.errors import InputError, listed
+from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
+from motion.formats.ted_npz import ARRAYS
+from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
+from training.data.beat import find_beat, find_beat2
+from training.data.found_take import (
+    SOUND_ENDINGS,
+    UNKNOWN_SPEAKER,
+    Findings,
+    FolderFiles,
+    FoundTake,
+    each_take,
+    has_arrays,
+    list_folder,
+    sound_of,
+    split_folder,
+    transcript_of,
+    usable_name,
+    with_own_names,
+)
+from training.data.split_list import USUAL_NAMES, read_split_list
+from training.data.splitting import by_list, by_rule
+from training.data.take import KINDS, Kind, Split, Take, TakeFolder
+
+DATABASE = "data.mdb"
+_CONVERT = "where you trust the file: docs/data.md shows how"
+
+
+def find_ted(files: FolderFiles) -> Findings:
+    """Return the takes of a folder of TED Gesture's clips, saved as plain arrays.
+
+    A clip is ``talk/clip.npz`` (see `motion.formats.ted_npz`) with its sound beside it. A folder
+    ``train``, ``val`` or ``test`` anywhere above it tells its split. Every talk is a speaker of its
+    own. The databases that TED Gesture is distributed as are never opened, because reading them
+    runs what is in them.
+    """
+    databases = [
+        InputError(
+            "the database holds pickled Python objects, not plain arrays",
+            where=path,
+            remedy=f"Save its clips once as .npz and .wav, {_CONVERT}",
+        )
+        for path in files.files
+        if path.name == DATABASE
+    ]
+    found, skipped = each_take(files.ending_in(".npz"), partial(_ted_take, files))
+    return _findings(found, [*databases, *skipped])
+
+
+def find_show(files: FolderFiles) -> Findings:
+    """Return the takes of a folder of SHOW's clips, as distributed with TalkSHOW.
+
+    A clip lies in ``speaker/video/clip/clip.npy`` (or ``.npz``), or without the folder of its own,
+    with its sound beside it. A folder ``train``, ``val`` or ``test`` anywhere above it, as TalkSHOW
+    sorts them, tells its split. Takes are named speaker and clip. The ``.pkl`` files that SHOW is
+    distributed as are never opened, because reading one runs what is in it.
+    """
+    found, skipped = each_take(files.ending_in(".npy", ".npz"), partial(_show_take, files))
+    pickled = [
+        InputError(
+            "the motion is pickled, not a plain array",
+            where=path,
+            remedy=f"Save its arrays once with numpy.savez, {_CONVERT}",
+        )
+        for path in files.ending_in(".pkl")
+        if files.companion(path, SOUND_ENDINGS) and not files.companion(path, (".npy", ".npz"))
+    ]
+    return _findings(found, [*skipped, *pickled])
+
+
+def _findings(found: Sequence[FoundTake], skipped: Iterable[InputError]) -> Findings:
+    takes = with_own_names(found)
+    return Findings(
+        takes=takes,
+        skipped=tuple(skipped),
+        speakers=tuple(sorted({one.take.speaker for one in takes})),
+        split_rule="the folders train, val and test",
+    )
+
+
+def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
+    if not has_arrays(motion, *ARRAYS):
+        if files.companion(motion, SOUND_ENDINGS):
+            raise InputError(
+                "the file holds no motion of TED Gesture",
+                where=motion,
+                remedy=f"Give one of the arrays {', '.join(ARRAYS)}",
+            )
+        return None
+    place, split = split_folder(files.place_of(motion).with_suffix(""))
+    above = place.parent.parts
+    return _placed_clip(files, motion, place, place.parent if above else place, above[-1:], split)
+
+
+def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
+    if files.companion(motion, SOUND_ENDINGS) is None and motion.suffix.lower() == ".npz":
+        # Statistics and other arrays lie beside data sets.
+        return None
+    place, split = split_folder(files.place_of(motion).with_suffix(""))
+    if len(place.parts) > 1 and place.parts[-1] == place.parts[-2]:
+        place = place.parent
+    above = place.parent.parts
+    recording = place.parent if len(above) > 1 else place
+    return _placed_clip(files, motion, place, recording, above[:1], split)
+
+
+def _placed_clip(
+    files: FolderFiles,
+    motion: Path,
+    place: PurePosixPath,
+    recording: PurePosixPath,
+    speaker: tuple[str, ...],
+    split: Split | None,
+) -> FoundTake:
+    """Return the clip at `place`, said by the one `speaker` whose folder it is in, if any."""
+    take = Take(
+        name=usable_name("_".join((*speaker, place.name))),
+        speaker=speaker[0] if speaker else UNKNOWN_SPEAKER,
+        emotion="",
+        split="train",
+        speech=sound_of(motion, files),
+        motion=motion,
+        transcript=transcript_of(motion, files),
+    )
+    return FoundTake(
+        take=take, place=place.as_posix(), recording=recording.as_posix(), given_split=split
+    )
+
+
+_READERS: Final[Mapping[Kind, Callable[[FolderFiles], Findings]]] = {
+    "beat": find_beat,
+    "beat2": find_beat2,
+    "show": find_show,
+    "ted": find_ted,
+}
+
+
+def read_takes(
+    folder: Path, *, kind: str | None = None, split_list: Path | None = None
+) -> TakeFolder:
+    """Find the takes in a folder of recordings.
+
+    What is in the files is looked at later, when features are computed of it.
+
+    Parameters
+    ----------
+    folder : Path
+        The data set as downloaded, or recordings in the same layout.
+    kind : {'beat', 'beat2', 'show', 'ted'}, optional
+        Its layout; by default what its files look like.
+    split_list : Path, optional
+        Says which take is for what, see `training.data.split_list`; by default the folder's own
+        list, then the rule of the data set, then a hash of each recording's name.
+
+    Returns
+    -------
+    TakeFolder
+        Takes that cannot be used are named in `TakeFolder.skipped`.
+
+    Raises
+    ------
+    InputError
+        If the folder is missing, of no known layout, holds no take, or the split list is unusable.
+    """
+    files = list_folder(folder)
+    known = _kind_of(files) if kind is None else _checked_kind(kind)
+    findings = _READERS[known](files)
+    if not findings.takes:
+        raise InputError(
+            f"the folder holds no take of {known}"
+            + (
+                f"; the first of {len(findings.skipped)} files is not a take because "
+                f"{findings.skipped[0].what}"
+                if findings.skipped
+                else ""
+            ),
+            where=folder,
+            remedy=findings.skipped[0].remedy if findings.skipped else "See docs/data.md",
+        )
+    given = split_list or next(
+        (folder / name for name in USUAL_NAMES if (folder / name).is_file()), None
+    )
+    takes, notes = by_list(findings, read_split_list(given)) if given else by_rule(findings)
+    speaking = {take.speaker for take in takes}
+    return TakeFolder(
+        kind=known,
+        takes=tuple(sorted(takes, key=lambda take: take.name)),
+        speakers=tuple(speaker for speaker in findings.speakers if speaker in speaking),
+        skipped=findings.skipped,
+        notes=notes,
+    )
+
+
+def _checked_kind(kind: str) -> Kind:
+    for known in KINDS:
+        if kind == known:
+            return known
+    raise InputError(f"there is no layout {kind!r}", remedy=f"Use one of {listed(KINDS)}")
+
+
+def _kind_of(files: FolderFiles) -> Kind:
+    """Return the layout that the files look like."""
+    if any(files.ending_in(".bvh")):
+        return "beat"
+    kinds: set[Kind] = set()
+    if any(path.name == DATABASE for path in files.files):
+        kinds.add("ted")
+    if any(files.companion(path, SOUND_ENDINGS) for path in files.ending_in(".npy", ".pkl")):
+        kinds.add("show")
+    for path in files.ending_in(".npz"):
+        if files.companion(path, SOUND_ENDINGS):
+            kinds |= _kinds_of_archive(path)
+    if len(kinds) == 1:
+        return kinds.pop()
+    what = (
+        f"the folder may be {listed(sorted(kinds))}"
+        if kinds
+        else "the folder holds no recordings of a known layout"
+    )
+    raise InputError(
+        what,
+        where=files.root,
+        remedy=f"Name its layout, one of {listed(KINDS)}, or see docs/data.md for what each is",
+    )
+
+
+def _kinds_of_archive(path: Path) -> set[Kind]:
+    arrays: Mapping[Kind, tuple[str, ...]] = {
+        "beat2": ("poses",),
+        "show": SHOW_ARRAYS,
+        "ted": TED_ARRAYS,
+    }
+    try:
+        return {kind for kind, keys in arrays.items() if has_arrays(path, *keys)}
+    except InputError:
+        return set()

@@ -1,0 +1,209 @@
+"""Convolutions over time, and on graphs of landmarks, bones and anatomical components.
+
+Bhattacharya et al. 2024, section 3.3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from motion.formats.ted_npz import BONES
+
+FloatArray = NDArray[np.float32]
+Parts = tuple[tuple[int, ...], ...]
+
+BODY_PARTS: Final[Parts] = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
+"""Bones of torso, left and right arm (section 3.3.2)."""
+
+_COMPONENT_OF: Final = {
+    "brow": 0, "eye": 0, "cheek": 1, "nose": 1, "mouth": 2, "jaw": 3, "tongue": 3,
+}  # fmt: skip
+"""Eyes, nose, lips and lower jaw, by how the name of a landmark's facial action begins. The paper
+names no brows and cheeks; they go with what lies next to them."""
+
+_CORNERS: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch")
+"""Actions of the corners of the lips, which express and are not the phoneme predictor's."""
+
+
+def components_of(actions: Sequence[str]) -> Parts:
+    """Return the landmarks of each anatomical component of the face, by their facial actions."""
+    parts: tuple[list[int], ...] = ([], [], [], [])
+    for landmark, action in enumerate(actions):
+        start = next(start for start in _COMPONENT_OF if action.startswith(start))
+        parts[_COMPONENT_OF[start]].append(landmark)
+    return tuple(tuple(part) for part in parts)
+
+
+def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
+    """Return the landmarks of the lips without their corners."""
+    return tuple(
+        landmark
+        for landmark, action in enumerate(actions)
+        if action.startswith("mouth") and not action.startswith(_CORNERS)
+    )
+
+
+def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
+    """Return which landmarks are neighbours, (L, L) of 0 and 1.
+
+    All of a component are, and each with the nearest one of every other component.
+    """
+    count = len(neutral)
+    edges = np.zeros((count, count), np.float32)
+    apart = np.linalg.norm(neutral[:, None] - neutral, axis=-1)
+    for own in components:
+        edges[np.ix_(own, own)] = 1
+        for other in components:
+            if other is not own and own and other:
+                between = apart[np.ix_(own, other)]
+                one, two = np.unravel_index(between.argmin(), between.shape)
+                edges[own[one], other[two]] = edges[other[two], own[one]] = 1
+    np.fill_diagonal(edges, 0)
+    return edges
+
+
+def bone_graph(hops: int) -> FloatArray:
+    """Return which bones are neighbours, (9, 9): those that share a joint, over so many hops."""
+    touch = np.array([[bool(set(one) & set(two)) for two in BONES] for one in BONES], np.float32)
+    reached = np.linalg.matrix_power(touch, hops) > 0
+    edges = reached.astype(np.float32)
+    np.fill_diagonal(edges, 0)
+    return edges
+
+
+def component_graph(count: int, *, pose: bool) -> FloatArray:
+    """Return which components are neighbours: all of the face; of the body the torso with each."""
+    edges = np.ones((count, count), np.float32)
+    if pose:
+        edges[1:, 1:] = 0
+    np.fill_diagonal(edges, 0)
+    return edges
+
+
+BODY_EDGES: Final = component_graph(len(BODY_PARTS), pose=True)
+
+
+class GraphConvolution(nn.Module):
+    """Spatial-temporal convolution on a graph (ST-GCN), (B, C, T, N) to (B, D, T, N)."""
+
+    shares: Tensor
+
+    def __init__(self, width_in: int, width: int, edges: FloatArray, reach: int) -> None:
+        super().__init__()
+        shares = torch.from_numpy(edges / np.maximum(edges.sum(axis=0, keepdims=True), 1))
+        self.register_buffer("shares", torch.stack([torch.eye(len(edges)), shares]))
+        self.spatial = nn.Conv2d(width_in, 2 * width, 1)
+        self.temporal = nn.Sequential(
+            nn.BatchNorm2d(width),
+            nn.LeakyReLU(0.1),
+            nn.Conv2d(width, width, (reach, 1), padding=(reach // 2, 0)),
+            nn.BatchNorm2d(width),
+        )
+        self.past = nn.Conv2d(width_in, width, 1)
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Return what each node makes of itself, its neighbours and the frames around."""
+        own, others = self.spatial(values).chunk(2, dim=1)
+        gathered = own + others @ self.shares[1]
+        found: Tensor = nn.functional.leaky_relu(self.temporal(gathered) + self.past(values), 0.1)
+        return found
+
+
+class ComponentEncoder(nn.Module):
+    """Encoder of affective expressions (section 3.3.2), (B, T_in, N, 3) to (B, T_out, width).
+
+    Parameters
+    ----------
+    edges : ndarray, shape (N, N)
+        Of landmarks or bones.
+    parts : tuple of tuple of int
+        Nodes of each anatomical component.
+    part_edges : ndarray or None
+        Of the components; None leaves the higher graph out.
+    frames : pair of int
+        T_in, T_out.
+    widths : triple of int
+        Of a node, of a component and of the latent.
+    reach : int
+        Frames of temporal convolutions.
+    """
+
+    places: Tensor
+
+    def __init__(
+        self,
+        edges: FloatArray,
+        parts: Parts,
+        part_edges: FloatArray | None,
+        frames: tuple[int, int],
+        widths: tuple[int, int, int],
+        reach: int,
+    ) -> None:
+        super().__init__()
+        node, part, width = widths
+        longest = max(len(one) for one in parts)
+        # The node behind the last one is zero: it fills smaller components.
+        places = [[*one, *[len(edges)] * (longest - len(one))] for one in parts]
+        self.register_buffer("places", torch.tensor(places).flatten(), persistent=False)
+        self._shape = (len(parts), longest)
+        self.nodes = GraphConvolution(3, node, edges, reach)
+        self.parts = (
+            None
+            if part_edges is None
+            else GraphConvolution(longest * node, part, part_edges, reach)
+        )
+        flat = len(edges) * node if part_edges is None else len(parts) * part
+        self.spatial = nn.Sequential(
+            nn.Conv1d(flat, width, 1), nn.BatchNorm1d(width), nn.LeakyReLU(0.1)
+        )
+        self.temporal = nn.Conv1d(frames[0], frames[1], 3, padding=1)
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Return the latent of landmarks or bones."""
+        found = self.nodes(values.permute(0, 3, 1, 2))
+        if self.parts is not None:
+            padded = nn.functional.pad(found, (0, 1)).index_select(-1, self.places)
+            # (B, D, T, components, nodes)
+            collated = padded.reshape(*padded.shape[:-1], *self._shape)
+            found = self.parts(collated.permute(0, 1, 4, 2, 3).flatten(1, 2))
+        flat = found.permute(0, 1, 3, 2).flatten(1, 2)
+        latent: Tensor = self.temporal(self.spatial(flat).transpose(1, 2))
+        return latent
+
+
+def over_time(width_in: int, width: int, kernel: int, dilation: int = 1) -> nn.Sequential:
+    """Return a convolution over time, (B, C, T) to (B, width, T), normalised."""
+    padding = kernel // 2 * dilation
+    return nn.Sequential(
+        nn.Conv1d(width_in, width, kernel, padding=padding, dilation=dilation),
+        nn.BatchNorm1d(width),
+        nn.LeakyReLU(0.1),
+    )
+
+
+class Decoder(nn.Module):
+    """Motion of an embedding: convolutions over time and over features, then all together."""
+
+    def __init__(self, width: int, hidden: int, values: int) -> None:
+        super().__init__()
+        self.temporal = nn.Sequential(over_time(width, hidden, 5), over_time(hidden, hidden, 5))
+        self.spatial = nn.Sequential(
+            nn.Conv1d(1, 4, 5, padding=2), nn.LeakyReLU(0.1), nn.Conv1d(4, 1, 5, padding=2)
+        )
+        self.full = nn.Sequential(
+            nn.Linear(hidden, 2 * hidden), nn.LeakyReLU(0.1), nn.Linear(2 * hidden, values)
+        )
+
+    def forward(self, embedding: Tensor) -> Tensor:
+        """Return (B, T, values) of (B, T, H)."""
+        over_time = self.temporal(embedding.transpose(1, 2)).transpose(1, 2)
+        batch, frames, width = over_time.shape
+        over_features = self.spatial(over_time.reshape(batch * frames, 1, width))
+        found: Tensor = self.full(over_time + over_features.reshape(batch, frames, width))
+        return found

@@ -1,0 +1,135 @@
+"""Transformers with skips, and transformers made ready to be asked on a processor.
+
+Skips are those of Bao et al. 2023 (U-ViT) and Chen et al. 2023 (MLD). To be asked, layers are
+packed: faster, and the same to rounding. torch multiplies by MKL, which is slow on processors of
+other makers than its own; oneDNN, which torch brings along, is fast on all of them, and need not
+lay out weights anew in each call.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import torch
+from torch import Tensor, nn
+from transformers import PreTrainedModel
+from transformers.modeling_utils import ALL_ATTENTION_FUNCTIONS
+
+
+class SkipTransformer(nn.Module):
+    """Transformer layers of which the first half is told to the second, as in a U-Net.
+
+    Parameters
+    ----------
+    width, feed_forward, heads, layers : int
+        Sizes; `layers` is odd.
+    dropout : float
+        While training.
+    reads_memory : bool
+        Whether each layer also attends to a memory.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        feed_forward: int,
+        heads: int,
+        layers: int,
+        *,
+        dropout: float,
+        reads_memory: bool = False,
+    ) -> None:
+        super().__init__()
+        kind = nn.TransformerDecoderLayer if reads_memory else nn.TransformerEncoderLayer
+
+        def blocks(count: int) -> nn.ModuleList:
+            sizes = (width, heads, feed_forward, dropout)
+            return nn.ModuleList(
+                kind(*sizes, activation="gelu", batch_first=True) for _ in range(count)
+            )
+
+        half = layers // 2
+        self.input_blocks = blocks(half)
+        self.middle_block = blocks(1)[0]
+        self.output_blocks = blocks(half)
+        self.linear_blocks = nn.ModuleList(nn.Linear(2 * width, width) for _ in range(half))
+        self.norm = nn.LayerNorm(width)
+
+    def forward(self, x: Tensor, *memory: Tensor) -> Tensor:
+        """Return the sequence `x` (batch, tokens, width), transformed."""
+        told = []
+        for block in self.input_blocks:
+            x = block(x, *memory)
+            told.append(x)
+        x = self.middle_block(x, *memory)
+        for linear, block in zip(self.linear_blocks, self.output_blocks, strict=True):
+            x = block(linear(torch.cat([x, told.pop()], dim=-1)), *memory)
+        normalised: Tensor = self.norm(x)
+        return normalised
+
+
+_ROWS: Final = 1_214
+"""Rows that the layout is chosen for: a window of ten seconds, as AST sees it."""
+
+_ATTENTION: Final = "motionjury_packed"
+
+
+class PackedLinear(nn.Module):
+    """A linear layer in float32 that learns no more, stays on the processor and is not stored."""
+
+    def __init__(self, linear: nn.Linear) -> None:
+        super().__init__()
+        self.bias = linear.bias
+        weight = linear.weight.detach()
+        self._packed: Tensor = torch.ops.mkldnn._reorder_linear_weight(weight, _ROWS)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return what the layer makes of `x` (…, in)."""
+        return _product(x, self._packed, self.bias)
+
+
+def pack(network: nn.Module) -> None:
+    """Pack linear layers and attention of the models of `transformers` in a network.
+
+    Leaves alone what is not on the processor, or all where torch has no oneDNN.
+    """
+    if not torch.backends.mkldnn.is_available():  # type: ignore[no-untyped-call]
+        return
+    ALL_ATTENTION_FUNCTIONS.register(_ATTENTION, _attention)
+    for model in network.modules():
+        if isinstance(model, PreTrainedModel) and model.device.type == "cpu":
+            model.config._attn_implementation = _ATTENTION
+            _pack_layers(model)
+
+
+def _pack_layers(network: nn.Module) -> None:
+    for name, child in network.named_children():
+        if isinstance(child, nn.Linear):
+            setattr(network, name, PackedLinear(child))
+        else:
+            _pack_layers(child)
+
+
+def _attention(
+    module: nn.Module,
+    query: Tensor,
+    key: Tensor,
+    value: Tensor,
+    attention_mask: Tensor | None,
+    scaling: float,
+    **unused: Any,
+) -> tuple[Tensor, None]:
+    """Return attention of (batch, heads, tokens, width) as `transformers` wants it."""
+    if attention_mask is not None:
+        raise NotImplementedError("packed attention knows no mask")
+    q, k, v = (one.contiguous().flatten(0, 1) for one in (query * scaling, key, value))
+    heads = [
+        _product(torch.softmax(_product(a, b), dim=-1), c.T.contiguous())
+        for a, b, c in zip(q, k, v, strict=True)
+    ]
+    return torch.stack(heads).view(query.shape).transpose(1, 2), None
+
+
+def _product(x: Tensor, weight: Tensor, bias: Tensor | None = None) -> Tensor:
+    found: Tensor = torch.ops.mkldnn._linear_pointwise(x, weight, bias, "none", [], "")
+    return found

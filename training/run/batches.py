@@ -1,0 +1,278 @@
+"""The batches of a training: which examples each step learns from, and their statistics.
+
+Examples, and with what chance, are a function of the seed and the step: nothing about either needs
+to be remembered to go on from any step.
+
+A step may be computed in parts, by one process or several.
+A layer that normalises by the mean and variance of a batch has to see those of the whole step,
+whoever computes which part of it. So they are found first, by passing the parts forward until they
+no longer change: a layer's statistics follow from those of the layers before it. Then the losses
+are computed with the statistics held, as constants of which gradients are taken; and these
+gradients are passed back through the statistics, again until none is left. What comes out is the
+step in one part, up to rounding, at the price of a few passes more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn.modules.batchnorm import _BatchNorm
+
+from training.run.group import Group
+
+Compute = Callable[[], object]
+"""Passes one part forward, with the same chance each time."""
+
+_Place = tuple[int, int]
+"""Which layer, and which of its uses in a pass, from 0."""
+
+
+class _Enough(Exception):  # noqa: N818 (no error)
+    """All layers have been passed."""
+
+
+def batch_normed(network: nn.Module) -> list[_BatchNorm]:
+    """Return the layers of `network` that normalise by statistics of a batch."""
+    return [layer for layer in network.modules() if isinstance(layer, _BatchNorm)]
+
+
+class StepStatistics:
+    """The statistics of one step for all layers of a network that normalise by them.
+
+    Parameters
+    ----------
+    network : Module
+        In training mode; only its layers that are so, too, are looked at.
+    group : Group
+        The processes that compute the step.
+    parts : sequence of callable
+        Each passes one of this process' parts forward through the network.
+    """
+
+    def __init__(self, network: nn.Module, group: Group, parts: Sequence[Compute]) -> None:
+        self._layers = [layer for layer in batch_normed(network) if layer.training]
+        self._group = group
+        self._parts = parts
+        self._moments: dict[_Place, Tensor] = {}
+        self._counts: dict[_Place, Tensor] = {}
+        self._find()
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Let the layers normalise one part by the statistics of the step, and owe to these."""
+        with self._instead(lambda place, layer, values: None):
+            yield
+
+    def pass_back(self) -> None:
+        """Add to the weights' gradients what the losses owe to the statistics."""
+        for _ in self._moments:
+            owed = self._summed(
+                {
+                    place: torch.zeros_like(one) if one.grad is None else one.grad
+                    for place, one in self._moments.items()
+                }
+            )
+            for one in self._moments.values():
+                one.grad = None
+            if not any(bool(one.any()) for one in owed.values()):
+                return
+            for compute in self._parts:
+                dues: list[Tensor] = []
+
+                def take(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
+                    sums = _sums(layer, values)
+                    dues.append((owed[place] * sums).sum() / self._counts[place])  # noqa: B023
+
+                self._pass(compute, take)
+                due = torch.stack(dues).sum()
+                if due.requires_grad:
+                    torch.autograd.backward(due)
+
+    def remember(self) -> None:
+        """Take the step into the layers' running statistics."""
+        found = {
+            place: _normal(self._layers[place[0]], one.detach())
+            for place, one in self._moments.items()
+        }
+        for place, (mean, variance) in found.items():
+            layer, count = self._layers[place[0]], self._counts[place]
+            steps = layer.num_batches_tracked
+            if layer.running_mean is None or layer.running_var is None or steps is None:
+                continue
+            steps.add_(1)
+            share = 1 / float(steps) if layer.momentum is None else layer.momentum
+            layer.running_mean.lerp_(mean, share)
+            layer.running_var.lerp_(variance * count / (count - 1).clamp(min=1), share)
+
+    def _find(self) -> None:
+        passes = 1
+        while passes <= max(1, len(self._moments)):
+            sums: dict[_Place, Tensor] = {}
+            counts: dict[_Place, Tensor] = {}
+
+            def take(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
+                found = _sums(layer, values)
+                count = found.new_tensor([values.numel() / values.shape[1]])
+                sums[place] = sums.get(place, 0) + found  # noqa: B023
+                counts[place] = counts.get(place, 0) + count  # noqa: B023
+
+            with torch.no_grad():
+                for compute in self._parts:
+                    self._pass(compute, take)
+            self._counts = self._summed(counts)
+            before = self._moments
+            self._moments = {
+                place: (one / self._counts[place]).requires_grad_()
+                for place, one in self._summed(sums).items()
+            }
+            if before and all(one.equal(before[place]) for place, one in self._moments.items()):
+                return
+            passes += 1
+
+    def _pass(self, compute: Compute, take: Callable[[_Place, _BatchNorm, Tensor], None]) -> None:
+        """Pass a part forward as far as the last layer, and show `take` what each is given."""
+        left = len(self._moments)
+
+        def look(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
+            nonlocal left
+            take(place, layer, values)
+            left -= 1
+            if left == 0:
+                raise _Enough
+
+        with self._instead(look):
+            try:
+                compute()
+            except _Enough:
+                return
+
+    @contextmanager
+    def _instead(self, look: Callable[[_Place, _BatchNorm, Tensor], None]) -> Iterator[None]:
+        """Let the layers show `look` what they are given, and normalise by what is known."""
+        uses: dict[int, int] = {}
+
+        def forward(number: int, values: Tensor) -> Tensor:
+            layer = self._layers[number]
+            place = (number, uses.get(number, 0))
+            uses[number] = place[1] + 1
+            look(place, layer, values)
+            moments = self._moments.get(place)
+            if moments is None:
+                moments = _sums(layer, values) * values.shape[1] / values.numel()
+            mean, variance = (one.view(_shape(values)) for one in _normal(layer, moments))
+            found = (values.float() - mean) * (variance + layer.eps).rsqrt()
+            if layer.affine:
+                found = found * layer.weight.view(_shape(values)) + layer.bias.view(_shape(values))
+            return found.to(values.dtype)
+
+        for number, layer in enumerate(self._layers):
+            layer.forward = partial(forward, number)  # type: ignore[method-assign]
+        try:
+            yield
+        finally:
+            for layer in self._layers:
+                del layer.forward
+
+    def _summed(self, here: dict[_Place, Tensor]) -> dict[_Place, Tensor]:
+        return dict(zip(here, self._group.sum_tensors(list(here.values())), strict=True))
+
+
+def _normal(layer: _BatchNorm, moments: Tensor) -> tuple[Tensor, Tensor]:
+    """Return mean and variance by channel, of the first two moments about the layer's shift."""
+    first, second = moments
+    return _shift(layer, first) + first, second - first.square()
+
+
+def _sums(layer: _BatchNorm, values: Tensor) -> Tensor:
+    """Return the sums of values and of their squares by channel, shape (2, channels)."""
+    own = values.float()
+    own = own - _shift(layer, own).view(_shape(values))
+    dimensions = [0, *range(2, own.dim())]
+    return torch.stack([own.sum(dimensions), own.square().sum(dimensions)])
+
+
+def _shift(layer: _BatchNorm, like: Tensor) -> Tensor:
+    """Return what is taken off values before they are summed, so that rounding stays small."""
+    if layer.running_mean is None:
+        return like.new_zeros(layer.num_features)
+    return layer.running_mean.detach()
+
+
+def _shape(values: Tensor) -> tuple[int, ...]:
+    return (1, -1, *[1] * (values.dim() - 2))
+
+
+def batches_per_epoch(examples: int, batch_size: int) -> int:
+    """Return how many whole batches `examples` make; one where they fill none."""
+    return max(1, examples // batch_size)
+
+
+def rows_of_step(step: int, examples: int, batch_size: int, seed: int) -> NDArray[np.int64]:
+    """Return the examples of a step.
+
+    Parameters
+    ----------
+    step : int
+        From 0.
+    examples, batch_size : int
+        At least 1.
+    seed : int
+        Not negative.
+
+    Returns
+    -------
+    ndarray, shape (min(batch_size, examples),), int64
+        Each epoch goes through all examples in an order of its own; what fills no batch at its
+        end is left out of it.
+    """
+    epoch, place = divmod(step, batches_per_epoch(examples, batch_size))
+    order = np.random.default_rng((seed, epoch)).permutation(examples)
+    return order[place * batch_size : (place + 1) * batch_size]
+
+
+def parts_of_step(
+    rows: NDArray[np.int64], accumulate: int, processes: int
+) -> Sequence[NDArray[np.int64]]:
+    """Return the parts in which a step's examples are computed, by all processes together.
+
+    Each process computes equally many parts. One process that makes `n` parts and `n` processes
+    that make one each compute the same ones.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (n,), int64
+        Examples of a step, at least as many as processes.
+    accumulate : int
+        Parts that are wanted, at least 1.
+    processes : int
+        At least 1.
+
+    Returns
+    -------
+    sequence of ndarray
+        The least multiple of `processes` that is `accumulate` or more, as far as each gets an
+        example; their lengths differ by one at most.
+    """
+    shares = min(-(-accumulate // processes), len(rows) // processes)
+    return np.array_split(rows, shares * processes)
+
+
+def chance_of_part(seed: int, step: int, part: int, update: int = 0) -> int:
+    """Return the seed of what is drawn while a part of a step is computed, from 0 to 2**63 - 1.
+
+    Of several updates in a step each, numbered from 0, draws anew.
+    """
+    entropy = (seed, step, part, *((update,) if update else ()))
+    state = np.random.SeedSequence(entropy).generate_state(1, np.uint64)
+    return int(state[0] >> np.uint64(1))
+
+
+def evenly(count: int, most: int) -> NDArray[np.int64]:
+    """Return at most so many of `count` examples, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))

@@ -1,0 +1,211 @@
+"""SMPL-X bodies as numbers that networks tell.
+
+AMUSE tells a whole body: 55 joint rotations in 6D, and the translation (Zhou et al. 2019, "On the
+Continuity of Rotation Representations in Neural Networks"). Of each rotation matrix the first two
+rows are kept, as PyTorch3D does and AMUSE's release with it. Losses on the body's surface need
+points that move with every joint and show every turn of it, not thousands of vertices: each joint
+carries itself and two points beside it, rigidly, with gradients.
+
+DiffSHEG tells SHOW's motion: 43 joints, the jaw and 100 expressions.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from torch import Tensor, nn
+from torch.nn import functional
+
+from motion.body.archive import added_to_mean_hands
+from motion.clip import MotionClip
+from motion.placement import place
+from motion.skeleton import FINGERS, JOINT_COUNT, PARENTS, RELAXED_HANDS, REST_JOINTS, joint_index
+
+WIDTH: Final = 6 * JOINT_COUNT + 3
+
+FloatArray = NDArray[np.float64]
+
+
+def smplx_6d_values(clip: MotionClip) -> FloatArray:
+    """Return a clip's rotations in 6D and its translation in metres, (T, 333)."""
+    return np.concatenate([rotation_rows(clip), clip.trans], axis=1)
+
+
+def rotation_rows(clip: MotionClip) -> FloatArray:
+    """Return the first two rows of each joint's rotation matrix, (T, 330)."""
+    matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
+    return matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT)
+
+
+def smplx_6d_clip(values: FloatArray, frame_rate: float) -> MotionClip:
+    """Return the clip of such values.
+
+    Parameters
+    ----------
+    values : ndarray, shape (T, 333)
+        Rows need be neither of length 1 nor at right angles: the nearest rotation whose first row
+        points where the given one does is taken (Gram-Schmidt).
+    frame_rate : float
+        Frames per second.
+
+    Returns
+    -------
+    MotionClip
+        Placed in the study's world: on the floor at the origin, facing +z.
+    """
+    frames = len(values)
+    rows = values[:, : 6 * JOINT_COUNT].reshape(-1, 2, 3)
+    first = _unit(rows[:, 0])
+    second = _unit(rows[:, 1] - (first * rows[:, 1]).sum(axis=1, keepdims=True) * first)
+    matrices = np.stack([first, second, np.cross(first, second)], axis=1)
+    turns = Rotation.from_matrix(matrices).as_rotvec().reshape(frames, JOINT_COUNT, 3)
+    clip = MotionClip(
+        poses=turns.astype(np.float32),
+        trans=values[:, 6 * JOINT_COUNT :].astype(np.float32),
+        frame_rate=frame_rate,
+    )
+    return place(clip)[0]
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    lengths: FloatArray = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.maximum(lengths, np.finfo(np.float64).tiny)
+
+
+TOLD_OF_TRUNK: Final = (
+    "spine1", "spine2", "spine3", "neck", "left_collar", "right_collar", "head", "left_shoulder",
+    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
+)  # fmt: skip
+"""The 13 joints that come first, in SMPL-X's order; both hands' 30 follow."""
+
+TOLD_JOINTS: Final = (
+    *(joint_index(name) for name in TOLD_OF_TRUNK),
+    *range(FINGERS.start, FINGERS.stop),
+)
+_BODY: Final = 3 * len(TOLD_JOINTS)
+_JAW: Final = slice(_BODY, _BODY + 3)
+
+
+def show_values(clip: MotionClip) -> FloatArray:
+    """Return what DiffSHEG tells of a clip whose fingers are relative to SMPL-X's mean hands.
+
+    Returns
+    -------
+    ndarray, shape (T, 232)
+        Rotations, axis-angle in radians; jaw; expression coefficients, 0 where the clip has none.
+    """
+    frames = len(clip)
+    expressions = np.zeros((frames, 100)) if clip.expressions is None else clip.expressions
+    body = clip.poses[:, list(TOLD_JOINTS)].reshape(frames, _BODY)
+    jaw = clip.poses[:, joint_index("jaw")]
+    return np.concatenate([body, jaw, expressions], axis=1, dtype=np.float64)
+
+
+def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
+    """Return DiffSHEG's motion as a clip.
+
+    SHOW tells fingers relative to SMPL-X's mean hands, which only a licensed model holds; relaxed
+    hands take their place.
+
+    Parameters
+    ----------
+    values : ndarray, shape (T, 232)
+        See `show_values`.
+    frame_rate : float
+        Frames per second.
+
+    Returns
+    -------
+    MotionClip
+        Standing on the floor at the origin, facing +z; hips and legs stand still.
+    """
+    frames = len(values)
+    poses = np.zeros((frames, JOINT_COUNT, 3))
+    poses[:, list(TOLD_JOINTS)] = values[:, :_BODY].reshape(frames, len(TOLD_JOINTS), 3)
+    poses[:, joint_index("jaw")] = values[:, _JAW]
+    clip = MotionClip(
+        poses=poses.astype(np.float32),
+        trans=np.zeros((frames, 3), np.float32),
+        frame_rate=frame_rate,
+        expressions=values[:, _JAW.stop :].astype(np.float32),
+    )
+    return place(added_to_mean_hands(clip, RELAXED_HANDS))[0]
+
+
+_BESIDE: Final = 0.05
+"""Metres from a joint to the points beside it, about the radius of an arm."""
+
+
+def _generations() -> list[tuple[list[int], list[int]]]:
+    """Return each generation below the root: its joints, and their parents' places in the last."""
+    generations, before = [], [0]
+    while found := [joint for joint, parent in enumerate(PARENTS) if parent in before]:
+        generations.append((found, [before.index(PARENTS[joint]) for joint in found]))
+        before = found
+    return generations
+
+
+_GENERATIONS: Final = _generations()
+
+_ORDER: Final = np.argsort([0, *(joint for found, _ in _GENERATIONS for joint in found)]).tolist()
+"""Where each joint stands among all generations."""
+
+
+class BodyPoints(nn.Module):
+    """Forward kinematics of the default body (SMPL-X's skeleton), without a mesh."""
+
+    bones: Tensor
+
+    def __init__(self) -> None:
+        super().__init__()
+        rest = torch.tensor(REST_JOINTS, dtype=torch.float32)
+        parents = torch.tensor([max(parent, 0) for parent in PARENTS])
+        bones = rest - rest[parents]
+        bones[0] = 0
+        self.register_buffer("bones", bones, persistent=False)
+
+    def forward(self, values: Tensor) -> Tensor:
+        """Return points against the pelvis, metres.
+
+        Parameters
+        ----------
+        values : Tensor
+            (…, 333), see `training.spaces.smplx_bodies`; the translation moves no point.
+
+        Returns
+        -------
+        Tensor
+            (…, 165, 3): each joint, and the points 5 cm along its x and y axis.
+        """
+        rows = values[..., : 6 * JOINT_COUNT].reshape(-1, JOINT_COUNT, 2, 3)
+        # Frames come last, so that each product of small matrices is one of long rows.
+        turns = rotations_of(rows.permute(1, 2, 3, 0))
+        world, places = [turns[:1]], [torch.zeros_like(turns[:1, 0])]
+        for found, parents in _GENERATIONS:
+            before, turn = world[-1][parents], turns[found]
+            bones = self.bones[found][:, None, :, None]
+            places.append(places[-1][parents] + (before * bones).sum(dim=2))
+            terms = [before[:, :, k, None] * turn[:, None, k] for k in range(3)]
+            world.append(terms[0] + terms[1] + terms[2])
+        joints, axes = torch.cat(places)[_ORDER], _BESIDE * torch.cat(world)[_ORDER]
+        beside = joints[:, None] + axes[:, :, :2].transpose(1, 2)
+        points = torch.cat([joints, beside.flatten(0, 1)])
+        return points.permute(2, 0, 1).reshape(*values.shape[:-1], *points.shape[:2])
+
+
+def rotations_of(rows: Tensor) -> Tensor:
+    """Return rotation matrices (joints, 3, 3, frames) of their first two rows, by Gram-Schmidt.
+
+    Parameters
+    ----------
+    rows : Tensor
+        (joints, 2, 3, frames).
+    """
+    first = functional.normalize(rows[:, 0], dim=1)
+    along = (first * rows[:, 1]).sum(dim=1, keepdim=True)
+    second = functional.normalize(rows[:, 1] - along * first, dim=1)
+    return torch.stack([first, second, torch.linalg.cross(first, second, dim=1)], dim=1)
