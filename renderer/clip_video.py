@@ -10,10 +10,10 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import sparse
 
 from motion.audio import read_audio
 from motion.body.model import BodyModel, read_body
+from motion.body.surface import VertexNormals, surface_colours
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.files import replacing
@@ -196,63 +196,6 @@ def as_shown(
     shown = stand_on_ground(shown, body.joints(clip.betas))
     count = max(1, round(duration * frame_rate))
     return shown.frames(np.minimum(np.arange(count), len(shown) - 1))
-
-
-FloatArray = NDArray[np.float32]
-
-PLAIN: Final = (0xA8, 0xA4, 0x9F)
-"""sRGB of a body that does not say what it is made of."""
-
-_PLAIN_GLEAM: Final = 0.035
-
-
-class VertexNormals:
-    """Unit normals of one mesh in many poses.
-
-    Vertices that share a place in the template share their normal, so that a border between two
-    colours is no crease.
-    """
-
-    def __init__(self, body: BodyModel) -> None:
-        self._faces = [np.ascontiguousarray(corner) for corner in body.faces.T]
-        _, group = np.unique(np.round(body.template, 6), axis=0, return_inverse=True)
-        self._group = group.reshape(-1)
-        corners = self._group[body.faces].ravel()
-        faces = np.repeat(np.arange(len(body.faces)), 3)
-        self._sum = sparse.csr_array(
-            (np.ones(len(corners), np.float32), (corners, faces)),
-            shape=(int(self._group.max()) + 1, len(body.faces)),
-        )
-
-    def of(self, vertices: FloatArray) -> FloatArray:
-        """Return the normals of `vertices`, both of shape (V, 3); larger faces count more."""
-        # `take` gathers rows several times as fast as indexing does.
-        first, second, third = (np.take(vertices, corner, axis=0) for corner in self._faces)
-        second -= first
-        third -= first
-        total = self._sum @ _cross(second, third)
-        length = np.sqrt(np.einsum("va,va->v", total, total))[:, None]
-        return np.take(total / np.maximum(length, 1e-20), self._group, axis=0)
-
-
-def surface_colours(body: BodyModel) -> FloatArray:
-    """Return each vertex's sRGB colour in [0, 1] and how much it gleams, shape (V, 4).
-
-    A body that does not bring its colours, as a licensed one, has one plain colour.
-    """
-    if "colours" in body.surface:
-        return np.asarray(body.surface["colours"] / 255, np.float32)
-    plain = [*(value / 255 for value in PLAIN), _PLAIN_GLEAM]
-    return np.tile(np.array(plain, np.float32), (len(body.template), 1))
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the cross products of rows; twice as fast as `numpy.cross` on float32."""
-    result = np.empty_like(a)
-    for axis, (left, right) in enumerate(((1, 2), (2, 0), (0, 1))):
-        np.multiply(a[:, left], b[:, right], out=result[:, axis])
-        result[:, axis] -= a[:, right] * b[:, left]
-    return result
 
 
 def still(stage: Stage, clip: MotionClip, seconds: float) -> Image.Image:

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip_video import Stage, VertexNormals, surface_colours
+from motion.body.surface import VertexNormals, surface_colours
+from renderer.clip_video import Stage
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND

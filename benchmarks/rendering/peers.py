@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.rendering.measured import Measured
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
-from renderer.clip_video import surface_colours
+from motion.body.surface import surface_colours
 from renderer.framing import Camera, looking
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.look import Look

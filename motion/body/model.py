@@ -106,9 +106,27 @@ class BodyModel:
         """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without."""
         return face_for(clip, has_arkit_slots=self.has_arkit_slots, matrix=self.expression_matrix)
 
+    def expression_weights(self, clip: MotionClip) -> FloatArray | None:
+        """Return the weight of each expression direction, shape (n, E); None where all are 0.
+
+        Of jawOpen it is what the jaw joint does not open already.
+        """
+        values = self.face(clip)
+        if values is None or not np.any(values):
+            return None
+        slots = self.expression_directions.shape[2]
+        held = np.zeros((len(values), slots), np.float32)
+        held[:, : values.shape[1]] = values[:, :slots]
+        jaw_open = arkit_index("jawOpen")
+        if self.has_arkit_slots and jaw_open < slots:
+            opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
+            action = held[:, jaw_open]
+            action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
+        return held
+
     def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
         """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
-        return np.asarray(self.joint_regressor @ self._shaped(betas).astype(np.float64))
+        return np.asarray(self.joint_regressor @ self.shaped(betas).astype(np.float64))
 
     def vertices(self, clip: MotionClip, frames: slice = slice(None)) -> FloatArray:
         """Return where the body's vertices are in the `frames` of `clip`.
@@ -129,7 +147,7 @@ class BodyModel:
             Metres.
         """
         part = clip.frames(frames)
-        shaped = self._shaped(clip.betas)
+        shaped = self.shaped(clip.betas)
         result = np.empty((len(part), *self.template.shape), np.float32)
         for start in range(0, len(part), _FRAMES_AT_ONCE):
             batch = slice(start, min(start + _FRAMES_AT_ONCE, len(part)))
@@ -142,7 +160,7 @@ class BodyModel:
         They are in T-pose, with the clip's shape and expression, and with what the pose adds to
         the shape.
         """
-        return self._unposed(clip, self._shaped(clip.betas))
+        return self._unposed(clip, self.shaped(clip.betas))
 
     def skinning_matrices(self, clip: MotionClip) -> FloatArray:
         """Return what each joint does to the unposed skin, shape (n, 55 + K, 3, 4).
@@ -150,11 +168,11 @@ class BodyModel:
         The vertices of a frame are the unposed ones, each moved by the sum of these matrices
         weighted with its row of `weights`.
         """
-        joints = self._joints(clip, self._shaped(clip.betas))
+        joints = self._joints(clip, self.shaped(clip.betas))
         return skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
 
-    def _shaped(self, betas: NDArray[np.floating]) -> FloatArray:
-        """Return the template with shape `betas`, shape (V, 3)."""
+    def shaped(self, betas: NDArray[np.floating]) -> FloatArray:
+        """Return the template with shape `betas`, shape (V, 3), in metres."""
         count = min(len(betas), self.shape_directions.shape[2])
         if not count or not np.any(betas[:count]):
             return self.template
@@ -164,7 +182,7 @@ class BodyModel:
     def _unposed(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
         """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
         result = np.repeat(shaped[None], len(clip), axis=0)
-        coefficients = self._expression_coefficients(clip)
+        coefficients = self.expression_weights(clip)
         if coefficients is not None:
             moved, directions, _ = self._expression_parts
             result[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
@@ -177,7 +195,7 @@ class BodyModel:
     def _joints(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
         """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
         joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
-        coefficients = self._expression_coefficients(clip)
+        coefficients = self.expression_weights(clip)
         if coefficients is None:
             return joints
         joint_directions = self._expression_parts[2]
@@ -194,21 +212,6 @@ class BodyModel:
             matrix = blended[:, frame]
             moved_by = np.einsum("vab,vb->va", matrix[:, :, :3], out[frame])
             np.add(moved_by, matrix[:, :, 3], out=out[frame])
-
-    def _expression_coefficients(self, clip: MotionClip) -> FloatArray | None:
-        """Return the coefficients, shape (n, E), that the model has slots for."""
-        values = self.face(clip)
-        if values is None or not np.any(values):
-            return None
-        slots = self.expression_directions.shape[2]
-        held = np.zeros((len(values), slots), np.float32)
-        held[:, : values.shape[1]] = values[:, :slots]
-        jaw_open = arkit_index("jawOpen")
-        if self.has_arkit_slots and jaw_open < slots:
-            opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
-            action = held[:, jaw_open]
-            action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
-        return held
 
     @cached_property
     def _expression_parts(self) -> tuple[NDArray[np.int_], FloatArray, FloatArray]:

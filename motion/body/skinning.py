@@ -16,6 +16,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from motion.skeleton import JOINT_COUNT, PARENTS, REST_JOINTS, joint_index
@@ -97,6 +98,28 @@ def skinning_matrices(
     return result.astype(np.float32)
 
 
+def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Return the four joints that each vertex follows most, and how much, for graphics cards.
+
+    Parameters
+    ----------
+    weights : sparse matrix, shape (V, J)
+        Skin weights.
+
+    Returns
+    -------
+    joints : ndarray, shape (V, 4), int64
+        The strongest first.
+    weights : ndarray, shape (V, 4), float32
+        They sum to 1.
+    """
+    dense = weights.toarray()
+    joints = np.argsort(-dense, axis=1, kind="stable")[:, :4]
+    kept = np.take_along_axis(dense, joints, axis=1)
+    kept /= kept.sum(axis=1, keepdims=True)
+    return np.where(kept > 0, joints, 0), kept.astype(np.float32)
+
+
 def twist_angles(
     quaternions: NDArray[np.floating], axes: NDArray[np.floating]
 ) -> NDArray[np.float64]:
@@ -115,20 +138,45 @@ def twist_angles(
     return np.asarray(2 * np.arctan2(along * sign, np.abs(scalar)))
 
 
-def _add_twist_joints(
-    matrices: FloatArray, quaternions: FloatArray, rest: NDArray[np.floating], twist: TwistJoints
-) -> None:
-    """Fill in the matrices of the extra joints, which come last."""
+def turns_about_bones(
+    quaternions: NDArray[np.floating], rest_joints: NDArray[np.floating], twist: TwistJoints
+) -> NDArray[np.float64]:
+    """Return how each extra joint is turned relative to the one at its bone's start.
+
+    Parameters
+    ----------
+    quaternions : ndarray, shape (n, 55, 4)
+        Rotations relative to the parent, scalar last.
+    rest_joints : ndarray, shape (55, 3) or (n, 55, 3)
+        Joints of the unposed body in metres.
+    twist : TwistJoints
+        The extra joints, K of them.
+
+    Returns
+    -------
+    ndarray, shape (n, K, 3)
+        Axis-angle in radians.
+    """
     start, end = twist.bones.T
-    axes = rest[:, end] - rest[:, start]
-    axes = axes / np.linalg.norm(axes, axis=2, keepdims=True)
+    axes = rest_joints[..., end, :] - rest_joints[..., start, :]
+    axes = axes / np.linalg.norm(axes, axis=-1, keepdims=True)
+    axes = np.broadcast_to(axes, (len(quaternions), *axes.shape[-2:]))
     angles = (
         twist.shares[:, 0] * twist_angles(quaternions[:, start], axes)
         + twist.shares[:, 1] * twist_angles(quaternions[:, end], axes)
     )  # fmt: skip
-    about_bone = Rotation.from_rotvec((axes * angles[..., None]).reshape(-1, 3)).as_matrix()
+    return np.asarray(axes * angles[..., None])
+
+
+def _add_twist_joints(
+    matrices: FloatArray, quaternions: FloatArray, rest: NDArray[np.floating], twist: TwistJoints
+) -> None:
+    """Fill in the matrices of the extra joints, which come last."""
+    start = twist.bones[:, 0]
+    turns = turns_about_bones(quaternions, rest, twist)
+    about_bone = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix()
     carrying = matrices[:, start]
-    turned = carrying[..., :3] @ about_bone.reshape(*angles.shape, 3, 3)
+    turned = carrying[..., :3] @ about_bone.reshape(*turns.shape, 3)
     origin = rest[:, start]  # on the axis, so it stays where the carrying joint puts it
     place = _turned(carrying[..., :3], origin) + carrying[..., 3]
     matrices[:, JOINT_COUNT:, :, :3] = turned

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from motion.body.model import BodyModel
+from motion.body.surface import PLAIN, VertexNormals, surface_colours
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.clip_video import PLAIN, Stage, VertexNormals, still, surface_colours
+from renderer.clip_video import Stage, still
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera, frame_clips
 from renderer.look import AVATARS, BACKGROUND, Look, default_body
