@@ -1,19 +1,24 @@
-"""Looking at a motion file without a study: a video, and a sheet of its frames."""
+"""Looking at motion files without a study, and taking them along to other programs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from motion.audio import Audio, read_audio
+from motion.audio import Audio, read_audio, write_wav
 from motion.body.model import read_body
 from motion.clip import MotionClip
+from motion.errors import InputError
 from motion.files import replacing
+from motion.formats.clip_bvh import write_clip_bvh
+from motion.formats.glb import write_glb
 from motion.formats.joint_maps import JointMap
+from motion.placement import stand_on_ground
 from motion.resample import cut
 from renderer.clip_video import Stage, as_shown, still
 from renderer.encoder import SOUND_RATE, VideoWriter
@@ -29,34 +34,60 @@ _CELL: Final = 360
 """Pixels along each side of a frame on the sheet."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Preview:
-    """What a preview wrote, and what was changed on the way."""
+VIDEO, GLB, BVH = KINDS = ("video", "glb", "bvh")
+"""What can be written of a motion file."""
 
-    video: Path
-    sheet: Path
+
+@dataclass(frozen=True, kw_only=True)
+class PreviewedMotion:
+    """A motion file as it was read.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    name : str
+        What it is called, and files that are made of it.
+    clip : MotionClip
+        Its motion, cut to the speech where there is any.
+    speech : Audio or None
+        What is heard, as long as the motion.
+    notes : tuple of str
+        What was changed on the way.
+    """
+
+    path: Path
+    name: str
+    clip: MotionClip
+    speech: Audio | None
     notes: tuple[str, ...]
 
 
-def write_preview(
-    motion: Path,
-    out: Path,
-    look: Look,
+def distinct_names(paths: Sequence[Path]) -> list[str]:
+    """Return what motion files are called: their own names, with their folders' where needed."""
+    names = [path.stem for path in paths]
+    if len(set(names)) < len(names):
+        names = [f"{path.absolute().parent.name}-{path.stem}" for path in paths]
+    twice = {name for name in names if names.count(name) > 1}
+    return [f"{name}-{k}" if name in twice else name for k, name in enumerate(names, start=1)]
+
+
+def read_previewed(
+    path: Path,
+    name: str,
     *,
     speech: Path | None = None,
     frame_rate: float | None = None,
     joint_map: JointMap | None = None,
-) -> Preview:
-    """Show a motion file as a study would, by a camera that fits this motion.
+) -> PreviewedMotion:
+    """Read a motion file and what is heard with it.
 
     Parameters
     ----------
-    motion : Path
+    path : Path
         In any format that `motion.formats.read_motion` reads.
-    out : Path
-        The folder for ``NAME.mp4`` and ``NAME.png``.
-    look : Look
-        Body, size and framing.
+    name : str
+        What it is called.
     speech : Path, optional
         What is heard; where one of the two is longer, it is cut.
     frame_rate : float, optional
@@ -69,35 +100,74 @@ def write_preview(
     InputError
         If motion or speech cannot be read.
     """
-    clip, notes = read_recorded(motion, frame_rate=frame_rate, joint_map=joint_map)
-    sound, seconds = _sound(speech, clip)
-    body = default_body(look.avatar)
+    clip, notes = read_recorded(path, frame_rate=frame_rate, joint_map=joint_map)
+    heard = None
+    if speech is not None:
+        heard = read_audio(speech, sample_rate=SOUND_RATE)
+        seconds = min(heard.duration, clip.duration)
+        heard, clip = at_common_loudness(heard.cut(0.0, seconds)), cut(clip, 0.0, seconds)
+    return PreviewedMotion(path=path, name=name, clip=clip, speech=heard, notes=tuple(notes))
+
+
+def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> tuple[Path, ...]:
+    """Write one of `KINDS` of a motion, named after its file, and return what was written.
+
+    Parameters
+    ----------
+    motion : PreviewedMotion
+        The motion.
+    kind : str
+        ``video``: as a study would show it, by a camera that fits this motion, and a sheet of its
+        frames. ``glb`` and ``bvh``: for other programs, on the ground at height 0; the speech
+        lies beside.
+    out : Path
+        The folder.
+    look : Look
+        Body, size and framing.
+    """
+    if kind == VIDEO:
+        return _write_video(motion, out, look)
+    target = out / f"{motion.name}.{kind}"
+    if target.exists() and target.samefile(motion.path):
+        raise InputError(
+            f"this {kind.upper()} would replace the motion that it is made of",
+            where=motion.path,
+            remedy="Name another folder with --out",
+        )
+    body = read_body(default_body(look.avatar))
+    joints = body.joints(motion.clip.betas)
+    clip = stand_on_ground(motion.clip, joints)
+    ground = np.array([0, body.shaped(clip.betas)[:, 1].min(), 0], np.float32)
+    clip = replace(clip, trans=clip.trans - ground)
+    beside: tuple[Path, ...] = ()
+    if motion.speech is not None:
+        beside = (out / f"{motion.name}-speech.wav",)
+        write_wav(beside[0], motion.speech)
+    if kind == GLB:
+        write_glb(target, clip, body, speech=beside[0].name if beside else "")
+    else:
+        write_clip_bvh(target, clip, joints)
+    return (target, *beside)
+
+
+def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path, ...]:
+    clip, body = motion.clip, default_body(look.avatar)
     model = read_body(body)
-    clip = cut(clip, 0.0, seconds)
-    shown = as_shown(clip, model, motion, clip.duration, (), look.frame_rate)
-    preview = Preview(
-        video=out / f"{motion.stem}.mp4", sheet=out / f"{motion.stem}.png", notes=tuple(notes)
-    )
+    silence = Audio(np.zeros(round(clip.duration * SOUND_RATE), np.float32), SOUND_RATE)
+    shown = as_shown(clip, model, motion.path, clip.duration, (), look.frame_rate)
+    video, sheet = out / f"{motion.name}.mp4", out / f"{motion.name}.png"
     with Stage(body, frame_clips([shown], model, look), look) as stage:
         with (
-            replacing(preview.video) as draft,
-            VideoWriter(draft, look.size, look.size, look.frame_rate, sound) as writer,
+            replacing(video) as draft,
+            VideoWriter(
+                draft, look.size, look.size, look.frame_rate, motion.speech or silence
+            ) as writer,
         ):
             for frame in stage.video_frames(shown):
                 writer.write(frame)
-        with replacing(preview.sheet) as draft:
+        with replacing(sheet) as draft:
             _sheet(stage, shown).save(draft, format="PNG")
-    return preview
-
-
-def _sound(speech: Path | None, clip: MotionClip) -> tuple[Audio, float]:
-    """Return what is heard, silence without any speech, and how many seconds are shown."""
-    if speech is None:
-        silence = np.zeros(round(clip.duration * SOUND_RATE), np.float32)
-        return Audio(silence, SOUND_RATE), clip.duration
-    heard = read_audio(speech, sample_rate=SOUND_RATE)
-    seconds = min(heard.duration, clip.duration)
-    return at_common_loudness(heard.cut(0.0, seconds)), seconds
+    return video, sheet
 
 
 def _sheet(stage: Stage, clip: MotionClip) -> Image.Image:

@@ -91,6 +91,16 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 )
 @click.option("--size", type=click.IntRange(64, 2160), default=720, show_default=True)
 @click.option(
+    "--as",
+    "kinds",
+    type=click.Choice(["video", "glb", "bvh"]),
+    multiple=True,
+    default=["video"],
+    show_default=True,
+    help="What to write, as often as wanted: a video and a sheet of its frames, or the motion for "
+    "other programs.",
+)
+@click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path("preview"),
@@ -105,15 +115,17 @@ def preview_command(
     avatar: str,
     framing: str,
     size: int,
+    kinds: tuple[str, ...],
     out: Path,
 ) -> None:
-    """Show each motion FILE as a video and as a sheet of its frames; no study is needed."""
+    """Show each motion FILE, or take it along as GLB or BVH; no study is needed."""
     # Imported here: drawing takes a second to load, and a wrong option should be told at once.
-    from studyapp.stimuli.motion_preview import write_preview
+    from studyapp.stimuli.motion_preview import distinct_names, read_previewed, write_preview
 
     look = Look(size=size + size % 2, framing=framing, avatar=avatar)
-    for motion in motions:
-        made = write_preview(motion, out, look, speech=speech, frame_rate=fps, joint_map=joint_map)
-        for note in made.notes:
+    for path, name in zip(motions, distinct_names(motions), strict=True):
+        motion = read_previewed(path, name, speech=speech, frame_rate=fps, joint_map=joint_map)
+        for note in motion.notes:
             click.echo(f"note: {note}")
-        click.echo(f"{made.video} and {made.sheet}")
+        for kind in kinds:
+            click.echo(" and ".join(map(str, write_preview(motion, kind, out, look))))

@@ -5,10 +5,13 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+import trimesh
 from click.testing import CliRunner
 from PIL import Image
 
+from motion.audio import read_audio
 from motion.errors import InputError
+from motion.formats import read_motion
 from studyapp.cli.main import group
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
 from tests.studyapp.takes import write_motion, write_speech
@@ -54,3 +57,43 @@ def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> No
     assert done.exit_code == 0, done.output
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
+
+
+def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
+    motion = write_motion(tmp_path / "a.npz", 1.0)
+    speech = write_speech(tmp_path / "a.wav", 0.5)
+    arguments = ["preview", str(motion), "--speech", str(speech), "--as", "glb", "--as", "bvh"]
+
+    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path / "out")])
+
+    assert done.exit_code == 0, done.output
+    names = {"a.glb", "a.bvh", "a-speech.wav"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names
+    assert read_audio(tmp_path / "out" / "a-speech.wav").duration == pytest.approx(0.5)
+    scene = trimesh.load_scene(tmp_path / "out" / "a.glb")
+    assert scene.graph.get("pelvis")[0][1, 3] > 0.5
+    assert read_motion(tmp_path / "out" / "a.bvh").duration == pytest.approx(0.5)
+
+
+def test_files_of_one_name_are_kept_apart_by_their_folders(tmp_path: Path) -> None:
+    motions = [write_motion(tmp_path / name / "a.npz", 0.2) for name in ("ours", "theirs")]
+    arguments = ["preview", *map(str, motions), "--as", "bvh", "--out", str(tmp_path / "out")]
+
+    done = CliRunner().invoke(group, arguments)
+
+    assert done.exit_code == 0, done.output
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"ours-a.bvh", "theirs-a.bvh"}
+
+
+def test_a_motion_is_never_replaced_by_what_is_made_of_it(tmp_path: Path) -> None:
+    motion = write_motion(tmp_path / "a.npz", 0.2)
+    arguments = ["preview", "--as", "bvh", "--out", str(tmp_path)]
+    CliRunner().invoke(group, [*arguments, str(motion)], catch_exceptions=False)
+    before = (tmp_path / "a.bvh").read_bytes()
+
+    again = CliRunner().invoke(group, [*arguments, str(tmp_path / "a.bvh")])
+
+    assert again.exit_code != 0
+    assert "Name another folder with --out" in again.output
+    assert (tmp_path / "a.bvh").read_bytes() == before
