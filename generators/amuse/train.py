@@ -177,10 +177,13 @@ def set_out(prior: MotionPrior, motion: Tensor) -> None:
             first_weights.look_near(module, held)
 
 
-def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: int) -> Feature:
+def speech_latents(
+    speech: SpeechNetwork, identity: str, frames: int, stride: int, device: str = "cpu"
+) -> Feature:
     """Return content, emotion and style of the window that begins at each `stride`-th frame.
 
     The frames up to the next window hold the same, and those behind the last window that fits.
+    They are heard on `device`, to which the speech model moves.
     """
 
     def compute(take: Take) -> NDArray[np.float32]:
@@ -188,13 +191,13 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: in
         total = max(1, round(audio.duration * FRAME_RATE))
         count = 1 + max(0, total - frames) // stride
         plan = WindowPlan(frames=frames, stride=stride, count=count)
-        model, sizes = speech.model, speech.model.config
+        model, sizes = speech.model.to(device), speech.model.config
         told = [
-            torch.cat([model.latent(part, rows) for part in model.parts], dim=-1)
+            torch.cat([model.latent(part, rows.to(device)) for part in model.parts], dim=-1)
             for rows in filterbanks_under(audio, plan, FRAME_RATE, sizes.frames, sizes.bands)
         ]
         window = np.minimum(np.arange(total) // stride, count - 1)
-        return torch.cat(told).numpy()[window]
+        return torch.cat(told).cpu().numpy()[window]
 
     return Feature(name="latents", version=f"2 {identity} {frames} {stride}", compute=compute)
 
@@ -216,7 +219,8 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
     frames, stride = config.frames, preset.stride
-    features = (whole_body(FRAME_RATE), speech_latents(speech, identity, frames, stride))
+    latents = speech_latents(speech, identity, frames, stride, request.device)
+    features = (whole_body(FRAME_RATE), latents)
     windows = cut_windows(request, features, FRAME_RATE, frames, stride, held_out=stride)
     further = {"stride": stride, "align steps": preset.align_steps, "named": preset.named}
     task = MotionTask(

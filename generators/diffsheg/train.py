@@ -202,7 +202,7 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     dataset = _dataset_of(request.takes)
     preset = _preset_of(request, dataset)
     folder = request.choices.get("hubert")
-    hubert = stand_in() if folder is None else load_hubert(Path(folder))
+    hubert = (stand_in() if folder is None else load_hubert(Path(folder))).on(request.device)
     frame_rate = preset.network.frame_rate
     features = features_of(dataset, hubert, frame_rate)
     windows = cut_windows(request, features, frame_rate, preset.network.frames, STRIDE)

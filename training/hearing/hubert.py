@@ -28,6 +28,7 @@ from torch.nn import functional
 from motion.audio import SPEECH_RATE
 from motion.audio_analysis import load_librosa
 from motion.files import sha256_of
+from training.device import check_device
 from training.released_weights import CONFIG, WEIGHTS, SavedNetworks
 
 WINDOW: Final = 400
@@ -173,7 +174,14 @@ class Hubert:
     device: str = "cpu"
 
     def on(self, device: str) -> Hubert:
-        """Return the network, moved to a device; what it hears still comes back to the CPU."""
+        """Return the network, moved to a device; what it hears still comes back to the CPU.
+
+        Raises
+        ------
+        InputError
+            If the device is not usable.
+        """
+        check_device(device)
         network = self.network.to(device)
         return replace(self, network=network, device=device)
 

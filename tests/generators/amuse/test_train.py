@@ -206,19 +206,30 @@ def test_training_without_a_speech_model_is_refused(learn: Learn, tmp_path: Path
         learn(1, tmp_path / "out.safetensors", speech_model=str(tmp_path / "motion.safetensors"))
 
 
-def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path) -> None:
-    settings = written_networks(tmp_path)
-
-    network = load_speech(settings.speech_model)
+@pytest.fixture
+def take(tmp_path: Path) -> Take:
+    """Two seconds of one tone, and one of another."""
     times = np.arange(3 * 16_000) / 16_000
     samples = np.where(times < 2, np.sin(900 * times), np.sin(6000 * times)).astype(np.float32)
     write_wav(tmp_path / "a.wav", Audio(samples, 16_000))
-    take = Take(
+    return Take(
         name="a", speaker="1", emotion="", split="train",
         speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
     )  # fmt: skip
+
+
+def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path, take: Take) -> None:
+    network = load_speech(written_networks(tmp_path).speech_model)
     told = speech_latents(network, "x", frames=30, stride=30).compute(take)
     assert told.shape == (90, 24)
     assert (told[:30] == told[0]).all()
     same, other = (np.linalg.norm(told[0] - told[frame]) for frame in (30, 89))
     assert same < 0.2 * other
+
+
+def test_speech_is_heard_on_the_device_that_trains(tmp_path: Path, take: Take) -> None:
+    # The device "meta" holds no values: what was computed there cannot come back.
+    network = load_speech(written_networks(tmp_path).speech_model)
+    with pytest.raises(NotImplementedError, match="meta tensor"):
+        speech_latents(network, "x", frames=30, stride=30, device="meta").compute(take)
+    assert {weight.device.type for weight in network.model.parameters()} == {"meta"}
