@@ -91,6 +91,7 @@ class Account:
     joined_at: datetime
     disabled_at: datetime | None
     has_second_factor: bool
+    identity: str | None
 
     def may(self, right: Right) -> bool:
         """Tell whether this researcher has `right`."""
@@ -106,6 +107,7 @@ def account_of(row: Researcher) -> Account:
         joined_at=row.joined_at,
         disabled_at=row.disabled_at,
         has_second_factor=row.totp_secret is not None,
+        identity=row.identity,
     )
 
 

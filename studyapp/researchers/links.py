@@ -138,8 +138,22 @@ def take_back_link(database: Database, clock: Clock, link_id: int, *, by: str) -
             log_change(session, clock.now(), Event.LINK_TAKEN_BACK, by=by, detail=detail)
 
 
-def join(database: Database, clock: Clock, token: str, *, name: str, password: str) -> str:
+def join(
+    database: Database,
+    clock: Clock,
+    token: str,
+    *,
+    name: str,
+    password: str,
+    identity: str | None = None,
+) -> str:
     """Make an account by a link, and return the token of its first login.
+
+    Parameters
+    ----------
+    identity : str, optional
+        Of the person, where they have an account elsewhere; see
+        `studyapp.database.tables.Researcher`.
 
     Raises
     ------
@@ -162,6 +176,7 @@ def join(database: Database, clock: Clock, token: str, *, name: str, password: s
                 role=link.role,
                 password_hash=password_hash,
                 joined_at=now,
+                identity=identity or new_token(),
             )
             session.add(researcher)
             session.flush()

@@ -42,10 +42,18 @@ NOTED_AFTER: Final = timedelta(minutes=1)
 """Activity is stored no more often."""
 
 
-def begin_login(session: Session, researcher_id: int, now: datetime) -> str:
-    """Return the token of a new login, which nobody has seen before."""
+def begin_login(
+    session: Session, researcher_id: int, now: datetime, token: str | None = None
+) -> str:
+    """Return the token of a new login, which nobody has seen before.
+
+    Parameters
+    ----------
+    token : str, optional
+        Of a login that follows from another one, in place of one that is drawn.
+    """
     session.execute(delete(ResearcherLogin).where(_is_over(now)))
-    token = new_token()
+    token = token or new_token()
     session.add(
         ResearcherLogin(
             researcher_id=researcher_id,

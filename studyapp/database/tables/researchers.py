@@ -33,6 +33,9 @@ class Researcher(Base):
         The time step of the newest code that was used; none is used twice.
     recovery_hashes : list of str
         SHA-256 of the codes that stand in for a lost device, each once.
+    identity : str or None
+        The same random letters in all accounts of one person, at a desk and in its studies.
+        Accounts that are older than desks have none. Names never say who somebody is.
     """
 
     __tablename__ = "researchers"
@@ -50,6 +53,7 @@ class Researcher(Base):
     recovery_hashes: Mapped[list[str]] = mapped_column(
         JSON, default=list, server_default=text("'[]'")
     )
+    identity: Mapped[str | None] = mapped_column(String(43), unique=True, index=True)
 
 
 class ResearcherLink(Base):
