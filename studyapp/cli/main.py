@@ -16,6 +16,7 @@ _COMMANDS: Final = {
     "check": ("check", "Say everything that can go wrong before launch."),
     "corpus": ("material.corpus", "Make speech and motion with known truth, to train and test on."),
     "demo": ("demo", "Run the whole line on synthetic speech, from nothing to a report."),
+    "desk": ("desk", "Serve all studies of a lab, which are made and watched in the browser."),
     "deploy": (
         "serve:deploy",
         "Write the files with which a server serves the study to the world.",

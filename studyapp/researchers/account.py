@@ -14,6 +14,7 @@ from enum import Enum
 from typing import Final, Literal, cast, get_args
 
 from sqlalchemy import delete, select
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -129,12 +130,50 @@ def researcher_named(session: Session, name: str) -> Researcher:
     return found
 
 
+OWNERS: Final = select(Researcher.id).where(
+    Researcher.role == "owner", Researcher.disabled_at.is_(None)
+)
+
+
 def accounts(database: Database) -> list[Account]:
     """Return all researchers in the order in which they joined."""
     with database.reading() as session:
         return [
             account_of(row) for row in session.scalars(select(Researcher).order_by(Researcher.id))
         ]
+
+
+def account_of_identity(database: Database, identity: str) -> Account | None:
+    """Return the account of a person, None where they have none or no access."""
+    query = select(Researcher).where(
+        Researcher.identity == identity, Researcher.disabled_at.is_(None)
+    )
+    with database.reading() as session:
+        found = session.scalars(query).first()
+    return None if found is None else account_of(found)
+
+
+def take_identity(database: Database, researcher_id: int, identity: str) -> None:
+    """Note whose account it is, once they have shown that it is theirs.
+
+    Raises
+    ------
+    InputError
+        If the person has another account there.
+    """
+    try:
+        with database.writing() as session:
+            session.get_one(Researcher, researcher_id).identity = identity
+    except IntegrityError:
+        raise InputError(
+            "you have another account in this study", remedy="Go on with that one"
+        ) from None
+
+
+def has_owner(database: Database) -> bool:
+    """Tell whether anybody is an owner."""
+    with database.reading() as session:
+        return session.scalars(OWNERS.limit(1)).first() is not None
 
 
 def change_role(
@@ -201,9 +240,7 @@ def _kept_from_others(session: Session, researcher_id: int) -> Researcher:
 
 
 def _require_another_owner(session: Session, leaving: Researcher) -> None:
-    others = select(Researcher.id).where(
-        Researcher.role == "owner", Researcher.disabled_at.is_(None), Researcher.id != leaving.id
-    )
+    others = OWNERS.where(Researcher.id != leaving.id)
     if leaving.role == "owner" and session.scalar(others.limit(1)) is None:
         raise InputError(
             f"{leaving.name!r} is the only owner of the study, and there must be one",

@@ -97,11 +97,11 @@ def logged_in(database: Database, token: str, now: datetime, *, by_hand: bool) -
     return account_of(researcher)
 
 
-def end_login(database: Database, token: str) -> None:
-    """Log out: the token is worth nothing from here on, in whichever browser."""
+def end_login(database: Database, *tokens: str) -> None:
+    """Log out: the tokens are worth nothing from here on, in whichever browser."""
     with database.writing() as session:
         session.execute(
-            delete(ResearcherLogin).where(ResearcherLogin.token_hash == token_hash(token))
+            delete(ResearcherLogin).where(ResearcherLogin.token_hash.in_(map(token_hash, tokens)))
         )
 
 

@@ -29,7 +29,7 @@ from studyapp.web.mounting import HEALTH, at_sub_path, checked_prefix, with_test
 from studyapp.web.participants import entrance, participant, sound_check
 from studyapp.web.protection import keep_pace, protect
 from studyapp.web.research.pages import research_pages
-from studyapp.web.running import Running, attach, running
+from studyapp.web.running import Desk, Running, attach, site
 
 if TYPE_CHECKING:
     from _typeshed.wsgi import WSGIApplication
@@ -66,6 +66,7 @@ def create_app(
     served: ServedStudy | None = None,
     store: MediaStore | None = None,
     origin: str = "",
+    desk: Desk | None = None,
 ) -> Flask:
     """Make the application that serves the study in `folder`.
 
@@ -91,6 +92,8 @@ def create_app(
     origin : str
         What the study's public addresses begin with, such as ``https://study.example.org``; empty
         where nobody has said so.
+    desk : Desk, optional
+        The desk by which researchers come in, in place of the study's own login.
 
     Raises
     ------
@@ -124,6 +127,7 @@ def create_app(
         accel_prefix=accel_prefix,
         store=store,
         origin=origin,
+        desk=desk,
     )
     open_study(here.database, served, here.clock, new_version=tried)
     attach(app, here)
@@ -169,7 +173,7 @@ health_pages = Blueprint("health", __name__)
 def health() -> Response:
     """Say whether answers can be stored; nothing of the study is told."""
     known = cast(Health, current_app.extensions.setdefault(HEALTH, Health()))
-    if not known.is_well(running().database, current_app.logger):
+    if not known.is_well(site().database, current_app.logger):
         return Response("Answers cannot be stored.\n", 503, mimetype="text/plain")
     return Response("ok\n", mimetype="text/plain")
 

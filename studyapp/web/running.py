@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import timedelta
 from pathlib import Path
-from typing import Final, cast
+from typing import Final, Literal, Protocol, cast
 
 from flask import Flask, Response, current_app, request
 
@@ -21,6 +21,54 @@ from studyapp.study.settings.study import Study
 from studyapp.web.media_store import MediaStore
 
 EXTENSION: Final = "motionjury"
+
+
+class Site(Protocol):
+    """Where researchers log in: a study, or the desk of several."""
+
+    @property
+    def kind(self) -> Literal["study", "desk"]:
+        """What it is."""
+
+    @property
+    def name(self) -> str:
+        """What tells it apart from others on the host."""
+
+    @property
+    def title(self) -> str:
+        """What stands above its pages."""
+
+    @property
+    def database(self) -> Database:
+        """Where its accounts are."""
+
+    @property
+    def clock(self) -> Clock:
+        """What tells its time."""
+
+    @property
+    def origin(self) -> str:
+        """What its public addresses begin with, before the path; empty where nobody said so."""
+
+    @property
+    def desk(self) -> Desk | None:
+        """The desk by which researchers come in; None where they log in here."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Desk:
+    """The desk at which a study is.
+
+    Attributes
+    ----------
+    database : Database
+        Where its accounts are.
+    address : str
+        The study's page there, from the host's root.
+    """
+
+    database: Database
+    address: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +89,8 @@ class Running:
         Where participants load the videos from instead.
     origin : str
         What the study's public addresses begin with, before the path; empty where nobody said so.
+    desk : Desk or None
+        The desk by which researchers come in; None where they log in here.
     """
 
     served: ServedStudy
@@ -52,6 +102,18 @@ class Running:
     accel_prefix: str | None = None
     store: MediaStore | None = None
     origin: str = ""
+    desk: Desk | None = None
+    kind: Literal["study", "desk"] = field(default="study", init=False)
+
+    @property
+    def name(self) -> str:
+        """The study's name."""
+        return self.study.name
+
+    @property
+    def title(self) -> str:
+        """What participants see as the study's title."""
+        return self.study.title
 
     @property
     def study(self) -> Study:
@@ -59,13 +121,18 @@ class Running:
         return self.served.study
 
 
-def attach(app: Flask, running: Running) -> None:
-    """Make `running` known to the requests of `app`."""
-    app.extensions[EXTENSION] = running
+def attach(app: Flask, site: Site) -> None:
+    """Make `site` known to the requests of `app`."""
+    app.extensions[EXTENSION] = site
+
+
+def site() -> Site:
+    """Return where the present request's researcher logs in."""
+    return cast(Site, current_app.extensions[EXTENSION])
 
 
 def running() -> Running:
-    """Return what the present request needs."""
+    """Return what the present request of a study needs."""
     return cast(Running, current_app.extensions[EXTENSION])
 
 
@@ -168,13 +235,13 @@ class TokenCookie:
         """Return what the browser sent, None where it sent none."""
         return request.cookies.get(self.name(study))
 
-    def send(self, response: Response, study: str, token: str) -> None:
-        """Have the browser keep `token`."""
+    def send(self, response: Response, study: str, token: str, *, below: str = "") -> None:
+        """Have the browser keep `token`, for pages of a study that lies `below` this one."""
         response.set_cookie(
             self.name(study),
             token,
             max_age=self.kept,
-            path=request.script_root + self.path,
+            path=request.script_root + below + self.path,
             secure=request.is_secure,
             httponly=True,
             samesite="Lax",

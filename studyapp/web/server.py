@@ -49,10 +49,9 @@ DESCRIPTORS: Final = 4 * CONNECTIONS
 class StudyServer(BaseApplication):  # type: ignore[misc]
     """gunicorn, set up in this process; every worker makes its own application."""
 
-    def __init__(self, options: dict[str, Any], folder: Path, **application: Any) -> None:
+    def __init__(self, options: dict[str, Any], make: Callable[[], Flask]) -> None:
         self.options = options
-        self.folder = folder
-        self.application = application
+        self.make = make
         super().__init__()
 
     def load_config(self) -> None:
@@ -68,14 +67,11 @@ class StudyServer(BaseApplication):  # type: ignore[misc]
         """
         while True:
             try:
-                app = create_app(self.folder, **self.application)
+                return self.make()
             except (InputError, SQLAlchemyError) as error:
                 kind = type(error.__cause__ or error).__name__
                 logging.getLogger("gunicorn.error").error("A worker waits to start (%s)", kind)
                 time.sleep(RETRY_SECONDS)
-            else:
-                _watch_for_alarms(app)
-                return app
 
 
 def run_server(
@@ -129,15 +125,54 @@ def run_server(
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
     store = MediaStore.of(folder, served) if from_store else None
     AlarmChannels.of(served.study)
-    _require_free(host, port)
+    require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     # The workers find the newest schema and version and need not make them all at once.
     with closing(Database.open(url)) as database:
         open_study(database, served, Clock(), new_version=new_version)
+
+    def make() -> Flask:
+        app = create_app(
+            folder,
+            database_url=url,
+            rehearsal_speed=rehearsal_speed,
+            accel_prefix=accel_prefix,
+            prefix=prefix,
+            served=served,
+            store=store,
+            origin=origin,
+        )
+        _watch_for_alarms(app)
+        return app
+
+    serve_application(make, host, port, workers, threads=threads, on_ready=on_ready)
+
+
+def serve_application(
+    make: Callable[[], Flask],
+    host: str,
+    port: int,
+    workers: int,
+    *,
+    threads: int,
+    worker: type[StudyWorker] = StudyWorker,
+    on_ready: Callable[[], None] | None,
+) -> None:
+    """Serve what `make` makes in each worker until the process is told to stop.
+
+    Parameters
+    ----------
+    make : callable
+        Called in each worker's own process.
+    worker : type
+        The kind of worker.
+    host, port, workers, threads, on_ready
+        See `run_server`.
+    """
     options = {
         "bind": f"{host}:{port}",
         "workers": workers,
-        "worker_class": StudyWorker,
+        "worker_class": worker,
         "threads": threads,
         "worker_connections": CONNECTIONS,
         "preload_app": False,
@@ -157,17 +192,7 @@ def run_server(
     # What is loaded here stays for good. Workers share its memory as long as no collection of
     # garbage walks over it, and end without one.
     gc.freeze()
-    StudyServer(
-        options,
-        folder,
-        database_url=url,
-        rehearsal_speed=rehearsal_speed,
-        accel_prefix=accel_prefix,
-        prefix=prefix,
-        served=served,
-        store=store,
-        origin=origin,
-    ).run()
+    StudyServer(options, make).run()
 
 
 def _watch_for_alarms(app: Flask) -> None:
@@ -186,7 +211,7 @@ def _allow_descriptors() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
 
 
-def _require_free(host: str, port: int) -> None:
+def require_free(host: str, port: int) -> None:
     """Raise `InputError` unless this machine can listen at `host` and `port`."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 from gunicorn import util  # type: ignore[import-untyped]
 from gunicorn.http import errors, get_parser  # type: ignore[import-untyped]
@@ -126,7 +126,14 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
 
     gunicorn's own words about a request that cannot be read, or that fails, quote it: its
     address holds a participant's token.
+
+    Attributes
+    ----------
+    largest_request : int
+        Bytes that a request may have beyond its head.
     """
+
+    largest_request: ClassVar[int] = LARGEST_REQUEST
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -195,7 +202,7 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         return None
 
     def _is_too_large(self, conn: Any) -> bool:
-        return conn.length is not None and conn.length - conn.head_length > LARGEST_REQUEST
+        return conn.length is not None and conn.length - conn.head_length > self.largest_request
 
     def handle(self, conn: Any) -> bool:
         """Answer a request, in a thread; return whether another one may follow on the line."""

@@ -33,12 +33,15 @@ from studyapp.web.research.page import (
     visitor_cookie,
     with_login,
 )
-from studyapp.web.running import client_address, running
+from studyapp.web.running import client_address, site
 
 
 def login() -> ResponseReturnValue:
     """Show the form with name and password; who is logged in goes on."""
     wanted = request.args.get("next", "")
+    desk = site().desk
+    if desk is not None:
+        return redirect(desk.address, 303)
     if visitor() is not None:
         return redirect(address_after_login(wanted), 303)
     return page("login", wanted=wanted, name="", problem=None)
@@ -46,7 +49,9 @@ def login() -> ResponseReturnValue:
 
 def enter() -> ResponseReturnValue:
     """Log in."""
-    here = running()
+    here = site()
+    if here.desk is not None:
+        return redirect(here.desk.address, 303)
     name, password, code, wanted = (
         request.form.get(key, "") for key in ("name", "password", "code", "next")
     )
@@ -72,13 +77,15 @@ def log_out() -> ResponseReturnValue:
     """Log out in this browser."""
     token = visitor_cookie()
     if token is not None:
-        end_login(running().database, token)
+        end_login(site().database, token)
     return with_login(cast(Response, redirect(url_for("research.login"), 303)), None)
 
 
 def link(token: str) -> ResponseReturnValue:
     """Show what a one-time link is for; looking at it does not use it."""
-    here = running()
+    here = site()
+    if here.desk is not None:
+        return redirect(f"{here.desk.address}join/{token}", 303)
     try:
         found = link_of(here.database, token, here.clock.now())
     except UnusableLinkError as error:
@@ -88,7 +95,9 @@ def link(token: str) -> ResponseReturnValue:
 
 def use_link(token: str) -> ResponseReturnValue:
     """Join, or choose a new password, and be logged in."""
-    here = running()
+    here = site()
+    if here.desk is not None:
+        return redirect(f"{here.desk.address}join/{token}", 303)
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
     login_token: str | None
     try:
@@ -125,7 +134,7 @@ def own_account() -> ResponseReturnValue:
 
 def change_own_password() -> ResponseReturnValue:
     """Change the password; all other browsers are logged out."""
-    here = running()
+    here = site()
     old, new, again = (request.form.get(key, "") for key in ("old", "password", "again"))
     try:
         require_same(new, again)
@@ -150,7 +159,7 @@ def second_factor() -> ResponseReturnValue:
 
 def turn_on_second_factor() -> ResponseReturnValue:
     """Ask for codes from now on, and show the recovery codes once."""
-    here = running()
+    here = site()
     secret, code, password = (request.form.get(key, "") for key in ("secret", "code", "password"))
     try:
         codes = turn_on(
@@ -169,7 +178,7 @@ def turn_on_second_factor() -> ResponseReturnValue:
 
 def turn_off_second_factor() -> ResponseReturnValue:
     """Ask for no codes any more."""
-    here = running()
+    here = site()
     password = request.form.get("password", "")
     try:
         turn_off(
@@ -185,6 +194,6 @@ def turn_off_second_factor() -> ResponseReturnValue:
 
 
 def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
-    named = address_for_device(secret, researcher=researcher().name, study=running().study.name)
+    named = address_for_device(secret, researcher=researcher().name, study=site().name)
     picture = Markup(segno.make(named).svg_inline(scale=4))  # noqa: S704 - made here of squares
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)

@@ -24,10 +24,13 @@ from studyapp.researchers.account import Account, Right
 from studyapp.researchers.credentials import new_token
 from studyapp.researchers.logins import logged_in
 from studyapp.study.folder import StudyFolder
-from studyapp.web.running import TokenCookie, running
+from studyapp.web.running import TokenCookie, running, site
 
 PREFIX: Final = "/research"
 FIELD: Final = "form_code"
+HEADER: Final = "Form-Code"
+"""Carries the code where a script sends something that is no form."""
+
 TOKEN: Final = re.compile(r"[A-Za-z0-9_-]{43}")
 
 
@@ -51,20 +54,22 @@ def came_from_our_page(token: str | None) -> bool:
     """Tell whether the form that was sent came from a page of ours in the same browser."""
     if request.headers.get("Sec-Fetch-Site", "same-origin") != "same-origin":
         return False
-    sent = request.form.get(FIELD, "")
+    sent = request.headers.get(HEADER) or request.form.get(FIELD, "")
     return token is not None and hmac.compare_digest(sent.encode(), form_code(token).encode())
 
 
 def recognise() -> None:
     """Find out who asks, from the cookie."""
-    here = running()
-    sent = COOKIE.read(here.study.name)
+    here = site()
+    sent = COOKIE.read(here.name)
     token = sent if sent is not None and TOKEN.fullmatch(sent) else None
     g.research_cookie = token
     g.research_account = None
     if token is not None:
         by_hand = REFRESHED not in request.args
-        g.research_account = logged_in(here.database, token, here.clock.now(), by_hand=by_hand)
+        now = here.clock.now()
+        if here.desk is None or logged_in(here.desk.database, token, now, by_hand=by_hand):
+            g.research_account = logged_in(here.database, token, now, by_hand=by_hand)
 
 
 def visitor() -> Account | None:
@@ -95,14 +100,14 @@ def code_for_forms() -> str:
 def keep_visitor(response: Response) -> Response:
     """Give a browser that came without a cookie the one that its forms need."""
     if "new_research_cookie" in g:
-        COOKIE.send(response, running().study.name, g.new_research_cookie)
+        COOKIE.send(response, site().name, g.new_research_cookie)
     return response
 
 
 def with_login(response: Response, token: str | None) -> Response:
     """Have the browser keep the token of a login; without one, a token that stands for nobody."""
     g.pop("new_research_cookie", None)
-    COOKIE.send(response, running().study.name, token or new_token())
+    COOKIE.send(response, site().name, token or new_token())
     return response
 
 
@@ -196,9 +201,14 @@ WORDING: Final = {
 
 def page(template: str, **values: Any) -> str:
     """Return the page that `template` makes of `values`."""
+    return rendered(f"research/{template}.html", **values)
+
+
+def rendered(file: str, **values: Any) -> str:
+    """Return what the template `file` makes of `values` and of what all pages show."""
     return render_template(
-        f"research/{template}.html",
-        study=running().study,
+        file,
+        site=site(),
         researcher=visitor(),
         Right=Right,
         form_field=FIELD,

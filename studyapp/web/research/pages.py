@@ -25,6 +25,7 @@ from studyapp.web.research.page import (
     visitor,
     visitor_cookie,
 )
+from studyapp.web.running import running
 
 READING: Final = ("GET", "HEAD", "OPTIONS")
 
@@ -104,7 +105,7 @@ class Page:
 ROW: Final = "<int(max=2147483647)"
 TRIAL: Final = f"/preview/{ROW}:arm>/{ROW}:place>/{ROW}:position>"
 
-PAGES: Final = (
+OWN_PAGES: Final = (
     Page("GET", "/log-in", own_account.login, None),
     Page("POST", "/log-in", own_account.enter, None),
     Page("GET", "/join/<token>", own_account.link, None),
@@ -125,6 +126,38 @@ PAGES: Final = (
         own_account.turn_off_second_factor,
         Right.KEEP_ACCOUNT,
     ),
+)
+"""Logging in, links, and one's own account."""
+
+RESEARCHERS_PAGES: Final = (
+    Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
+    Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
+    Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),
+    Page(
+        "POST",
+        f"/researchers/{ROW}:researcher_id>/password",
+        researchers.offer_password,
+        Right.MANAGE,
+    ),
+    Page("POST", f"/researchers/{ROW}:researcher_id>/role", researchers.give_role, Right.MANAGE),
+    Page(
+        "POST",
+        f"/researchers/{ROW}:researcher_id>/shut-out",
+        researchers.shut_researcher_out,
+        Right.MANAGE,
+    ),
+    Page(
+        "POST",
+        f"/researchers/{ROW}:researcher_id>/let-in",
+        researchers.let_researcher_in,
+        Right.MANAGE,
+    ),
+)
+"""Who belongs to it."""
+
+PAGES: Final = (
+    *OWN_PAGES,
+    *RESEARCHERS_PAGES,
     Page("GET", "/", progress.overview, Right.WATCH, rehearsed=True),
     Page("GET", "/study-sessions", progress.study_sessions, Right.WATCH, rehearsed=True),
     Page(
@@ -166,28 +199,6 @@ PAGES: Final = (
     Page("POST", "/newcomers/more", progress.want_more, Right.STEER),
     Page("GET", "/results", results.results, Right.UNBLIND),
     Page("POST", "/results", results.ask_for_results, Right.UNBLIND),
-    Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
-    Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
-    Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/password",
-        researchers.offer_password,
-        Right.MANAGE,
-    ),
-    Page("POST", f"/researchers/{ROW}:researcher_id>/role", researchers.give_role, Right.MANAGE),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/shut-out",
-        researchers.shut_researcher_out,
-        Right.MANAGE,
-    ),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/let-in",
-        researchers.let_researcher_in,
-        Right.MANAGE,
-    ),
     Page("GET", "/<path:rest>", progress.nowhere, Right.KEEP_ACCOUNT),
 )
 
@@ -208,16 +219,19 @@ def research_pages() -> Blueprint:
     harmless = {f"{NAME}.{page.view.__name__}" for page in PAGES if page.changes_nothing}
     pages.before_request(guard(needed, harmless))
     pages.after_request(keep_visitor)
-    pages.register_error_handler(InputError, _refuse)
-    pages.register_error_handler(HTTPException, _fail)
+    pages.context_processor(lambda: {"study": running().study})
+    pages.register_error_handler(InputError, refuse)
+    pages.register_error_handler(HTTPException, fail)
     return pages
 
 
-def _refuse(error: InputError) -> ResponseReturnValue:
+def refuse(error: InputError) -> ResponseReturnValue:
+    """Return the page that says why something cannot be done."""
     return refusal_page(error, 409)
 
 
-def _fail(error: HTTPException) -> ResponseReturnValue:
+def fail(error: HTTPException) -> ResponseReturnValue:
+    """Return the page for what the server, or a browser, does not do."""
     status = error.code or OUR_FAULT
     if status == NOT_FOUND:
         return problem_page("There is no such page", "Go on from the overview.", status)

@@ -24,7 +24,7 @@ from studyapp.researchers.links import (
     usable_links,
 )
 from studyapp.web.research.page import page, researcher
-from studyapp.web.running import running
+from studyapp.web.running import site
 
 
 def researchers() -> ResponseReturnValue:
@@ -34,7 +34,7 @@ def researchers() -> ResponseReturnValue:
 
 def invite_researcher() -> ResponseReturnValue:
     """Make an invitation, and show its link this once."""
-    here = running()
+    here = site()
     try:
         token = invite(here.database, here.clock, role=_role(), by=researcher().name)
     except InputError as error:
@@ -44,7 +44,7 @@ def invite_researcher() -> ResponseReturnValue:
 
 def offer_password(researcher_id: int) -> ResponseReturnValue:
     """Make a link for a new password, and show it this once."""
-    here = running()
+    here = site()
     names = {account.id: account.name for account in accounts(here.database)}
     try:
         name, by = names.get(researcher_id, ""), researcher().name
@@ -56,14 +56,14 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
 
 def take_link_back(link_id: int) -> ResponseReturnValue:
     """Make a link unusable."""
-    here = running()
+    here = site()
     take_back_link(here.database, here.clock, link_id, by=researcher().name)
     return redirect(url_for("research.researchers"), 303)
 
 
 def give_role(researcher_id: int) -> ResponseReturnValue:
     """Give a researcher another role."""
-    here, by = running(), researcher().name
+    here, by = site(), researcher().name
     return _done(
         lambda: change_role(here.database, here.clock, researcher_id, _role(), by=by),
     )
@@ -71,13 +71,13 @@ def give_role(researcher_id: int) -> ResponseReturnValue:
 
 def shut_researcher_out(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in no more."""
-    here, by = running(), researcher().name
+    here, by = site(), researcher().name
     return _done(lambda: shut_out(here.database, here.clock, researcher_id, by=by))
 
 
 def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
-    here, by = running(), researcher().name
+    here, by = site(), researcher().name
     return _done(lambda: let_in_again(here.database, here.clock, researcher_id, by=by))
 
 
@@ -87,7 +87,7 @@ def _link(token: str) -> str:
     It begins as the researcher said that the study's addresses do; else the browser completes it.
     What a request calls the host may be anybody's word.
     """
-    return running().origin + url_for("research.link", token=token)
+    return site().origin + url_for("research.link", token=token)
 
 
 def _done(change: Callable[[], None]) -> ResponseReturnValue:
@@ -107,7 +107,7 @@ def _role() -> Role:
 
 
 def _page(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
-    here = running()
+    here = site()
     return page(
         "researchers",
         accounts=accounts(here.database),

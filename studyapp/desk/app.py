@@ -1,0 +1,65 @@
+"""The desk's web application, with each of its studies below the name of its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from flask import Flask, redirect, url_for
+from flask.typing import ResponseReturnValue
+from jinja2 import StrictUndefined
+
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.desk.lab import ACCOUNTS, Lab
+from studyapp.desk.pages import desk_pages
+from studyapp.study.settings.recruitment import Recruitment
+from studyapp.web.app import LARGEST_REQUEST, SCRIPT_SECONDS, StudyWeb, health_pages
+from studyapp.web.protection import protect
+from studyapp.web.running import attach
+
+if TYPE_CHECKING:
+    from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment
+
+LARGEST_PIECE: Final = 1024 * 1024
+"""Bytes that one request to the desk may bring; a study's pages take less."""
+
+
+def open_desk(folder: Path, *, origin: str = "") -> Lab:
+    """Return the desk of the studies in `folder`, with its database."""
+    database = Database.open(sqlite_url(folder / ACCOUNTS))
+    return Lab(folder=folder.resolve(), database=database, clock=Clock(), origin=origin)
+
+
+def create_desk(lab: Lab) -> Flask:
+    """Make the application of a desk and of its studies."""
+    app = StudyWeb("studyapp.web")
+    app.config["MAX_CONTENT_LENGTH"] = LARGEST_PIECE + LARGEST_REQUEST
+    app.config["MAX_FORM_MEMORY_SIZE"] = LARGEST_PIECE
+    app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
+    app.jinja_env.undefined = StrictUndefined
+    app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
+    attach(app, lab)
+    app.register_blueprint(desk_pages())
+    app.register_blueprint(health_pages)
+    app.add_url_rule("/", "root", _go_to_desk)
+    protect(app, recruitment=Recruitment())
+    app.wsgi_app = _with_studies(app.wsgi_app, lab)  # type: ignore[assignment, method-assign]
+    return app
+
+
+def _go_to_desk() -> ResponseReturnValue:
+    return redirect(url_for("research.overview"), 303)
+
+
+def _with_studies(desk: WSGIApplication, lab: Lab) -> WSGIApplication:
+    """Return the desk, and each study that can be served below its name."""
+
+    def answer(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+        name = environ.get("PATH_INFO", "").split("/")[1:2]
+        study = lab.study(name[0]) if name else None
+        app = None if study is None else study.application()
+        return (desk if app is None else app)(environ, start_response)
+
+    return answer

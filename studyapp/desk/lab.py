@@ -1,0 +1,115 @@
+"""The desk itself: its folder, its accounts, its studies, and who belongs to which."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Literal, cast
+
+from flask import current_app
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.desk.studies import NAME, RESERVED, LabStudy
+from studyapp.researchers.account import Account, account_of_identity
+from studyapp.study.folder import StudyFolder
+from studyapp.web.running import EXTENSION, Desk
+
+ACCOUNTS: Final = "desk.db"
+"""The desk's database in its folder: the tables of a study's, of which those of accounts are used.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lab:
+    """A folder of studies with a desk; see `studyapp.web.running.Site`.
+
+    Attributes
+    ----------
+    folder : Path
+        Holds the studies as sub-folders.
+    """
+
+    folder: Path
+    database: Database
+    clock: Clock
+    origin: str = ""
+    kind: Literal["study", "desk"] = field(default="desk", init=False)
+    desk: Desk | None = field(default=None, init=False)
+    _known: dict[str, LabStudy] = field(default_factory=dict, init=False, repr=False)
+    _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.folder.name
+
+    @property
+    def title(self) -> str:
+        """What stands above the desk's pages."""
+        return f"Desk of {self.folder.name}"
+
+    def study(self, name: str) -> LabStudy | None:
+        """Return the study `name`, None where there is none."""
+        if NAME.fullmatch(name) is None or name in RESERVED:
+            return None
+        if not StudyFolder(self.folder / name).definition.is_file():
+            return None
+        with self._lock:
+            if name not in self._known:
+                self._known[name] = LabStudy(
+                    self.folder / name, self.database, self.clock, self.origin
+                )
+            return self._known[name]
+
+    def studies(self) -> list[LabStudy]:
+        """Return all studies, by name."""
+        found = (self.study(each.name) for each in sorted(self.folder.iterdir()))
+        return [study for study in found if study is not None]
+
+    def study_of(self, name: str, account: Account) -> OpenedStudy | None:
+        """Return the study `name` as the holder of a desk's account sees it, None where not."""
+        study = self.study(name)
+        return None if study is None else opened(study, account)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenedStudy:
+    """A study and the account that the researcher who asks has in it, whose rights hold."""
+
+    study: LabStudy
+    account: Account
+
+    @property
+    def name(self) -> str:
+        """The folder's name, as it stands in addresses."""
+        return self.study.name
+
+    @property
+    def folder(self) -> StudyFolder:
+        """The study folder."""
+        return self.study.folder
+
+    @property
+    def database(self) -> Database:
+        """The study's own database."""
+        return self.study.database
+
+
+def opened(study: LabStudy, account: Account) -> OpenedStudy | None:
+    """Return `study` as the holder of a desk's account sees it, None where they may not."""
+    if account.identity is None:
+        return None
+    try:
+        found = account_of_identity(study.database, account.identity)
+    except InputError:
+        # A database that cannot be read tells nobody's rights.
+        return None
+    return None if found is None else OpenedStudy(study=study, account=found)
+
+
+def lab() -> Lab:
+    """Return the desk that the present request is for."""
+    return cast(Lab, current_app.extensions[EXTENSION])

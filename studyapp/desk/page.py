@@ -1,0 +1,70 @@
+"""What the desk's pages are made of: pages of a study, sections of its first page, templates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from flask.typing import ResponseReturnValue
+
+from studyapp.desk.lab import OpenedStudy
+from studyapp.researchers.account import Right, Role
+from studyapp.web.research.page import rendered
+
+DUTIES: Final[Mapping[Role, str]] = {
+    "viewer": "open the studies that you belong to",
+    "analyst": "make studies, and open those that you belong to",
+    "owner": "invite researchers to the desk, change their roles, remove their access, take over "
+    "studies that nobody owns, make studies, and open those that you belong to",
+}
+"""What each role may do at the desk; in a study, the role there counts."""
+
+
+@dataclass(frozen=True)
+class StudyPage:
+    """A page of one study at the desk.
+
+    Attributes
+    ----------
+    method : {'GET', 'POST'}
+    rule : str
+        Its address below the study's page.
+    view : callable
+        Makes it of the opened study and what else stands in the address; its name is the
+        endpoint's.
+    needs : Right
+        Of the researcher's account in the study.
+    """
+
+    method: Literal["GET", "POST"]
+    rule: str
+    view: Callable[..., ResponseReturnValue]
+    needs: Right
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a study's first page at the desk.
+
+    Attributes
+    ----------
+    name : str
+        Its template is ``desk/<name>_section.html``, which sees what `told` returns as ``it``.
+    title : str
+        Its heading.
+    needs : Right
+        Of the researcher's account in the study; others do not see it.
+    told : callable
+        Returns what the template shows.
+    """
+
+    name: str
+    title: str
+    needs: Right
+    told: Callable[[OpenedStudy], Mapping[str, Any]]
+
+
+def page(template: str, **values: Any) -> str:
+    """Return the page that ``desk/<template>.html`` makes of `values`."""
+    return rendered(f"desk/{template}.html", duties=DUTIES, **values)

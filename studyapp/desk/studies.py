@@ -1,0 +1,205 @@
+"""The studies of a desk: which there are, what is served of each, and how far it is."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from flask import Flask
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession
+from studyapp.monitoring.overview import places_so_far
+from studyapp.session.intake import present_intake
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import must_be_new_version, open_study
+from studyapp.study.folder import StudyFolder
+from studyapp.web.app import create_app
+from studyapp.web.running import Desk
+
+NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")
+"""Names of folders that can be part of an address as they are."""
+
+RESERVED: Final = ("healthz", "research", "static")
+"""What the desk itself has below its root."""
+
+PAGE: Final = "/research/studies/{name}/"
+"""A study's page at the desk."""
+
+State = Literal["being made", "changed", "ready", "running", "paused", "closed", "done"]
+
+
+def check_study_name(name: str) -> str:
+    """Return `name` if a study of a desk can be called so, else raise `InputError`."""
+    if NAME.fullmatch(name) is None or name in RESERVED:
+        raise InputError(
+            f"a study of a desk cannot be called {name!r}",
+            remedy="Use letters, digits, '-' and '_', such as gestures-2",
+        )
+    return name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """How far a study is.
+
+    Attributes
+    ----------
+    state : str
+        ``being made`` until it can be served, ``changed`` where it can only as a new version.
+    problem : InputError or None
+        Why it cannot be served, or not as its file says now.
+    done, wanted : int
+        Places; both 0 while it is being made.
+    """
+
+    state: State
+    problem: InputError | None = None
+    done: int = 0
+    wanted: int = 0
+
+
+class LabStudy:
+    """One study of a desk, as one process of the server has it.
+
+    What is served follows the study's files. Where they cannot be served, or only as a new
+    version, what was served before goes on.
+    """
+
+    def __init__(self, root: Path, desk: Database, clock: Clock, origin: str) -> None:
+        self.name: Final = root.name
+        self.folder: Final = StudyFolder(root)
+        self._desk = Desk(database=desk, address=PAGE.format(name=root.name))
+        self._clock = clock
+        self._origin = origin
+        self._lock = threading.RLock()
+        self._database: Database | None = None
+        self._seen: object = None
+        self._app: Flask | None = None
+        self._served: ServedStudy | None = None
+        self._problem: InputError | None = None
+        self._awaits_new_version = False
+
+    @property
+    def database(self) -> Database:
+        """The study's database, made where there is none."""
+        with self._lock:
+            if self._database is None:
+                self._database = Database.open(sqlite_url(self.folder.responses))
+            return self._database
+
+    def application(self) -> Flask | None:
+        """Return what serves the study below its name; None while nothing can be served."""
+        self._look()
+        with self._lock:
+            if self._app is None and self._served is not None:
+                self._app = self._made(self._served)
+            return self._app
+
+    def served(self) -> ServedStudy | None:
+        """Return what is served of the study, None while nothing can be."""
+        self._look()
+        return self._served
+
+    @property
+    def problem(self) -> InputError | None:
+        """Why the study cannot be served as its files are now; None where it is."""
+        self._look()
+        return self._problem
+
+    @property
+    def awaits_new_version(self) -> bool:
+        """Whether what the files say now can only be served as a new version of the study."""
+        self._look()
+        return self._awaits_new_version
+
+    def begin_new_version(self) -> None:
+        """Serve from now on what the files say; earlier answers are kept apart.
+
+        Raises
+        ------
+        InputError
+            If it cannot be served.
+        """
+        found = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
+        open_study(self.database, found, self._clock, new_version=True)
+        # All processes of the server look at the files again.
+        os.utime(self.folder.definition)
+
+    def standing(self) -> Standing:
+        """Return how far the study is."""
+        served, problem = self.served(), self.problem
+        if served is None:
+            state: State = "changed" if self.awaits_new_version else "being made"
+            return Standing(state=state, problem=problem)
+        places = places_so_far(self.database, served, self._clock.now())
+        with self.database.reading() as session:
+            state = _state(session, served, is_done=places.done >= places.wanted)
+        return Standing(state=state, problem=problem, done=places.done, wanted=places.wanted)
+
+    def _look(self) -> None:
+        """Read the study anew where its files have changed."""
+        with self._lock:
+            found = self._stamp()
+            if found == self._seen:
+                return
+            self._seen, self._awaits_new_version = found, False
+            try:
+                served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
+                self._awaits_new_version = must_be_new_version(self.database, served.design)
+                open_study(self.database, served, self._clock)
+                if self._app is not None:
+                    self._app = self._made(served)
+                self._served, self._problem = served, None
+            except InputError as error:
+                self._problem = error
+
+    def _made(self, served: ServedStudy) -> Flask:
+        return create_app(
+            self.folder.root,
+            database_url=sqlite_url(self.folder.responses),
+            prefix=f"/{self.name}",
+            served=served,
+            origin=self._origin,
+            desk=self._desk,
+        )
+
+    def _stamp(self) -> tuple[tuple[int, int], ...]:
+        """Return what changes with the files that say what is served."""
+        videos = self.folder.videos
+        looked_at = [
+            self.folder.definition,
+            self.folder.stimuli,
+            self.folder.speech / "segments.csv",
+            videos,
+            *(sorted(videos.iterdir()) if videos.is_dir() else ()),
+        ]
+        return tuple(_written(path) for path in looked_at)
+
+
+def _written(path: Path) -> tuple[int, int]:
+    try:
+        state = path.stat()
+    except OSError:
+        return (0, 0)
+    return (state.st_ino, state.st_mtime_ns)
+
+
+def _state(session: Session, served: ServedStudy, *, is_done: bool) -> State:
+    intake = present_intake(session).state
+    if intake == "closed" or not served.study.open:
+        return "closed"
+    if is_done:
+        return "done"
+    if intake == "paused":
+        return "paused"
+    has_begun = session.scalar(select(func.count(StudySession.id)))
+    return "running" if has_begun else "ready"

@@ -1,0 +1,58 @@
+"""A desk with one study that is ready, and browsers of its researchers."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from flask import Flask
+
+from studyapp.desk.app import create_desk, open_desk
+from studyapp.desk.lab import ACCOUNTS, Lab
+from studyapp.researchers.account import Role
+from studyapp.researchers.links import first_owner_link, invite, join
+from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+Researcher = Callable[..., ResearchBrowser]
+
+
+@pytest.fixture(autouse=True)
+def hashing_costs_little(cheap_passwords: None) -> None:
+    """Spare these tests the cost of real hashes."""
+
+
+@pytest.fixture
+def lab(tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path) -> Iterator[Lab]:
+    """Return a desk whose folder holds the study ``tiny``."""
+    folder = tmp_path / "lab"
+    shutil.copytree(tiny_study_template, folder / "tiny")
+    shutil.copyfile(empty_sqlite, folder / "tiny" / "responses.db")
+    shutil.copyfile(empty_sqlite, folder / ACCOUNTS)
+    lab = open_desk(folder)
+    with closing(lab.database):
+        yield lab
+
+
+@pytest.fixture
+def desk(lab: Lab) -> Flask:
+    """Return the desk's application."""
+    return create_desk(lab)
+
+
+@pytest.fixture
+def researcher(lab: Lab, desk: Flask) -> Researcher:
+    """Return a function that has somebody join the desk and log in."""
+
+    def browser_of(name: str, role: Role = "owner") -> ResearchBrowser:
+        token = first_owner_link(lab.database, lab.clock) if role == "owner" else None
+        token = token or invite(lab.database, lab.clock, role=role, by="")
+        join(lab.database, lab.clock, token, name=name, password=PASSWORD)
+        opened = ResearchBrowser(desk)
+        assert opened.log_in(name).status_code == 303
+        return opened
+
+    return browser_of

@@ -1,0 +1,162 @@
+"""Who comes to which study by the desk: those who have shown that they belong to it."""
+
+from __future__ import annotations
+
+from flask import Flask
+
+from studyapp.desk.lab import Lab
+from studyapp.desk.studies import LabStudy
+from studyapp.researchers.account import accounts, shut_out
+from studyapp.researchers.links import invite, join
+from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+TINY = "/research/studies/tiny/"
+INSIDE = "/tiny/research/"
+
+
+def study_of(lab: Lab) -> LabStudy:
+    found = lab.study("tiny")
+    assert found is not None
+    return found
+
+
+def owner_of_tiny(researcher: Researcher) -> ResearchBrowser:
+    """Return the browser of the desk's owner, who has taken the study over."""
+    ada = researcher("Ada")
+    assert ada.post(f"{TINY}take-over").status_code == 303
+    return ada
+
+
+def invited(lab: Lab, role: str = "viewer") -> str:
+    return invite(study_of(lab).database, lab.clock, role=role, by="Ada")  # type: ignore[arg-type]
+
+
+def test_nobody_sees_anything_before_logging_in(desk: Flask) -> None:
+    nobody = desk.test_client()
+    for page in ("/research/", TINY, INSIDE, "/research/researchers"):
+        answer = nobody.get(page, follow_redirects=True)
+        assert answer.request.path == "/research/log-in", page
+
+
+def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk(
+    lab: Lab, researcher: Researcher
+) -> None:
+    viewer = researcher("Mary", "viewer")
+    assert viewer.post(f"{TINY}take-over").status_code == 403
+    owner_of_tiny(researcher)
+    grace = researcher("Grace")
+    assert grace.post(f"{TINY}take-over").status_code == 409
+    assert [each.name for each in accounts(study_of(lab).database)] == ["Ada"]
+
+
+def test_who_belongs_to_a_study_opens_it_without_another_password(researcher: Researcher) -> None:
+    ada = owner_of_tiny(researcher)
+    assert "tiny" in ada.get("/research/").text
+    answer = ada.post(f"{TINY}open", way="researchers")
+    assert answer.headers["Location"] == f"{INSIDE}researchers"
+    assert "Ada (you)" in ada.get(f"{INSIDE}researchers").text
+
+
+def test_an_owner_of_the_desk_sees_no_study_of_others(researcher: Researcher) -> None:
+    owner_of_tiny(researcher)
+    grace = researcher("Grace")
+    assert "tiny" not in grace.get("/research/").text
+    grace.get(TINY, 404)
+    assert grace.post(f"{TINY}open").status_code == 404
+    assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
+
+
+def test_a_name_is_no_proof(lab: Lab, researcher: Researcher) -> None:
+    owner_of_tiny(researcher)
+    join(study_of(lab).database, lab.clock, invited(lab), name="Mary", password=PASSWORD)
+    mary = researcher("Mary", "viewer")
+    mary.get(TINY, 404)
+
+
+def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
+    lab: Lab, researcher: Researcher
+) -> None:
+    owner_of_tiny(researcher)
+    mary = researcher("Mary", "viewer")
+    link = f"{INSIDE}join/{invited(lab)}"
+    answer = mary.client.get(link, follow_redirects=True)
+    assert answer.request.path.startswith(f"{TINY}join/")
+    assert mary.post(answer.request.path, name="Mary").status_code == 303
+    assert "tiny" in mary.get("/research/").text
+    assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
+
+
+def test_an_account_in_a_study_is_brought_by_its_password(lab: Lab, researcher: Researcher) -> None:
+    owner_of_tiny(researcher)
+    join(study_of(lab).database, lab.clock, invited(lab), name="Old Mary", password=PASSWORD)
+    mary = researcher("Mary", "viewer")
+    fields = {"study": "tiny", "name": "Old Mary"}
+    wrong = mary.post("/research/own-account-there", **fields, password="something else")  # noqa: S106
+    assert wrong.status_code == 403
+    mary.get(TINY, 404)
+    assert mary.post("/research/own-account-there", **fields, password=PASSWORD).status_code == 303
+    mary.get(TINY)
+
+
+def test_logging_out_of_the_desk_ends_what_was_opened_from_it(researcher: Researcher) -> None:
+    ada = owner_of_tiny(researcher)
+    ada.post(f"{TINY}open")
+    ada.get(INSIDE)
+    ada.post("/research/log-out")
+    assert ada.client.get(INSIDE).status_code == 303
+
+
+def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
+    lab: Lab, researcher: Researcher
+) -> None:
+    ada = owner_of_tiny(researcher)
+    ada.post(f"{TINY}open")
+    researcher("Grace", "owner")
+    (number,) = (each.id for each in accounts(lab.database) if each.name == "Ada")
+    shut_out(lab.database, lab.clock, number, by="Grace")
+    assert ada.client.get(INSIDE).status_code == 303
+    assert ada.client.get("/research/").status_code == 303
+
+
+def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
+    lab: Lab, researcher: Researcher
+) -> None:
+    owner_of_tiny(researcher)
+    mary = researcher("Mary", "viewer")
+    mary.post(f"{TINY}join/{invited(lab)}", name="Mary")
+    mary.post(f"{TINY}open")
+    (number,) = (each.id for each in accounts(study_of(lab).database) if each.name == "Mary")
+    shut_out(study_of(lab).database, lab.clock, number, by="Ada")
+    assert mary.client.get(INSIDE).status_code == 303
+    mary.get(TINY, 404)
+
+
+def test_a_studys_own_login_is_closed_at_a_desk(
+    desk: Flask, lab: Lab, researcher: Researcher
+) -> None:
+    owner_of_tiny(researcher)
+    join(study_of(lab).database, lab.clock, invited(lab), name="Mary", password=PASSWORD)
+    mary = ResearchBrowser(desk)
+    fields = {"form_code": mary.code(), "name": "Mary", "password": PASSWORD}
+    for method in ("get", "post"):
+        answer = getattr(mary.client, method)(f"{INSIDE}log-in", data=fields)
+        assert answer.status_code in (303, 403)
+    assert mary.client.get(INSIDE).status_code == 303
+
+
+def test_what_is_sent_from_elsewhere_does_nothing(lab: Lab, researcher: Researcher) -> None:
+    ada = owner_of_tiny(researcher)
+    for page in ("open", "try", "new-version", "take-over"):
+        assert ada.client.post(TINY + page, data={"way": ""}).status_code == 403
+    assert ada.client.get(INSIDE).status_code == 303
+
+
+def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
+    participant = desk.test_client()
+    arrived = participant.get("/tiny/", follow_redirects=True)
+    assert arrived.request.path.startswith("/tiny/")
+    assert arrived.status_code == 200
+    assert participant.get("/none/").status_code == 404
+    assert participant.get("/tiny").status_code == 308
