@@ -23,7 +23,14 @@ settings.load_profile("patient")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Begin with the files that last long where processes share files: short ones fill the end."""
+    """Run a browser's failed test once more where changes are judged, and long files first.
+
+    Short files fill the end where processes share files.
+    """
+    if "CI" in os.environ:
+        for item in items:
+            if item.get_closest_marker("browser"):
+                item.add_marker(pytest.mark.flaky(reruns=1))
     if hasattr(config, "workerinput"):
         marks = ("slow", "browser")
         slow = {item.path for item in items if any(map(item.get_closest_marker, marks))}
