@@ -7,6 +7,7 @@ import { WatchReports } from "./watch_reports.js";
 const REPORT_EVERY_MS = 2000;
 const FASTEST = 1.05; // up to this rate it is played as recorded
 const SLACK = 0.3; // seconds by which a video's clock may run ahead of the computer's
+const LATE_S = 1; // by so much a busy computer may tell late that a video plays
 
 export class WatchEvidence extends EventTarget {
   constructor(video, stalls) {
@@ -18,6 +19,7 @@ export class WatchEvidence extends EventTarget {
     this.needed = Number(video.dataset.coverage) * this.duration;
     this.reports = new WatchReports(video);
     this.run = null; // since when it has been playing in the same way
+    this.rest = video.currentTime; // from where it goes on when it plays again
     this.uncounted = ""; // how it played last, where that did not count
     for (const name of ["play", "playing", "timeupdate"]) {
       video.addEventListener(name, () => this.look());
@@ -66,7 +68,7 @@ export class WatchEvidence extends EventTarget {
 
   look() {
     if (this.run) this.extend(this.video.currentTime);
-    else if (!this.video.paused && !this.video.seeking) this.open();
+    else if (!this.video.paused && !this.video.seeking) this.begin();
   }
 
   // It goes on in another way.
@@ -78,8 +80,14 @@ export class WatchEvidence extends EventTarget {
     this.dispatchEvent(new Event("change"));
   }
 
-  open() {
-    const here = { time: this.video.currentTime, at: performance.now() };
+  // What has played before this is told counts too.
+  begin() {
+    const late = this.video.currentTime - this.rest;
+    this.open(late > 0 && late < LATE_S ? late : 0);
+  }
+
+  open(late = 0) {
+    const here = { time: this.video.currentTime - late, at: performance.now() - 1000 * late };
     this.run = { kind: this.kind, rate: this.video.playbackRate, start: here, last: here };
   }
 
@@ -88,6 +96,7 @@ export class WatchEvidence extends EventTarget {
       this.extend(atEnd ? this.duration : this.video.currentTime);
     }
     this.run = null;
+    this.rest = this.video.currentTime;
     if (atEnd) this.report();
   }
 
