@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import sqlite3
 import subprocess
 import sys
@@ -24,6 +23,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from studyapp.database.engine import sqlite_url
+from studyapp.rehearsal.server import free_port
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from tools.avatars.sheet import everyone
@@ -39,9 +39,7 @@ KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormou
 @contextmanager
 def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
     """Serve a study with a database that is thrown away; give the address and the database."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     address = f"http://127.0.0.1:{port}/"
     with tempfile.TemporaryDirectory() as scratch:
         database = Path(scratch) / "pictures.db"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import signal
 import socket
 import subprocess
@@ -28,6 +29,8 @@ HOST: Final = "127.0.0.1"
 PROCESSES: Final = 2
 START_SECONDS: Final = 120.0
 STOP_SECONDS: Final = 60.0
+PORTS: Final = range(20_000, 30_000)
+"""No system gives these to what only asks others, which might take one before a server does."""
 
 
 @contextmanager
@@ -53,7 +56,7 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
     InputError
         If it does not start; the message holds its last words.
     """
-    port = _free_port()
+    port = free_port()
     with tempfile.TemporaryFile() as words, _ended_by_sigterm():
         process = subprocess.Popen(  # noqa: S603 - its own interpreter and module
             [sys.executable, "-m", __name__, str(folder.root), str(port), repr(speed)],
@@ -88,11 +91,13 @@ def _said(words: IO[bytes]) -> str:
     return words.read().decode(errors="replace").strip()
 
 
-def _free_port() -> int:
+def free_port() -> int:
     """Return a port of the loopback that nobody listens on."""
-    with socket.socket() as listener:
-        listener.bind((HOST, 0))
-        return int(listener.getsockname()[1])
+    while True:
+        port = secrets.choice(PORTS)
+        with suppress(OSError), socket.socket() as listener:
+            listener.bind((HOST, port))
+            return port
 
 
 def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:

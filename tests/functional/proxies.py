@@ -21,6 +21,7 @@ import httpx
 
 from studyapp.custody.deployment import Deployment, Proxy, planned_deployment
 from studyapp.custody.server_files import deployed_files
+from studyapp.rehearsal.server import free_port
 
 HOST = "study.example.org"
 UNPACKED = Path(__file__).parents[2] / "build" / "proxies" / "usr"
@@ -94,12 +95,6 @@ def program(proxy: Proxy) -> str | None:
     places = (os.environ["PATH"], UNPACKED / "bin", UNPACKED / "sbin")
     found = shutil.which(proxy, path=os.pathsep.join(map(str, places)))
     return found if shutil.which("openssl") else None
-
-
-def free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])
 
 
 @contextmanager

@@ -16,6 +16,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
+from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
 from studyapp.web.worker import HELD_SECONDS, REQUEST_SECONDS
 from tests.hanging_lines import hanging, slow_body, whole_video
@@ -68,9 +69,7 @@ def test_an_address_that_is_taken_is_said_before_anything_is_made(tiny_study: Pa
 
 @pytest.mark.slow
 def test_two_workers_serve_pages_and_stop_soon_when_told(tiny_study: Path) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     code = (
         "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
         "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
+from studyapp.rehearsal.server import free_port
 from studyapp.web.server import THREADS, WORKERS, run_server
 from tests.support.processes import children, cpu_seconds, is_running
 
@@ -48,7 +49,7 @@ class StudyServer:
         threads: int,
         speed: float,
     ) -> None:
-        self.port = _free_port()
+        self.port = free_port()
         self.said = said
         self._arguments = [str(folder), *map(str, (self.port, workers, threads, speed))]
         # An address may hold a password, and a command line can be read by everybody.
@@ -194,12 +195,6 @@ def study_server(
         yield server
     finally:
         server.stop()
-
-
-def _free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind((HOST, 0))
-        return int(listener.getsockname()[1])
 
 
 def _serve(arguments: list[str]) -> None:
