@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
 
+from studyapp.rehearsal.server import free_port
 from tests.functional.looking import LAPTOP
 
 CHROMIUM = Path("/usr/bin/chromium")
@@ -45,9 +45,7 @@ IN_A_BROWSER = [
 @contextmanager
 def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Iterator[str]:
     """Serve the study as `motionjury serve` does, below a path, and give the server's address."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     code = (
         "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
         "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2, prefix=sys.argv[3], "
@@ -99,9 +97,25 @@ def watched_page(browser: Browser, address: str) -> Iterator[Page]:
     opened.on("pageerror", lambda error: complaints.append(str(error)))
     opened.on("request", look_at)
     yield opened
+    # What a test answers in place of the server may still be under way.
+    opened.unroute_all(behavior="ignoreErrors")
     context.close()
     assert strangers == []
     assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+
+
+def follow(link: Locator) -> None:
+    """Press what leads to another page, and wait until all of that page is there."""
+    with link.page.expect_navigation():
+        link.click()
+
+
+def wait_until(page: Page, condition: Callable[[], object]) -> None:
+    """Wait for what no locator can: the pages forbid scripts that Playwright would wait with."""
+    deadline = time.monotonic() + PATIENCE_MS / 1000
+    while not condition():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(50)
 
 
 def expect_watched(page: Page, label: str) -> None:

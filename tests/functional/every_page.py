@@ -20,6 +20,8 @@ from studyapp.session.participation import begin
 from studyapp.session.state import current_trial, find, note
 from studyapp.web.app import create_app
 from studyapp.web.running import running
+from tests.functional.browsing import follow
+from tests.functional.looking import expect_videos
 from tests.local_server import listening
 
 KINDS = {
@@ -55,6 +57,7 @@ def first_trial(page: Page, address: str, app: Flask) -> None:
         begin(here.database, here.served, token, here.clock)
     page.goto(f"{address}/take/{token}")
     expect(page.locator(".play").first).to_be_visible()
+    expect_videos(page)
 
 
 def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
@@ -65,6 +68,7 @@ def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
         name = f"{number:02}-{kind}"
         if kind == "trial":
             expect(page.locator(".play").first).to_be_visible()
+            expect_videos(page)
             yield name
             answer(page)
             yield f"{name}-answered"
@@ -78,7 +82,7 @@ def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
             if kind == "completed":
                 return
             fill(page, app)
-            page.locator("form:visible button.primary").click()
+            follow(page.locator("form:visible button.primary"))
 
 
 def kind_of(page: Page) -> str:

@@ -7,6 +7,7 @@ from playwright.sync_api import Page
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.researchers.links import first_owner_link
+from tests.functional.browsing import follow
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 NAME = "Ada Lovelace"
@@ -23,4 +24,4 @@ def join(page: Page, link: str) -> None:
     page.get_by_label("Your name").fill(NAME)
     for label in ("New password", "Repeat it"):
         page.get_by_label(label).fill(PASSWORD)
-    page.get_by_role("button", name="Join").click()
+    follow(page.get_by_role("button", name="Join"))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Page, ViewportSize
+from playwright.sync_api import Page, ViewportSize, expect
 
 LAPTOP: ViewportSize = {"width": 1366, "height": 768}
 SIZES: dict[str, ViewportSize] = {
@@ -30,6 +30,20 @@ LEAST_HEIGHT = 44
 """Pixels of a telephone that a finger does not miss."""
 
 
+def resize(page: Page, size: ViewportSize) -> None:
+    """Show the page in a window of another size, and wait until it has come to know of it."""
+    page.set_viewport_size(size)
+    expect(page.locator("html")).to_have_js_property("clientWidth", size["width"])
+
+
+def expect_to_fit_a_phone(page: Page) -> None:
+    """Wait until the page is no wider than a telephone; then it is as wide as a laptop again."""
+    resize(page, SIZES["phone"])
+    html = page.locator("html")
+    expect(html).to_have_js_property("scrollWidth", SIZES["phone"]["width"])
+    resize(page, LAPTOP)
+
+
 def photograph(page: Page, name: str, *, resized: bool = True) -> None:
     """Take the page, where screenshots are wanted.
 
@@ -43,16 +57,17 @@ def photograph(page: Page, name: str, *, resized: bool = True) -> None:
         page.screenshot(path=folder / f"{name}.png")
         return
     for size, viewport in SIZES.items():
-        page.set_viewport_size(viewport)
+        resize(page, viewport)
         for scheme in SCHEMES:
             page.emulate_media(color_scheme=scheme)
             path = folder / f"{name}-{size}-{scheme}.png"
             page.screenshot(path=path, full_page=size == "phone")
-    page.set_viewport_size(LAPTOP)
+    resize(page, LAPTOP)
 
 
 def barriers(page: Page) -> list[str]:
     """Return what axe-core finds severe on the page, light and dark."""
+    page.wait_for_load_state()
     found = []
     for scheme, options in zip(SCHEMES, (CONTRAST, EVERYTHING), strict=True):
         page.emulate_media(color_scheme=scheme)
@@ -71,6 +86,7 @@ def _severe(page: Page, options: dict[str, object]) -> list[str]:
 
 def participants_barriers(page: Page) -> list[str]:
     """Return what axe-core finds severe on a participant's page, which knows no dark look."""
+    page.wait_for_load_state()
     # While a page still changes by itself, two moments differ; a dark look differs at all times.
     alike = any(_looks_alike(page) for _ in range(LOOKS))
     found = [f"light: {each}" for each in _severe(page, EVERYTHING)]
@@ -91,17 +107,24 @@ def too_small_to_touch(page: Page) -> list[str]:
     """Return what can be chosen or pressed on the page and is too flat on a telephone."""
     size = page.viewport_size
     assert size is not None
-    page.set_viewport_size(SIZES["phone"])
+    resize(page, SIZES["phone"])
     found = []
     for choice in page.locator(CHOICES).all():
         box = choice.bounding_box() if choice.is_visible() else None
         if box is not None and box["height"] < LEAST_HEIGHT:
             found.append(f"{choice.inner_text()} is {box['height']} pixels high")
-    page.set_viewport_size(size)
+    resize(page, size)
     return found
+
+
+def expect_videos(page: Page) -> None:
+    """Wait until every video of the page is known so far that it has its size."""
+    for video in page.locator("video").all():
+        expect(video).not_to_have_js_property("readyState", 0)
 
 
 def video_sizes(page: Page) -> set[tuple[int, int]]:
     """Return how large the videos of the page are, in pixels: one size if all are alike."""
+    expect_videos(page)
     boxes = [video.bounding_box() for video in page.locator("video").all()]
     return {(round(box["width"]), round(box["height"])) for box in boxes if box is not None}

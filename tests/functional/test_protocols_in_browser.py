@@ -21,7 +21,7 @@ from tests.functional.browsing import (
     watched_page,
 )
 from tests.functional.every_page import shown
-from tests.functional.looking import photograph
+from tests.functional.looking import expect_videos, photograph
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -143,6 +143,7 @@ def test_several_players_on_a_page(page: Page, study: Path) -> None:
 
     # They are as large and as loud as each other.
     page.locator("#volume").fill("0.5")
+    expect_videos(page)
     boxes = [player.bounding_box() for player in (a, b, c)]
     assert len({(box["width"], box["height"], box["y"]) for box in boxes if box}) == 1
     assert {video.evaluate("video => video.volume") for video in (a, b, c)} == {0.5}

@@ -18,10 +18,10 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from studyapp.session.participation import begin, look
 from studyapp.session.served_study import ServedStudy
-from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import join, link_for_owner
-from tests.functional.looking import SIZES, barriers, photograph
+from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 
 pytestmark = IN_A_BROWSER
 
@@ -61,9 +61,7 @@ def test_no_page_of_researchers_has_a_severe_barrier(
     def look_at(page: Page, name: str) -> None:
         photograph(page, f"research-{name}")
         found[name] = barriers(page)
-        page.set_viewport_size(SIZES["phone"])
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), name
-        page.set_viewport_size(SIZES["laptop"])
+        expect_to_fit_a_phone(page)
 
     with watched_page(browser, served_at) as page:
         page.goto(f"{served_at}/research/")
@@ -73,19 +71,19 @@ def test_no_page_of_researchers_has_a_severe_barrier(
         look_at(page, "join")
         join_as_owner(page, served_at, stored)
         look_at(page, "overview")
-        page.get_by_role("link", name="1 active", exact=True).click()
+        follow(page.get_by_role("link", name="1 active", exact=True))
         look_at(page, "study-sessions")
-        page.get_by_role("link", name="1", exact=True).click()
+        follow(page.get_by_role("link", name="1", exact=True))
         expect(page.locator(".events")).to_contain_text("Trial 1 was shown")
         look_at(page, "study-session")
-        page.get_by_role("link", name="Researchers").click()
+        follow(page.get_by_role("link", name="Researchers"))
         page.get_by_label("viewer").check()
-        page.get_by_role("button", name="Make a link", exact=True).click()
+        follow(page.get_by_role("button", name="Make a link", exact=True))
         expect(page.locator("output.link")).to_contain_text("/research/join/")
         look_at(page, "researchers")
-        page.get_by_role("link", name="Preview").click()
+        follow(page.get_by_role("link", name="Preview"))
         look_at(page, "preview")
-        page.get_by_role("link", name="1", exact=True).click()
+        follow(page.get_by_role("link", name="1", exact=True))
         expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
         photograph(page, "research-previewed-trial")
         page.locator("#play").click()
@@ -93,17 +91,17 @@ def test_no_page_of_researchers_has_a_severe_barrier(
             question.locator(".scale label").nth(1).click()
         page.get_by_role("button", name="Next").click()
         expect(page.locator(".progress")).to_contain_text("Trial 2 of 6")
-        page.get_by_role("link", name="All trials of this place").click()
-        page.get_by_role("link", name="Recruitment").click()
+        follow(page.get_by_role("link", name="All trials of this place"))
+        follow(page.get_by_role("link", name="Recruitment"))
         page.get_by_label("Reason, for the log").first.fill("a video stalls")
-        page.get_by_role("button", name="Pause").click()
+        follow(page.get_by_role("button", name="Pause"))
         expect(page.locator(".truth")).to_contain_text("No new participants are admitted")
         look_at(page, "newcomers")
-        page.get_by_role("link", name="Changes").click()
+        follow(page.get_by_role("link", name="Changes"))
         look_at(page, "changes")
-        page.get_by_role("link", name="Ada Lovelace").click()
+        follow(page.get_by_role("link", name="Ada Lovelace"))
         look_at(page, "own-account")
-        page.get_by_role("button", name="Log out").click()
+        follow(page.get_by_role("button", name="Log out"))
         expect(page.get_by_role("heading", level=1)).to_have_text("Log in as a researcher")
         assert page.goto(f"{served_at}/research/changes") is not None
         assert "/research/log-in?next=/research/changes" in page.url
@@ -125,7 +123,7 @@ def test_the_overview_shows_who_comes_while_one_looks(
         expect(page.locator(".truth")).to_contain_text("1 active")
         stays = page.locator("#live time").last
         expect(stays).not_to_contain_text("UTC")
-        page.get_by_role("link", name="Keep it still").click()
+        follow(page.get_by_role("link", name="Keep it still"))
         expect(page.locator("footer")).to_contain_text("stays as it is")
 
 
@@ -138,5 +136,5 @@ def test_without_scripts_the_overview_is_the_same_and_asks_for_itself(
     join_as_owner(page, served_at, stored)
 
     expect(page.locator("#live time").last).to_contain_text("UTC")
-    assert page.locator("meta[http-equiv=refresh]").count() == 1
+    expect(page.locator("meta[http-equiv=refresh]")).to_have_count(1)
     context.close()

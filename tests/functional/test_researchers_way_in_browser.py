@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import re
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -20,10 +19,11 @@ import pandas as pd
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from studyapp.rehearsal.server import free_port
 from tests.functional.arriving_crowd import arriving_crowd
-from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.joining import NAME, join
-from tests.functional.looking import SIZES, barriers, photograph
+from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 from tests.functional.redefining import redefine
 from tests.studyapp.researchers_at_hand import PASSWORD
 
@@ -70,9 +70,7 @@ def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @contextmanager
 def launched_study(study: Path) -> Iterator[tuple[str, str]]:
     """Run `motionjury serve`; give the address, and the link for the first owner that it prints."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     command = [MOTIONJURY, "serve", str(study), "--port", str(port)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
@@ -101,14 +99,15 @@ def export(study: Path) -> pd.DataFrame:
     return people.set_index("study_session")
 
 
-def follow(page: Page, name: str) -> None:
-    page.get_by_role("navigation", name="Researchers' pages").get_by_role("link", name=name).click()
+def go_to(page: Page, name: str) -> None:
+    pages = page.get_by_role("navigation", name="Researchers' pages")
+    follow(pages.get_by_role("link", name=name))
 
 
 def send(page: Page, button: str, reason: str) -> None:
     form = page.locator("form").filter(has=page.get_by_role("button", name=button, exact=True))
     form.get_by_label("Reason").fill(reason)
-    form.get_by_role("button", name=button, exact=True).click()
+    follow(form.get_by_role("button", name=button, exact=True))
 
 
 def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
@@ -125,16 +124,14 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
             photograph(page, f"way-{name}")
             if name in EXAMINED:
                 found[name] = barriers(page)
-            page.set_viewport_size(SIZES["phone"])
-            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), name
-            page.set_viewport_size(SIZES["laptop"])
+            expect_to_fit_a_phone(page)
 
         page.clock.install()
         join_and_log_in(page, link)
         prepare(page, look_at)
         with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
             codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
-            follow(page, "Overview")
+            go_to(page, "Overview")
             assert all(crowd.here.acquire(timeout=SLOW_SECONDS) for _ in codes)
             # The page asks for itself anew; nobody reloads it.
             page.clock.fast_forward(REFRESHED_MS)
@@ -148,12 +145,12 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
 
             pseudonym = export(study).loc[3, "participant"]
             exclude(page, str(pseudonym), look_at)
-            follow(page, "Recruitment")
+            go_to(page, "Recruitment")
             page.get_by_label("Places more in each arm").fill("1")
             send(page, "Extend", "one was asleep")
             (code,) = crowd.come(["one-more"])
             assert code.result(timeout=SLOW_SECONDS)
-        follow(page, "Overview")
+        go_to(page, "Overview")
         expect(page.locator(".truth")).to_contain_text(f"{PEOPLE + 1} of {PEOPLE + 1} places done")
         expect(page.locator("main")).to_contain_text("1 is left out of the analysis")
         close(page, address, look_at)
@@ -190,23 +187,23 @@ def join_and_log_in(page: Page, link: str) -> None:
     """Become the owner by the printed link, log out, and log in."""
     join(page, link)
     expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
-    page.get_by_role("button", name="Log out").click()
+    follow(page.get_by_role("button", name="Log out"))
     page.get_by_label("Name").fill(NAME)
     page.get_by_label("Password").fill(PASSWORD)
-    page.get_by_role("button", name="Log in").click()
+    follow(page.get_by_role("button", name="Log in"))
     expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
 
 
 def prepare(page: Page, look_at: LookAt) -> None:
     """Keep newcomers out, look at a trial as they will see it, and let them in."""
-    follow(page, "Recruitment")
+    go_to(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
-    follow(page, "Preview")
+    go_to(page, "Preview")
     look_at("preview")
-    page.get_by_role("link", name="1", exact=True).click()
+    follow(page.get_by_role("link", name="1", exact=True))
     expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
-    page.get_by_role("link", name="All trials of this place").click()
-    follow(page, "Recruitment")
+    follow(page.get_by_role("link", name="All trials of this place"))
+    go_to(page, "Recruitment")
     look_at("before-the-launch")
     send(page, "Resume", "all is well")
     expect(page.locator(".truth")).to_contain_text("New participants are admitted")
@@ -214,10 +211,10 @@ def prepare(page: Page, look_at: LookAt) -> None:
 
 def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
     """Find a participant by the pseudonym of an export, and leave them out of the analysis."""
-    follow(page, "Study sessions")
+    go_to(page, "Study sessions")
     look_at("study-sessions")
     page.get_by_label("Number or pseudonym").fill(pseudonym)
-    page.get_by_role("button", name="Find").click()
+    follow(page.get_by_role("button", name="Find"))
     expect(page.get_by_role("heading", level=1)).to_have_text("Study session 3")
     expect(page.locator(".facts").first).to_contain_text(pseudonym)
     expect(page.locator("main")).to_contain_text(SCRIPT)
@@ -229,7 +226,7 @@ def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
 
 def close(page: Page, address: str, look_at: LookAt) -> None:
     """Close the study; a newcomer is told that it is over."""
-    follow(page, "Recruitment")
+    go_to(page, "Recruitment")
     send(page, "Close", "all we need")
     expect(page.locator(".truth")).to_contain_text("The study is closed to new participants")
     look_at("closed")
@@ -241,7 +238,7 @@ def close(page: Page, address: str, look_at: LookAt) -> None:
 def with_everything_looked_at(page: Page, look_at: LookAt) -> None:
     """Go through the pages that nothing was decided on."""
     for name in ("Results", "Changes", "Researchers", NAME):
-        follow(page, name)
+        go_to(page, name)
         expect(page.get_by_role("heading", level=1)).to_be_visible()
         look_at(name.lower().replace(" ", "-"))
     assert page.title() != "taken"

@@ -15,10 +15,10 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import looks
 from studyapp.web.running import attach, running
-from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
-from tests.functional.looking import SIZES, barriers, photograph
+from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.figures_at_hand import FiguresMeanwhile
 
@@ -35,9 +35,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
     def look_at(page: Page, name: str) -> None:
         photograph(page, f"research-{name}")
         found[name] = barriers(page)
-        page.set_viewport_size(SIZES["phone"])
-        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), name
-        page.set_viewport_size(SIZES["laptop"])
+        expect_to_fit_a_phone(page)
 
     with (
         shown(tiny_study) as (address, app),
@@ -62,7 +60,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         expect(note).to_contain_text("Interim: 3 of 4 participants")
         expect(page.locator("main")).to_contain_text("rule_based against mismatched")
         look_at(page, "results")
-        page.get_by_role("link", name="Overview").click()
+        follow(page.get_by_role("link", name="Overview"))
         expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
         while not agreement.count():
             page.reload()
@@ -72,7 +70,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
         closed = replace(here.served, study=here.study.model_copy(update={"open": False}))
         attach(app, replace(here, figures=figures, served=closed))
-        page.get_by_role("link", name="Results", exact=True).click()
+        follow(page.get_by_role("link", name="Results", exact=True))
         expect(page.get_by_role("heading", level=1)).to_have_text("Results")
         expect(note).to_contain_text("The study is closed: 3 of 4 participants finished")
         look_at(page, "results-final")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +19,9 @@ from tests.functional.browsing import (
     PATIENCE_MS,
     expect_playing,
     expect_watched,
+    follow,
     playing_on,
+    wait_until,
 )
 from tests.functional.redefining import redefine
 
@@ -38,6 +38,12 @@ RELOADED_MEANWHILE = """video => video.addEventListener("timeupdate", () => {
   if (video.currentTime > 0.1) location.reload();
 })"""
 """Somebody who reloads the page while a video plays, surely before its end."""
+
+BUSY_AS_IT_BEGINS = """button => {
+  const end = performance.now() + 500;
+  button.click();
+  while (performance.now() < end);
+}"""
 
 PRETENDED_HIDDEN = """() => {
   Object.defineProperty(document, "hidden", { get: () => true });
@@ -89,19 +95,16 @@ def reports_of(page: Page) -> list[dict[str, Any]]:
     return reports
 
 
+def played_at(reports: list[dict[str, Any]]) -> set[float]:
+    """Return how fast the videos played; a busy machine also reports that one did not."""
+    return {report["rate"] for report in reports if report["intervals"]}
+
+
 def played(database: Database, video_token: str) -> float:
     """Return the seconds that all reports of a video tell of, each part as often as it is told."""
     with database.reading() as session:
         video = session.scalars(select(Video).where(Video.token == video_token)).one()
         return 0.0 if video.watch_record is None else video.watch_record.played_seconds
-
-
-def wait_until(page: Page, condition: Callable[[], object]) -> None:
-    """Wait for what the page itself does not show."""
-    deadline = time.monotonic() + PATIENCE_MS / 1000
-    while not condition():
-        assert time.monotonic() < deadline
-        page.wait_for_timeout(50)
 
 
 def test_playing_faster_does_not_count_and_says_so(
@@ -112,12 +115,15 @@ def test_playing_faster_does_not_count_and_says_so(
     video = player(page, "A").locator("video")
     video.evaluate(FORCED_RATE)
 
-    with page.expect_response("**/watched/**") as answered:
+    def tells_of_playing(response: Response) -> bool:
+        return "/watched/" in response.url and bool(played_at(reports))
+
+    with page.expect_response(tells_of_playing) as answered:
         play_button(page, "A").click()
 
     expect(page.locator("#watched")).to_have_text("Please let the video play at normal speed")
     expect(page.locator("#needed")).to_contain_text("Still needed: watch A and B")
-    assert {report["rate"] for report in reports} == {4}
+    assert played_at(reports) == {4}
     assert answered.value.json()["intervals"] == []
     assert answered.value.json()["missing"] > 0.9
 
@@ -157,14 +163,23 @@ def test_frames_are_reported_with_what_was_played(
         assert record.dropped_frames is not None
 
 
+def test_what_plays_while_the_page_is_busy_counts(page: Page, address: str) -> None:
+    take_part(page, address)
+    expect(player(page, "A").locator("video")).to_have_js_property("readyState", 4)
+
+    play_button(page, "A").evaluate(BUSY_AS_IT_BEGINS)
+
+    expect(page.locator("#watched")).to_have_text("Still to watch: B")
+
+
 def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
     take_part(page, address)
     player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
-    with page.expect_navigation():
-        play_button(page, "A").click()
+    follow(play_button(page, "A"))
 
-    # Without what was played, A would be as unwatched as B, and no seconds would be told.
-    expect(page.locator("#watched")).to_have_text("Still to watch: A 1 s · B")
+    # Without what was played, A would be as unwatched as B, and no seconds would be told. While the
+    # page is asked for, the video may come to its end.
+    expect(page.locator("#watched")).to_have_text(re.compile(r"^Still to watch: (A 1 s · )?B$"))
 
 
 def test_a_broken_video_is_named_and_the_trial_left(
@@ -182,7 +197,7 @@ def test_a_broken_video_is_named_and_the_trial_left(
             route.continue_()
 
     page.route("**/media/**", break_one)
-    page.get_by_role("button", name="I agree").click()
+    follow(page.get_by_role("button", name="I agree"))
     token = page.url.rsplit("/", 1)[1]
     with database.reading() as session:
         trial = session.scalars(
@@ -236,9 +251,9 @@ def test_a_video_that_gets_no_data_says_so_and_plays_when_it_is_loaded_again(
     play_button(page, "A").click()
 
     expect(page.locator("#watched")).to_have_text("Still to watch: B")
-    assert sum(report["stalls"] for report in reports) == 1
+    # On a busy machine it may stall again.
+    wait_until(page, lambda: any(report["stalls"] for report in reports))
     assert sum(report["stalled_seconds"] for report in reports) > 4
-    page.unroute_all(behavior="ignoreErrors")
 
 
 def test_a_video_loaded_again_keeps_its_place_and_what_was_watched(

@@ -12,7 +12,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, WatchRecord
-from tests.functional.browsing import IN_A_BROWSER, playing_on
+from tests.functional.browsing import IN_A_BROWSER, follow, playing_on
 from tests.functional.looking import LAPTOP, photograph
 from tests.functional.redefining import redefine
 
@@ -95,7 +95,7 @@ def study_session(page: Page, database: Database) -> StudySession:
 def enter(page: Page, address: str) -> None:
     page.goto(address)
     page.get_by_label("yes").check()
-    press(page, "Next")
+    follow(page.get_by_role("button", name="Next"))
     page.get_by_label("yes").check()
     press(page, "I agree – start")
     heading(page, "Can you hear this?")
@@ -165,8 +165,7 @@ def test_who_cannot_hear_the_sound_is_helped_and_may_leave(browser: Browser, add
     for _ in range(3):
         expect(page.get_by_role("button", name="I cannot hear it")).to_have_count(0)
         page.get_by_label("The digits you hear").fill("12345")
-        with page.expect_navigation():
-            press(page, "Next")
+        follow(page.get_by_role("button", name="Next"))
         expect(page.get_by_role("alert")).to_contain_text("not the digits that were spoken")
     photograph(page, "way-3-sound-check")
 

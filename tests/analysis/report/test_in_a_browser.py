@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 from analysis.report import write_report
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import pairwise_table, report_of
 from tests.functional.browsing import IN_A_BROWSER, launched
+from tests.functional.looking import LAPTOP, SIZES, resize
 
 pytestmark = IN_A_BROWSER
 
@@ -42,9 +44,9 @@ HIDDEN = """[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth 
 
 
 def test_tables_fit_a_laptop_and_show_a_shade_where_they_go_on(page: Page) -> None:
-    page.set_viewport_size({"width": 1366, "height": 768})
+    resize(page, LAPTOP)
     assert page.evaluate(HIDDEN) == []
-    page.set_viewport_size({"width": 390, "height": 844})
+    resize(page, SIZES["phone"])
     found = page.evaluate(HIDDEN)
     assert found
     assert all(shaded for _, shaded in found)
@@ -78,13 +80,13 @@ def test_a_table_is_sorted_by_click_and_by_keyboard_and_back_again(page: Page) -
 
     given = cells()
     column.locator("button").click()
-    assert column.get_attribute("aria-sort") == "ascending"
+    expect(column).to_have_attribute("aria-sort", "ascending")
     ascending = cells()
     column.locator("button").press("Enter")
-    assert column.get_attribute("aria-sort") == "descending"
+    expect(column).to_have_attribute("aria-sort", "descending")
     assert cells() == ascending[::-1] or len(set(given)) < len(given)
     column.locator("button").press("Enter")
-    assert column.get_attribute("aria-sort") is None
+    expect(column).not_to_have_attribute("aria-sort", re.compile(""))
     assert cells() == given
     assert sorted(ascending) == sorted(given)
 
