@@ -48,10 +48,13 @@ class Crowd:
         What they were told.
     addresses : list of str
         Where each of them goes on.
+    is_backed_up : Event
+        What one of them waits for at the first trial.
     """
 
     ledger: Ledger = field(default_factory=Ledger)
     addresses: list[str] = field(default_factory=list)
+    is_backed_up: asyncio.Event = field(default_factory=asyncio.Event)
 
     def answers(self) -> Given:
         return dict(self.ledger.acknowledged)
@@ -61,7 +64,10 @@ class Crowd:
             visitor = self.visitor(wire, seed)
             address = await visitor.enrol()
             self.addresses.append(address)
-            await visitor.go_on(address, await visitor.begin(address))
+            page = await visitor.begin(address)
+            if seed == 0:
+                await self.is_backed_up.wait()
+            await visitor.go_on(address, page)
 
     async def go_on(self, port: int, address: str) -> None:
         async with Wire(HOST, port) as wire:
@@ -90,6 +96,7 @@ async def backed_up_meanwhile(
         await asyncio.sleep(0.01)
     before = crowd.answers()
     made = await asyncio.to_thread(take)
+    crowd.is_backed_up.set()
     await asyncio.gather(*people)
     return before, made
 

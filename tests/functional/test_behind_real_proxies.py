@@ -14,6 +14,7 @@ import httpx
 import pytest
 
 from studyapp.custody.deployment import PROXIES, Proxy
+from studyapp.web.worker import REQUEST_SECONDS
 from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
 from tests.hanging_lines import hanging, slow_body, whole_video
 from tests.studyapp.researchers_at_hand import PASSWORD
@@ -181,7 +182,8 @@ def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: 
             hanging(proxied.port, slow, 300, trickle=b"x", tls=tls, host=HOST),
             hanging(proxied.port, video, 100, tls=tls, host=HOST),
         ):
-            client.timeout = httpx.Timeout(10)
+            # Less than after which the lines are ended.
+            client.timeout = httpx.Timeout(REQUEST_SECONDS - 5)
             one = Participant(client, proxied.address)
             for _page in range(5):
                 one.go_on()

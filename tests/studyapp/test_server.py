@@ -77,7 +77,7 @@ def test_two_workers_serve_pages_and_stop_soon_when_told(tiny_study: Path) -> No
     server = subprocess.Popen([sys.executable, "-c", code, str(tiny_study), str(port)])
     try:
         with httpx.Client(transport=httpx.HTTPTransport(retries=10)) as client:
-            deadline = time.monotonic() + 30
+            deadline = time.monotonic() + 60
             while True:
                 try:
                     answer = client.get(f"http://127.0.0.1:{port}/")

@@ -15,7 +15,7 @@ REQUESTS = 3
 def impatient_server() -> Iterator[str]:
     """Serve one request of each connection, and close it without a word on the second one."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        listener.settimeout(10)
+        listener.settimeout(60)
 
         def serve() -> None:
             for _ in range(REQUESTS):
