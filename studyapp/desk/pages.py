@@ -10,7 +10,7 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.desk import belonging, list_page, study_page
+from studyapp.desk import belonging, list_page, settings_page, study_page
 from studyapp.desk.lab import OpenedStudy, lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
 from studyapp.researchers.account import Right
@@ -37,7 +37,10 @@ PAGES: Final = (
 )
 """Pages for which the role at the desk counts."""
 
-STUDY_PAGES: Final[tuple[StudyPage, ...]] = (*study_page.PAGES,)
+STUDY_PAGES: Final[tuple[StudyPage, ...]] = (
+    *study_page.PAGES,
+    *settings_page.PAGES,
+)
 """Pages of one study, for which the role in it counts."""
 
 SECTIONS: Final[tuple[Section, ...]] = ()

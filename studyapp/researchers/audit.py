@@ -63,6 +63,7 @@ WORDS: Final[Mapping[Event, str]] = MappingProxyType(
         Event.SECOND_FACTOR_OFF: "second factor turned off",
         Event.SECOND_FACTOR_RESET: "second factor reset",
         Event.NEW_VERSION: "new version",
+        Event.DEFINITION_EDITED: "study file edited",
     }
 )
 """How events are told to people."""

@@ -44,6 +44,13 @@ def must_be_new_version(database: Database, design: str) -> bool:
         return _leaves_participants(session, design)
 
 
+def definition_in_use(database: Database) -> str | None:
+    """Return the study file as it is for those who take part; None where nobody has come."""
+    with database.reading() as session:
+        version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
+        return version.definition if version and _was_seen(session, version) else None
+
+
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
     if _leaves_participants(session, served.design) and not new_version:
         raise InputError(

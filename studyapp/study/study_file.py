@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
@@ -15,7 +16,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.reading import ALIASES, parse_study, parse_text
+from studyapp.study.settings.reading import ALIASES, parse_study, parse_text, read_text
 from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, money
 from studyapp.study.settings.study import Study
 from studyapp.study.template_language import in_language, template_text
@@ -150,6 +151,45 @@ def _stated(wanted: WantedStudy) -> dict[str, Any]:
     if wanted.channel == "mturk":
         stated["mturk"] = {"reward": f"{each:.2f}"}
     return {key: value for key, value in stated.items() if value is not None}
+
+
+class ChangedMeanwhileError(InputError):
+    """Somebody has saved the file since it was read; `text` is what it says now."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        super().__init__(
+            "the study file has been changed since you opened it, so yours was not saved",
+            remedy="Compare the two, and save once more what is to stand",
+        )
+
+
+def replace_text(path: Path, text: str, *, seen: str) -> Study:
+    """Write a study file that was edited elsewhere, and return what it says.
+
+    Parameters
+    ----------
+    seen : str
+        The file's `text_digest` when it was read.
+
+    Raises
+    ------
+    ChangedMeanwhileError
+        If it says something else now.
+    InputError
+        If `text` is no valid study; every key that is wrong is named.
+    """
+    now = read_text(path)
+    if text_digest(now) != seen:
+        raise ChangedMeanwhileError(now)
+    study = parse_text(text, where=path.name)
+    write_text(path, text)
+    return study
+
+
+def text_digest(text: str) -> str:
+    """Return what tells one text of a study file from another."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def add_condition(path: Path, name: str) -> Study:

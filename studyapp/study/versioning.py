@@ -61,6 +61,24 @@ def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[st
     )
 
 
+def changeable_keys() -> tuple[str, ...]:
+    """Return the keys that may change while people take part, without those of conditions."""
+    return tuple(
+        f"{key}.{each}" if isinstance(inner, set) else key
+        for key, inner in (OPERATION | ANALYSIS | RECRUITERS | BESIDE).items()
+        if key != "conditions"
+        for each in (sorted(inner) if isinstance(inner, set) else [""])
+    )
+
+
+def design_changes(before: Study, after: Study) -> tuple[str, ...]:
+    """Return the keys in which the designs of two studies differ."""
+    if before.protocol != after.protocol:
+        return ("protocol",)
+    old, new = _design(before), _design(after)
+    return tuple(key for key in old | new if old.get(key) != new.get(key))
+
+
 def design_digest(
     study: Study, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
 ) -> str:
@@ -71,12 +89,7 @@ def design_digest(
     videos : mapping of Content to VideoFile
         What shows participants each of the study's contents.
     """
-    # Keys that say what would be so without them do not count: writing one down, or a new
-    # release that knows more of them, is no other design.
-    keys = study.model_dump(
-        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | BESIDE, exclude_defaults=True
-    )
-    design = {key: value for key, value in keys.items() if value != {}}
+    design = _design(study)
     heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
     seen = sorted(
         [*([s.condition, s.segment, s.speech or ""] for s in content), [videos[content].made_from]]
@@ -92,6 +105,16 @@ def arm_digest(
 ) -> str:
     """Return what changes with anything that decides what participants of `arm` see."""
     return design_digest(study.design_of(arm), segments, videos)
+
+
+def _design(study: Study) -> dict[str, Any]:
+    """Return what of `study` decides what participants see and are asked, as plain data."""
+    # Keys that say what would be so without them do not count: writing one down, or a new
+    # release that knows more of them, is no other design.
+    keys = study.model_dump(
+        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | BESIDE, exclude_defaults=True
+    )
+    return {key: value for key, value in keys.items() if value != {}}
 
 
 def _flat(part: dict[str, Any]) -> dict[str, Any]:

@@ -167,6 +167,7 @@ class Event(StrEnum):
     SECOND_FACTOR_OFF = "second_factor_off"
     SECOND_FACTOR_RESET = "second_factor_reset"
     NEW_VERSION = "new_version"
+    DEFINITION_EDITED = "definition_edited"
 
 
 class AuditLine(Base):

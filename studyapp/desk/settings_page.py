@@ -1,0 +1,122 @@
+"""Reading and editing a study file in the browser."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from contextlib import suppress
+from typing import Final
+
+from flask import redirect, request, url_for
+from flask.typing import ResponseReturnValue
+
+from motion.errors import InputError, listed
+from studyapp.database.tables import Event
+from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.page import StudyPage, page
+from studyapp.researchers.account import Right
+from studyapp.researchers.audit import log_change
+from studyapp.session.versions import definition_in_use
+from studyapp.study.settings.reading import parse_text, read_text
+from studyapp.study.study_file import ChangedMeanwhileError, replace_text, text_digest
+from studyapp.study.versioning import changeable_keys, design_changes
+
+LINE: Final = re.compile(r"\bline (\d+)")
+
+
+class NewVersionError(InputError):
+    """What is to be saved can only be a new version of the study."""
+
+    def __init__(self, keys: tuple[str, ...]) -> None:
+        super().__init__(
+            f"people have taken part, and {listed(keys)} may not change under them",
+            remedy="Undo that, or save it as a new version: earlier answers are kept apart, and "
+            "unfinished participants of what has changed cannot go on",
+        )
+
+
+def settings(study: OpenedStudy) -> ResponseReturnValue:
+    """Show the study file, to be edited."""
+    text = read_text(study.folder.definition)
+    return _page(study, text, seen=text_digest(text))
+
+
+def save_settings(study: OpenedStudy) -> ResponseReturnValue:
+    """Save the study file, unless it is wrong or somebody else has saved another one."""
+    text = request.form.get("text", "").replace("\r\n", "\n").rstrip() + "\n"
+    seen, is_new_version = request.form.get("seen", ""), "new_version" in request.form
+    try:
+        if (changed := _changed_design(study, text)) and not is_new_version:
+            raise NewVersionError(changed)
+        if is_new_version and not study.account.may(Right.MANAGE):
+            raise InputError("only owners begin a new version", remedy="Ask one of them")
+        _save(study, text, seen)
+    except ChangedMeanwhileError as error:
+        seen = text_digest(error.text)
+        return _page(study, text, seen=seen, problem=error, other=error.text), 409
+    except InputError as error:
+        return _page(study, text, seen=seen, problem=error), 422
+    if is_new_version:
+        with suppress(InputError):
+            # Where a video is missing, the study's page says so, and begins it later.
+            study.study.begin_new_version()
+        return redirect(url_for("research.study_page", study=study.name), 303)
+    return redirect(url_for("research.settings", study=study.name, saved=""), 303)
+
+
+def _save(study: OpenedStudy, text: str, seen: str) -> None:
+    # The study's database is what all processes of the server wait for.
+    with study.database.writing() as session:
+        before = read_text(study.folder.definition)
+        replace_text(study.folder.definition, text, seen=seen)
+        # The first two lines name the files.
+        differing = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
+        lines = sum(line[0] != "@" for line in differing)
+        log_change(
+            session,
+            lab().clock.now(),
+            Event.DEFINITION_EDITED,
+            by=study.account.name,
+            detail=f"{lines} lines removed or added",
+        )
+
+
+def _changed_design(study: OpenedStudy, text: str) -> tuple[str, ...]:
+    """Return the keys of `text` that may not change under those who take part."""
+    now = definition_in_use(study.database)
+    where = study.folder.definition.name
+    after = parse_text(text, where=where)
+    return () if now is None else design_changes(parse_text(now, where=where), after)
+
+
+def _page(
+    study: OpenedStudy,
+    text: str,
+    *,
+    seen: str,
+    problem: InputError | None = None,
+    other: str = "",
+) -> str:
+    lines = text.split("\n")
+    named = {int(number) for number in LINE.findall(problem.what if problem else "")}
+    return page(
+        "settings",
+        study=study,
+        text=text,
+        seen=seen,
+        problem=problem,
+        wrong=[(number, lines[number - 1]) for number in sorted(named) if number <= len(lines)],
+        difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
+        if other
+        else [],
+        is_new_version=isinstance(problem, NewVersionError),
+        is_taken=definition_in_use(study.database) is not None,
+        changeable=changeable_keys(),
+        saved="saved" in request.args,
+    )
+
+
+PAGES: Final = (
+    StudyPage("GET", "/settings", settings, Right.STEER),
+    StudyPage("POST", "/settings", save_settings, Right.STEER),
+)
