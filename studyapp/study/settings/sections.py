@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Annotated, Any, Final, get_args
 
@@ -36,9 +37,10 @@ WORDS: Final = {
 def explain(error: ValidationError, section: type[BaseModel] | None = None, text: str = "") -> str:
     """Return every finding of `error` as ``key: what is wrong``, joined into one sentence.
 
-    An unknown key is told with the nearest one that `section` knows in its place, and with its
-    line in `text` where no other line has such a key.
+    Each is told with its line in `text`, an unknown key with the nearest one that `section` knows
+    in its place too.
     """
+    lines = _lines(text)
     found = error.errors(include_url=False)
     findings = []
     for finding in found:
@@ -50,9 +52,11 @@ def explain(error: ValidationError, section: type[BaseModel] | None = None, text
         if finding["type"] == "union_tag_invalid":
             tag, known = finding["ctx"]["tag"], finding["ctx"]["expected_tags"]
             message = f"unknown rule {tag!r} (use one of {known})"
+        if line := _line_of(finding["loc"], lines):
+            is_unknown = finding["type"] == "extra_forbidden"
+            message += f" in line {line}" if is_unknown else f" (line {line})"
         if finding["type"] == "extra_forbidden":
             *place, last = finding["loc"]
-            message += _line_of(str(last), text)
             if near := get_close_matches(str(last), _known_keys(section, place), n=1):
                 message += f" (did you mean {near[0]!r}?)"
         findings.append(f"{key}: {message}" if key else message)
@@ -65,11 +69,47 @@ def _lies_within(finding: Any, outer: Any) -> bool:
     return len(finding["loc"]) > depth and finding["loc"][:depth] == outer["loc"]
 
 
-def _line_of(key: str, text: str) -> str:
-    """Say in which line of a TOML file a key stands; nothing where that is in doubt."""
-    written = re.compile(rf"""^\s*(\[+\s*([\w.-]+\.)?)?["']?{re.escape(key)}["']?\s*(=|\]|\.)""")
-    lines = [number for number, line in enumerate(text.splitlines(), 1) if written.match(line)]
-    return f" in line {lines[0]}" if len(lines) == 1 else ""
+Location = tuple[str | int, ...]
+
+_HEADING: Final = re.compile(r"\s*\[(\[?)\s*([^\]]+?)\s*\]")
+_NAMED: Final = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_PART: Final = re.compile(_NAMED)
+_KEY: Final = re.compile(rf"\s*({_NAMED}(?:\s*\.\s*{_NAMED})*)\s*=")
+_LONG_TEXT: Final = re.compile(r'"""|\'\'\'')
+
+
+def _lines(text: str) -> dict[Location, int]:
+    """Return in which line of a TOML file each table and each key begins."""
+    found: dict[Location, int] = {}
+    table: Location = ()
+    count: Counter[Location] = Counter()
+    is_in_text = False
+    for number, line in enumerate(text.split("\n"), 1):
+        begins_in_text = is_in_text
+        is_in_text ^= len(_LONG_TEXT.findall(line)) % 2 == 1
+        if begins_in_text:
+            continue
+        if heading := _HEADING.match(line):
+            table = _parts(heading[2])
+            if heading[1]:
+                count[table] += 1
+                table += (count[table] - 1,)
+            found.setdefault(table, number)
+        elif key := _KEY.match(line):
+            found.setdefault(table + _parts(key[1]), number)
+    return found
+
+
+def _parts(dotted: str) -> Location:
+    return tuple(part.strip("\"'") for part in _PART.findall(dotted))
+
+
+def _line_of(location: Sequence[str | int], lines: Mapping[Location, int]) -> int | None:
+    """Return the line of what is at `location`, or of the nearest thing that it is within."""
+    for depth in range(len(location), 0, -1):
+        if (line := lines.get(tuple(location[:depth]))) is not None:
+            return line
+    return None
 
 
 def _known_keys(section: type[BaseModel] | None, place: Sequence[object]) -> list[str]:
