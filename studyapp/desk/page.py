@@ -65,6 +65,6 @@ class Section:
     told: Callable[[OpenedStudy], Mapping[str, Any]]
 
 
-def page(template: str, **values: Any) -> str:
+def page(template: str, /, **values: Any) -> str:
     """Return the page that ``desk/<template>.html`` makes of `values`."""
     return rendered(f"desk/{template}.html", duties=DUTIES, **values)

@@ -10,7 +10,7 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.desk import belonging, list_page, settings_page, study_page
+from studyapp.desk import belonging, list_page, making, settings_page, study_page
 from studyapp.desk.lab import OpenedStudy, lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
 from studyapp.researchers.account import Right
@@ -33,6 +33,7 @@ PAGES: Final = (
     *RESEARCHERS_PAGES,
     *list_page.PAGES,
     *belonging.PAGES,
+    *making.PAGES,
     Page("GET", "/<path:rest>", list_page.nowhere, Right.KEEP_ACCOUNT),
 )
 """Pages for which the role at the desk counts."""

@@ -98,14 +98,14 @@ def _page(
     other: str = "",
 ) -> str:
     lines = text.split("\n")
-    named = {int(number) for number in LINE.findall(problem.what if problem else "")}
+    said_of_it = problem.what.split("; ") if problem else []
     return page(
         "settings",
         study=study,
         text=text,
         seen=seen,
         problem=problem,
-        wrong=[(number, lines[number - 1]) for number in sorted(named) if number <= len(lines)],
+        findings=[_finding(said, lines) for said in said_of_it],
         difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
         if other
         else [],
@@ -114,6 +114,13 @@ def _page(
         changeable=changeable_keys(),
         saved="saved" in request.args,
     )
+
+
+def _finding(said: str, lines: list[str]) -> tuple[str, int | None, str]:
+    """Return what is wrong, in which line, and what stands there."""
+    found = LINE.search(said)
+    number = int(found[1]) if found and int(found[1]) <= len(lines) else None
+    return said, number, lines[number - 1] if number else ""
 
 
 PAGES: Final = (

@@ -124,8 +124,20 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         stated["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
     text = template_text(file, **stated)
     said = in_language(text, file, wanted.language, title=wanted.title)
+    said = _worded(said, wanted)
     parse_text(said, where=where)
     return said
+
+
+def _worded(text: str, wanted: WantedStudy) -> str:
+    """Return a study file with the questions and the avatar that are wanted."""
+    document: Any = tomlkit.parse(text)
+    for question in document["questions"]:
+        if (words := wanted.wording.get(question["name"])) is not None:
+            question["text"] = words
+    if wanted.avatar is not None:
+        document["video"]["avatar"] = wanted.avatar
+    return tomlkit.dumps(document) if wanted.wording or wanted.avatar else text
 
 
 def _stated(wanted: WantedStudy) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import tomlkit
@@ -50,6 +50,10 @@ class WantedStudy:
         How long it takes.
     organisation, contact, ethics : str or None
         See `studyapp.study.settings.presentation.Page`.
+    avatar : str or None
+        Who moves in the videos.
+    wording : mapping of str to str
+        Texts of questions in place of the template's, by the questions' names.
     """
 
     name: str
@@ -67,6 +71,8 @@ class WantedStudy:
     organisation: str | None = None
     contact: str | None = None
     ethics: str | None = None
+    avatar: str | None = None
+    wording: Mapping[str, str] = field(default_factory=dict)
 
 
 MOST_TOGETHER: Final = 8

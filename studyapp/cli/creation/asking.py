@@ -6,24 +6,24 @@ import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final, TypeVar
 
 import click
 
-from generators.registry import generator_names, needs_model, needs_source
+from generators.registry import generator_names, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
-from studyapp.cli.creation.init_options import (
-    FILES,
-    VIDEOS,
-    generator_sources,
-    read_source,
-    source_of,
-    source_words,
+from studyapp.study.interview import (
+    QUESTIONS,
+    STAND_INS,
+    WITH_REFERENCE,
+    Asked,
+    reference_asked,
+    sources,
 )
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.study import GROUND_TRUTH
+from studyapp.study.stated_conditions import FILES, generator_sources, read_source, source_of
 from studyapp.study.wanted_study import MOST_TOGETHER, WantedStudy
 
 T = TypeVar("T")
@@ -37,22 +37,22 @@ def explain(text: str) -> None:
     click.echo(textwrap.fill(text, WIDTH))
 
 
-def ask(question: str, why: str = "", *, default: str = "", read: Callable[[str], T]) -> T:
+def ask(question: Asked, more: str = "", *, default: str = "", read: Callable[[str], T]) -> T:
     """Ask until `read` accepts the answer, and return what it makes of it.
 
     Parameters
     ----------
-    question : str
-        Without a question mark at its end.
-    why : str
-        What it is for; printed once, before it, where there is something to be said.
+    question : Asked
+        What it is for is printed once, before it, where there is something to be said.
+    more : str
+        What else is to be said before it.
     default : str
         What an empty answer means.
     read : callable
         Raises `InputError` with what is wrong; it is printed, and asked again.
     """
-    if why:
-        explain(why)
+    if question.why:
+        explain(question.why + more)
 
     def checked(text: str) -> T:
         try:
@@ -61,12 +61,12 @@ def ask(question: str, why: str = "", *, default: str = "", read: Callable[[str]
             raise click.UsageError(str(wrong)) from wrong
 
     answer: T = click.prompt(
-        question, default=default, value_proc=checked, show_default=bool(default)
+        question.label, default=default, value_proc=checked, show_default=bool(default)
     )
     return answer
 
 
-def choose(question: str, why: str, offered: Mapping[str, str], *, default: str) -> str:
+def choose(question: Asked, offered: Mapping[str, str], *, default: str) -> str:
     """Offer a numbered list, and return the name of what is chosen by number or by name."""
     names = list(offered)
     width = max(map(len, names))
@@ -80,39 +80,22 @@ def choose(question: str, why: str, offered: Mapping[str, str], *, default: str)
             f"{text!r} is none of them", remedy=f"Type a number from 1 to {len(names)}, or a name"
         )
 
-    explain(why)
+    explain(question.why)
     for number, (name, words) in enumerate(offered.items(), start=1):
         lines = textwrap.wrap(words, WIDTH - width - 7)
         click.echo(f"  {number}  {name:{width}}  {lines[0]}")
         for line in lines[1:]:
             click.echo(f"{'':{width + 7}}{line}")
-    return ask(question, default=default, read=chosen)
+    return ask(Asked(question.label, ""), default=default, read=chosen)
 
 
-def agree(question: str, why: str, *, default: bool) -> bool:
+def agree(question: Asked, *, default: bool) -> bool:
     """Ask for a yes or a no."""
-    explain(why)
-    return click.confirm(question, default=default)
+    explain(question.why)
+    return click.confirm(question.label, default=default)
 
 
-STAND_INS: Final = "stand-ins"
-
-_SOURCES: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        FILES: "motion files brought in with 'motionjury import': recordings, a system's output",
-        VIDEOS: "finished videos in videos/NAME/; nothing is rendered",
-        "rule_based": "made here from the speech: beat gestures by rule",
-        "static": "made here: stands still",
-        "mismatched": "another condition's motion for another speech: right in kind, wrong in time",
-    }
-)
-
-
-def _sources() -> dict[str, str]:
-    """Return where motion comes from, each with what it means; networks come last."""
-    networks = [name for name in generator_names() if needs_model(name)]
-    words = "made here by a network from its weights: type {}"
-    return {**_SOURCES, **{name: words.format(source_words(name)) for name in networks}}
+THE_TEMPLATES: Final = "stand-ins"
 
 
 def ask_conditions(template: str, before: WantedStudy, folder: Path) -> WantedStudy:
@@ -128,31 +111,19 @@ def ask_conditions(template: str, before: WantedStudy, folder: Path) -> WantedSt
         The study's, from which files are named.
     """
     where = choose(
-        "Conditions",
-        "Conditions are the systems that are compared. Name your own; or begin with stand-ins that "
-        "are made here, to try everything before your motion is there.",
-        {
-            "own": "name them one after the other",
-            STAND_INS: "the template's: rule-based and mismatched motion; of ratings and rankings, "
-            "still and flawed motion too; of three-systems, the three networks too",
-        },
-        default="own" if before.conditions else STAND_INS,
+        QUESTIONS["conditions"],
+        {"own": "name them one after the other", THE_TEMPLATES: STAND_INS},
+        default="own" if before.conditions else THE_TEMPLATES,
     )
-    if where == STAND_INS:
+    if where == THE_TEMPLATES:
         return replace(before, conditions=None, reference=None, catch_videos=False)
     conditions = _named(before.conditions or {}, folder)
     reference = None
-    if template in ("pairwise", "ranking"):
+    if template in WITH_REFERENCE:
         reference = _reference(template, conditions, before.reference)
     catch_videos = bool(conditions) and all(made.videos for made in conditions.values())
     if catch_videos:
-        catch_videos = agree(
-            "Will you bring videos of a broken motion",
-            "Catch trials show a visibly broken motion beside a good one, and tell who does not "
-            "watch. Of finished videos none can be made here: they would lie in "
-            "videos/broken/. Without them the study has attention checks instead.",
-            default=before.catch_videos,
-        )
+        catch_videos = agree(QUESTIONS["catch_videos"], default=before.catch_videos)
     return replace(before, conditions=conditions, reference=reference, catch_videos=catch_videos)
 
 
@@ -163,7 +134,7 @@ def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition
         f"'{GROUND_TRUTH}'. For each, say where its motion comes from: a number, or a name such as "
         f"{', '.join(generator_sources())}."
     )
-    for number, (source, words) in enumerate(_sources().items(), start=1):
+    for number, (source, words) in enumerate(sources().items(), start=1):
         click.echo(f"  {number}  {source:10}  {words}")
     conditions: dict[str, Condition] = {}
     offered = list(before)
@@ -197,12 +168,12 @@ def _name(conditions: Mapping[str, Condition], default: str) -> str:
 
     nothing = "'-'" if default else "empty"
     end = f" ({nothing} when there are no more)" if enough else ""
-    return ask(f"Condition {place}{end}", default=default, read=read)
+    return ask(Asked(f"Condition {place}{end}", ""), default=default, read=read)
 
 
 def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condition:
     """Ask where the motion of a condition comes from."""
-    names = list(_sources())
+    names = list(sources())
 
     def read(text: str) -> Condition:
         kind, colon, of = text.partition(":")
@@ -222,7 +193,7 @@ def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condit
             )
         return read_source(f"{kind}{colon}{of}", folder)
 
-    return ask(f"  {name} comes from", default=default, read=read)
+    return ask(Asked(f"  {name} comes from", ""), default=default, read=read)
 
 
 def _reference(
@@ -231,15 +202,7 @@ def _reference(
     """Ask with which condition the others are compared, or which one is shown apart."""
     names = list(conditions)
     first = next((name for name in (before, GROUND_TRUTH) if name in names), None)
-    if template == "pairwise":
-        why = "Every other condition is compared with the reference, each by people of its own."
-        default = first or names[0]
-    else:
-        why = (
-            "The reference is shown apart as a yardstick and not ranked: the real recording. '-' "
-            "for none."
-        )
-        default = first or "-"
+    default = first or (names[0] if template == "pairwise" else "-")
 
     def read(text: str) -> str | None:
         if text == "-" and template == "ranking":
@@ -255,4 +218,4 @@ def _reference(
             )
         return text
 
-    return ask("Reference", why, default=default, read=read)
+    return ask(reference_asked(template), default=default, read=read)

@@ -8,19 +8,13 @@ from typing import Final, cast, get_args
 
 import click
 
-from motion.errors import InputError
 from motion.files import write_text
-from studyapp.cli.creation.init_options import (
-    LONGEST,
-    RECRUITING_SITES,
-    read_condition,
-    read_pay,
-)
 from studyapp.cli.creation.interview import agreed
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.conditions import Condition
+from studyapp.study.interview import LONGEST, MOST_PARTICIPANTS, read_pay, require_known_pay
 from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.recruitment import Channel
+from studyapp.study.stated_conditions import read_conditions
 from studyapp.study.study_file import TEMPLATES, drafted, refuse_existing
 from studyapp.study.wanted_study import WantedStudy
 
@@ -65,7 +59,7 @@ INTERRUPTED: Final = 130
 @click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
 @click.option(
     "--participants",
-    type=click.IntRange(1, 10_000),
+    type=click.IntRange(1, MOST_PARTICIPANTS),
     help="How many take part; of pairwise studies, in each comparison.",
 )
 @click.option(
@@ -122,7 +116,7 @@ def command(
         reference=reference,
         trials=trials,
         participants=participants,
-        conditions=_conditions(conditions, folder),
+        conditions=read_conditions(conditions, folder),
         catch_videos=catch_videos,
         channel=cast("Channel | None", channel),
         pay=None if pay is None else read_pay(pay, channel),
@@ -138,7 +132,7 @@ def command(
             click.echo("\nNothing was written.", err=True)
             raise click.exceptions.Exit(INTERRUPTED) from None
     else:
-        _require_known_pay(wanted)
+        require_known_pay(wanted)
         text = drafted(wanted, where=study_folder.definition)
     write_text(study_folder.definition, text)
     click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
@@ -155,26 +149,6 @@ def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
         and ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
     ]
     return not given and sys.stdin.isatty() and sys.stdout.isatty()
-
-
-def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | None:
-    named = [read_condition(text, folder) for text in given]
-    names = [name for name, _ in named]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
-    return dict(named) or None
-
-
-def _require_known_pay(wanted: WantedStudy) -> None:
-    """Raise `InputError` where a recruiting site would not be told what it must be."""
-    if wanted.channel not in RECRUITING_SITES:
-        return
-    missing = [*([] if wanted.pay else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
-    if missing:
-        raise InputError(
-            f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"
-        )
 
 
 def _next(text: str) -> str:

@@ -3,55 +3,35 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final, cast
 
 import click
 
 from motion.errors import InputError
 from studyapp.cli.creation.asking import ask, ask_conditions, choose
-from studyapp.cli.creation.init_options import (
+from studyapp.study.interview import (
+    CHANNELS,
+    LANGUAGES,
     LONGEST,
+    MOST_PARTICIPANTS,
+    QUESTIONS,
     RECRUITING_SITES,
+    TEMPLATE_WORDS,
+    Asked,
+    participants_asked,
+    read_address,
     read_count,
+    read_line,
     read_pay,
 )
-from studyapp.study.settings.presentation import Language, reaches_somebody
+from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.reading import ALIASES
 from studyapp.study.settings.recruitment import Channel, Pay
 from studyapp.study.study_file import drafted, template_participants
 from studyapp.study.wanted_study import WantedStudy
-
-_TEMPLATES: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "pairwise": "two motions of the same speech side by side: which one is preferred? As in "
-        "AMUSE; for few conditions and small differences",
-        "rating": "several motions of one speech on a page, each rated on a scale. As in S2UE; for "
-        "absolute judgements of many conditions",
-        "ranking": "several motions of one speech put in order, beside the recording. As in "
-        "DiffSHEG; for many conditions that plainly differ",
-        "mismatch": "one motion with its own and with another speech: which fits? As in GENEA; "
-        "whether motion follows speech at all",
-        "three-systems": "AMUSE, DiffSHEG and Speech2UnifiedExpressions beside rules, mismatched "
-        "motion and the recording, in pairs; for networks that you have",
-    }
-)
-
-LANGUAGES: Final[Mapping[str, str]] = MappingProxyType(
-    {"en": "English", "de": "German", "ja": "Japanese"}
-)
-
-CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "link": "whoever has the study's address; each who finishes gets a code of their own",
-        "invitations": "people whom you write to; each gets a link of their own",
-        "prolific": "people from Prolific; drafts, places and pay go through its API",
-        "mturk": "workers of Mechanical Turk, if you are a requester there already",
-    }
-)
 
 
 def interview(before: WantedStudy, folder: Path) -> WantedStudy:
@@ -69,25 +49,14 @@ def interview(before: WantedStudy, folder: Path) -> WantedStudy:
         "leaves, and writes nothing."
     )
     template = choose(
-        "Protocol",
-        "What do participants do? Everything else follows from it.",
-        _TEMPLATES,
-        default=ALIASES.get(before.template, before.template),
+        QUESTIONS["template"], TEMPLATE_WORDS, default=ALIASES.get(before.template, before.template)
     )
     before = ask_conditions(template, before, folder)
-    language = choose(
-        "Language",
-        "What do participants read in? The pages, the questions and the consent text follow.",
-        LANGUAGES,
-        default=before.language,
-    )
-    each = "for each comparison with the reference" if template == "pairwise" else "in all"
+    language = choose(QUESTIONS["language"], LANGUAGES, default=before.language)
     participants = ask(
-        "Participants",
-        f"How many take part, {each}? The published studies had as many as stand here; 'motionjury "
-        "plan' says how many a difference needs.",
+        participants_asked(template),
         default=str(before.participants or template_participants(template)),
-        read=read_count(10_000, what="participants"),
+        read=read_count(MOST_PARTICIPANTS, what="participants"),
     )
     wanted = replace(
         before,
@@ -100,20 +69,12 @@ def interview(before: WantedStudy, folder: Path) -> WantedStudy:
 
 def _recruited(wanted: WantedStudy) -> WantedStudy:
     """Ask where participants come from, what they get and how long it takes."""
-    channel = choose(
-        "Recruiting",
-        "Where do participants come from? It can be changed while the study runs.",
-        CHANNELS,
-        default=wanted.channel or "link",
-    )
+    channel = choose(QUESTIONS["channel"], CHANNELS, default=wanted.channel or "link")
     recruiter = channel in RECRUITING_SITES
     before = wanted.pay or Pay()
     pay = ask(
-        "Pay",
-        "What does each participant get, as an amount with a currency such as 2.50 EUR? On "
-        "Prolific in that of your account, GBP or USD, on Mechanical Turk in USD. It is told to "
-        "participants, and 'motionjury check' says what an hour pays."
-        + ("" if recruiter else " Empty for nothing."),
+        QUESTIONS["pay"],
+        "" if recruiter else " Empty for nothing.",
         default=f"{before.amount} {before.currency}".strip(),
         read=lambda text: read_pay(text, channel),
     )
@@ -133,62 +94,34 @@ def _minutes(wanted: WantedStudy, *, recruiter: bool) -> int | None:
             return None
         return count(text)
 
-    why = "How many minutes does it take? 'motionjury check' reckons it from your videos and "
-    why += "questions, and says where this is wrong."
     default = str(wanted.minutes) if wanted.minutes else ("20" if recruiter else "")
     return ask(
-        "Minutes", why + ("" if recruiter else " Empty for now."), default=default, read=read
+        QUESTIONS["minutes"], "" if recruiter else " Empty for now.", default=default, read=read
     )
 
 
 def _told(wanted: WantedStudy) -> WantedStudy:
     """Ask for what participants are told before they agree."""
     title = ask(
-        "Title",
-        "What do participants see as the study's title? It should not tell what you expect.",
+        QUESTIONS["title"],
         default=wanted.title or "",
-        read=lambda text: _text(text, 200) or None,
+        read=lambda text: read_line(text, 200) or None,
     )
     organisation = ask(
-        "Institution",
-        "Who runs the study? Participants read it before they agree.",
+        QUESTIONS["organisation"],
         default=wanted.organisation or "",
-        read=lambda text: _text(text, 200),
+        read=lambda text: read_line(text, 200),
     )
-    contact = ask(
-        "Contact",
-        "Whom can they ask? An e-mail address that somebody reads.",
-        default=wanted.contact or "",
-        read=_address,
-    )
+    contact = ask(QUESTIONS["contact"], default=wanted.contact or "", read=read_address)
     ethics = ask(
-        "Ethics",
-        "Who approved the study? The committee and its number; empty if that is still to come.",
+        QUESTIONS["ethics"],
         default=wanted.ethics or "",
-        read=lambda text: _text(text, 300),
+        read=lambda text: read_line(text, 300),
     )
     return replace(wanted, title=title, organisation=organisation, contact=contact, ethics=ethics)
 
 
-def _text(text: str, longest: int) -> str:
-    """Return what was typed, nothing for a dash; `InputError` where it is too long."""
-    if text == "-":
-        return ""
-    if len(text) > longest:
-        raise InputError(f"that is longer than {longest} characters", remedy="Say it shorter")
-    return text
-
-
-def _address(text: str) -> str:
-    """Return a contact; one that reaches nobody is refused, none at all can be filled in later."""
-    if text not in ("", "-") and not reaches_somebody(text):
-        raise InputError(
-            f"{text!r} does not say how to reach anybody",
-            remedy="Give an e-mail address, a page or a telephone number; or nothing for now",
-        )
-    return _text(text, 200)
-
-
+_NOW: Final = Asked("Then", "What now?")
 _WRITE, _LOOK, _CHANGE, _LEAVE = "write", "look", "change", "leave"
 
 _THEN: Final = {
@@ -228,7 +161,7 @@ def agreed(wanted: WantedStudy, where: Path) -> str:
         )
         for line in decided(drafted(plain, where=where), text):
             click.echo(f"  {line}")
-        while (then := choose("Then", "What now?", _THEN, default=_WRITE)) == _LOOK:
+        while (then := choose(_NOW, _THEN, default=_WRITE)) == _LOOK:
             click.echo_via_pager(text)
         if then == _WRITE:
             return text

@@ -204,7 +204,7 @@ def page(template: str, **values: Any) -> str:
     return rendered(f"research/{template}.html", **values)
 
 
-def rendered(file: str, **values: Any) -> str:
+def rendered(file: str, /, **values: Any) -> str:
     """Return what the template `file` makes of `values` and of what all pages show."""
     return render_template(
         file,

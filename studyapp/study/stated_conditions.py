@@ -1,29 +1,38 @@
-"""What `motionjury init` reads of options and answers."""
+"""Conditions of a new study, as options and answers state them."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
-from decimal import Decimal
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, get_args
+
+from pydantic import ValidationError
 
 from generators.registry import generator_names, needs_source, settings_type
 from generators.settings import File, told
 from motion.errors import InputError, listed
 from motion.segment import check_name
-from studyapp.cli.material.generate_command import condition_of
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.recruitment import MONEY, Pay
+from studyapp.study.settings.sections import explain
 
 FILES: Final = "files"
 VIDEOS: Final = "videos"
 
-LONGEST: Final = 240
-"""Minutes that a study may take."""
 
-RECRUITING_SITES: Final = ("prolific", "mturk")
-"""Channels that must be told what participants get and how long it takes."""
+def read_conditions(given: Sequence[str], folder: Path) -> dict[str, Condition] | None:
+    """Return conditions from ``NAME=SOURCE`` each, None where there are none.
+
+    Raises
+    ------
+    InputError
+        As `read_condition`, and where two have the same name.
+    """
+    named = [read_condition(text, folder) for text in given]
+    names = [name for name, _ in named]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
+    return dict(named) or None
 
 
 def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
@@ -114,42 +123,60 @@ def source_of(condition: Condition, folder: Path) -> str:
     return f"{condition.generator}:{of}" if of else condition.generator
 
 
-def read_pay(text: str, channel: str | None) -> Pay | None:
-    """Return what each participant gets from ``AMOUNT CURRENCY``, None for nothing.
+def condition_of(
+    generator: str | None, given: Mapping[str, Any], folder: Path = Path()
+) -> Condition:
+    """Return the condition of a study in `folder` that options describe.
+
+    Parameters
+    ----------
+    generator : str or None
+        Who moves.
+    given : mapping
+        What was said in options of `SettingsCommand`, None where nothing was.
+    folder : Path
+        Files that lie outside it are named by their full path.
 
     Raises
     ------
     InputError
-        If it is not an amount with a currency, or nothing though the channel is a recruiting site.
+        If an option is of another generator, or its value cannot be used.
     """
-    given = "" if text == "-" else text.strip().replace(",", ".")
-    amount, _, currency = given.partition(" ")
-    if re.fullmatch(r"\d+(\.\d)?", amount):
-        amount = f"{Decimal(amount):.2f}"
-    if not re.fullmatch(MONEY, amount):
-        raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
-    if not amount or not Decimal(amount):
-        if channel in RECRUITING_SITES:
-            raise InputError("recruiting sites must be told what participants get")
-        return None
-    currency = currency or ("USD" if channel == "mturk" else "")
-    if not re.fullmatch(r"[A-Za-z]{3}", currency):
+    values: dict[str, Any] = {"generator": generator}
+    said = {name: value for name, value in given.items() if value is not None}
+    for each in () if generator is None else told(settings_type(generator)):
+        value = said.pop(each.option, None)
+        if value is None:
+            continue
+        table = values
+        for key in each.keys[:-1]:
+            table = table.setdefault(key, {})
+        if isinstance(value, Path):
+            value = _named_from(folder, value)
+        elif isinstance(value, str) and value.isdecimal():
+            value = int(value) if int in (each.type, *get_args(each.type)) else value
+        table[each.keys[-1]] = value
+    for option in said:
         raise InputError(
-            f"{currency!r} is not a currency" if currency else "an amount needs a currency",
-            remedy="Give its three letters after the amount, such as 2.50 EUR",
+            f"--{option.replace('_', '-')} is of a learned generator, not of "
+            f"{generator or 'motion that is brought in'}",
+            remedy=f"Leave it out, or give --generator {' or '.join(_takers(option))}",
         )
-    return Pay(amount=amount, currency=currency.upper())
+    try:
+        return Condition.model_validate(values)
+    except ValidationError as error:
+        raise InputError(explain(error), remedy="Correct these options") from None
 
 
-def read_count(most: int, *, what: str) -> Callable[[str], int]:
-    """Return what reads a whole number of `what` from 1 to `most`."""
+def _named_from(folder: Path, path: Path) -> str:
+    """Return how a study in `folder` names a file: from there, or in full where it lies outside."""
+    there, base = path.resolve(), folder.resolve()
+    return str(there.relative_to(base) if there.is_relative_to(base) else there)
 
-    def read(text: str) -> int:
-        if not text.isdecimal() or not 1 <= int(text) <= most:
-            raise InputError(
-                f"{text!r} is not a number of {what}",
-                remedy=f"Give a whole number from 1 to {most}",
-            )
-        return int(text)
 
-    return read
+def _takers(option: str) -> list[str]:
+    return [
+        generator
+        for generator in generator_names()
+        if option in (each.option for each in told(settings_type(generator)))
+    ]

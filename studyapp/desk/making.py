@@ -1,0 +1,194 @@
+"""Making a study: what `motionjury init` asks, as two pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final, cast, get_args
+
+from flask import abort, redirect, request, url_for
+from flask.typing import ResponseReturnValue
+
+from motion.errors import InputError
+from motion.files import write_text
+from studyapp.desk.belonging import own_study
+from studyapp.desk.lab import lab
+from studyapp.desk.page import page
+from studyapp.desk.studies import check_study_name
+from studyapp.researchers.account import Right
+from studyapp.study.folder import StudyFolder
+from studyapp.study.interview import (
+    CHANNELS,
+    LANGUAGES,
+    LONGEST,
+    MOST_PARTICIPANTS,
+    QUESTIONS,
+    STAND_INS,
+    TEMPLATE_WORDS,
+    WITH_REFERENCE,
+    participants_asked,
+    read_address,
+    read_count,
+    read_line,
+    read_pay,
+    reference_asked,
+    require_known_pay,
+    sources,
+)
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.presentation import Language, Video
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.settings.recruitment import Channel
+from studyapp.study.settings.study import Study
+from studyapp.study.stated_conditions import read_conditions
+from studyapp.study.study_file import drafted, template_participants
+from studyapp.study.wanted_study import MOST_TOGETHER, WantedStudy
+from studyapp.web.research.page import researcher
+from studyapp.web.research.pages import Page
+
+AVATARS: Final = get_args(Video.model_fields["avatar"].annotation)
+THE_TEMPLATES: Final = "stand-ins"
+MOST_TRIALS: Final = 500
+LONGEST_QUESTION: Final = 500
+
+
+def choose_template() -> ResponseReturnValue:
+    """Ask what participants do, and in which language they read."""
+    return page(
+        "choose_template", templates=TEMPLATE_WORDS, languages=LANGUAGES, questions=QUESTIONS
+    )
+
+
+def describe_study() -> ResponseReturnValue:
+    """Ask for everything else, with the template's answers in the fields."""
+    return _page({})
+
+
+def make_study() -> ResponseReturnValue:
+    """Make the study, and have the researcher own it."""
+    try:
+        name = check_study_name(request.form.get("name", "").strip())
+        root = lab().folder / name
+        text = drafted(_wanted(name, root), where=StudyFolder(root).definition.name)
+        _make_folder(root)
+        write_text(StudyFolder(root).definition, text)
+    except InputError as error:
+        return _page(request.form.to_dict(), error), 422
+    study = lab().study(name)
+    if study is None:
+        abort(404)
+    own_study(study, researcher())
+    return redirect(url_for("research.study_page", study=name), 303)
+
+
+def _make_folder(root: Path) -> None:
+    try:
+        root.mkdir()
+    except FileExistsError:
+        raise InputError(
+            f"there is a folder {root.name!r} already", remedy="Give the study another name"
+        ) from None
+
+
+def _wanted(name: str, root: Path) -> WantedStudy:
+    """Return what the form asks for."""
+    form = {key: value.strip() for key, value in request.form.items()}
+    template, language = _chosen(form)
+    channel = form.get("channel", "link")
+    if channel not in CHANNELS:
+        abort(400)
+    conditions = None
+    if form.get("conditions") == "own":
+        rows = zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)
+        stated = [f"{who.strip()}={source}" for who, source in rows if who.strip()]
+        conditions = read_conditions(stated, root)
+        if conditions is None:
+            raise InputError("no condition is named", remedy="Name two or more of them")
+    reference = form.get("reference", "")
+    default = _template_study(template, language)
+    words = {each.name: form.get(f"question-{each.name}", "") for each in default.questions}
+    wanted = WantedStudy(
+        name=name,
+        template=template,
+        language=cast(Language, language),
+        conditions=conditions,
+        reference=None if conditions is None or reference in ("", "-") else reference,
+        catch_videos="catch_videos" in form and conditions is not None,
+        trials=_count(form, "trials", MOST_TRIALS),
+        participants=_count(form, "participants", MOST_PARTICIPANTS),
+        channel=cast(Channel, channel),
+        pay=read_pay(form.get("pay", ""), channel),
+        minutes=_count(form, "minutes", LONGEST),
+        title=read_line(form.get("title", ""), 200) or None,
+        organisation=read_line(form.get("organisation", ""), 200),
+        contact=read_address(form.get("contact", "")),
+        ethics=read_line(form.get("ethics", ""), 300),
+        avatar=form.get("avatar") or None,
+        wording={
+            each.name: read_line(words[each.name], LONGEST_QUESTION)
+            for each in default.questions
+            if words[each.name] not in ("", each.text)
+        },
+    )
+    require_known_pay(wanted)
+    return wanted
+
+
+def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
+    given = form.get(key, "")
+    return read_count(most, what=key)(given) if given else None
+
+
+def _chosen(given: Mapping[str, str]) -> tuple[str, str]:
+    template, language = given.get("template", ""), given.get("language", "en")
+    if template not in TEMPLATE_WORDS or language not in LANGUAGES:
+        abort(404)
+    return template, language
+
+
+def _template_study(template: str, language: str) -> Study:
+    wanted = WantedStudy(name="study", template=template, language=cast(Language, language))
+    return parse_text(drafted(wanted, where=template), where=template)
+
+
+def _page(given: Mapping[str, str], problem: InputError | None = None) -> str:
+    template, language = _chosen(given or request.args)
+    default = _template_study(template, language)
+    shown: dict[str, Any] = {
+        "participants": template_participants(template),
+        "trials": default.trials if isinstance(default, PairwiseStudy) else None,
+        "conditions": THE_TEMPLATES,
+        "channel": "link",
+        "avatar": default.video.avatar,
+        "reference": default.reference if isinstance(default, PairwiseStudy) else "",
+    }
+    rows = list(
+        zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)
+    )
+    return page(
+        "describe_study",
+        problem=problem,
+        given=shown | dict(given),
+        rows=rows or [("", "")] * MOST_TOGETHER,
+        template=template,
+        language=language,
+        default=default,
+        asked=QUESTIONS,
+        participants=participants_asked(template),
+        reference=reference_asked(template) if template in WITH_REFERENCE else None,
+        stand_ins=STAND_INS,
+        sources=sources(),
+        channels=CHANNELS,
+        languages=LANGUAGES,
+        avatars=AVATARS,
+        most_participants=MOST_PARTICIPANTS,
+        most_trials=MOST_TRIALS,
+        longest=LONGEST,
+    )
+
+
+PAGES: Final = (
+    Page("GET", "/make", choose_template, Right.STEER),
+    Page("GET", "/make/study", describe_study, Right.STEER),
+    Page("POST", "/make/study", make_study, Right.STEER),
+)

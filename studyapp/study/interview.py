@@ -1,0 +1,228 @@
+"""What is asked of a new study, in a terminal and on a page alike, and how answers are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Final
+
+from generators.registry import generator_names, needs_model
+from motion.errors import InputError
+from studyapp.study.settings.presentation import reaches_somebody
+from studyapp.study.settings.recruitment import MONEY, Pay
+from studyapp.study.stated_conditions import FILES, VIDEOS, source_words
+from studyapp.study.wanted_study import WantedStudy
+
+LONGEST: Final = 240
+"""Minutes that a study may take."""
+
+MOST_PARTICIPANTS: Final = 10_000
+
+RECRUITING_SITES: Final = ("prolific", "mturk")
+"""Channels that must be told what participants get and how long it takes."""
+
+TEMPLATE_WORDS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "pairwise": "two motions of the same speech side by side: which one is preferred? As in "
+        "AMUSE; for few conditions and small differences",
+        "rating": "several motions of one speech on a page, each rated on a scale. As in S2UE; for "
+        "absolute judgements of many conditions",
+        "ranking": "several motions of one speech put in order, beside the recording. As in "
+        "DiffSHEG; for many conditions that plainly differ",
+        "mismatch": "one motion with its own and with another speech: which fits? As in GENEA; "
+        "whether motion follows speech at all",
+        "three-systems": "AMUSE, DiffSHEG and Speech2UnifiedExpressions beside rules, mismatched "
+        "motion and the recording, in pairs; for networks that you have",
+    }
+)
+
+LANGUAGES: Final[Mapping[str, str]] = MappingProxyType(
+    {"en": "English", "de": "German", "ja": "Japanese"}
+)
+
+CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "link": "whoever has the study's address; each who finishes gets a code of their own",
+        "invitations": "people whom you write to; each gets a link of their own",
+        "prolific": "people from Prolific; drafts, places and pay go through its API",
+        "mturk": "workers of Mechanical Turk, if you are a requester there already",
+    }
+)
+
+SOURCES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        FILES: "motion files brought in with 'motionjury import': recordings, a system's output",
+        VIDEOS: "finished videos in videos/NAME/; nothing is rendered",
+        "rule_based": "made here from the speech: beat gestures by rule",
+        "static": "made here: stands still",
+        "mismatched": "another condition's motion for another speech: right in kind, wrong in time",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One question: what is wanted, and what it is for."""
+
+    label: str
+    why: str
+
+
+QUESTIONS: Final[Mapping[str, Asked]] = MappingProxyType(
+    {
+        "template": Asked("Protocol", "What do participants do? Everything else follows from it."),
+        "language": Asked(
+            "Language",
+            "What do participants read in? The pages, the questions and the consent text follow.",
+        ),
+        "conditions": Asked(
+            "Conditions",
+            "Conditions are the systems that are compared. Name your own; or begin with stand-ins "
+            "that are made here, to try everything before your motion is there.",
+        ),
+        "catch_videos": Asked(
+            "Will you bring videos of a broken motion",
+            "Catch trials show a visibly broken motion beside a good one, and tell who does not "
+            "watch. Of finished videos none can be made here: they would lie in "
+            "videos/broken/. Without them the study has attention checks instead.",
+        ),
+        "channel": Asked(
+            "Recruiting",
+            "Where do participants come from? It can be changed while the study runs.",
+        ),
+        "pay": Asked(
+            "Pay",
+            "What does each participant get, as an amount with a currency such as 2.50 EUR? On "
+            "Prolific in that of your account, GBP or USD, on Mechanical Turk in USD. It is told "
+            "to participants, and 'motionjury check' says what an hour pays.",
+        ),
+        "minutes": Asked(
+            "Minutes",
+            "How many minutes does it take? 'motionjury check' reckons it from your videos and "
+            "questions, and says where this is wrong.",
+        ),
+        "title": Asked(
+            "Title",
+            "What do participants see as the study's title? It should not tell what you expect.",
+        ),
+        "organisation": Asked(
+            "Institution", "Who runs the study? Participants read it before they agree."
+        ),
+        "contact": Asked("Contact", "Whom can they ask? An e-mail address that somebody reads."),
+        "ethics": Asked(
+            "Ethics",
+            "Who approved the study? The committee and its number; empty if that is still to come.",
+        ),
+    }
+)
+STAND_INS: Final = (
+    "the template's: rule-based and mismatched motion; of ratings and rankings, still and flawed "
+    "motion too; of three-systems, the three networks too"
+)
+
+
+def participants_asked(template: str) -> Asked:
+    """Return the question for how many take part."""
+    each = "for each comparison with the reference" if template == "pairwise" else "in all"
+    return Asked(
+        "Participants",
+        f"How many take part, {each}? The published studies had as many as stand here; 'motionjury "
+        "plan' says how many a difference needs.",
+    )
+
+
+def reference_asked(template: str) -> Asked:
+    """Return the question for the reference, of templates that have one."""
+    if template == "pairwise":
+        why = "Every other condition is compared with the reference, each by people of its own."
+    else:
+        why = (
+            "The reference is shown apart as a yardstick and not ranked: the real recording. '-' "
+            "for none."
+        )
+    return Asked("Reference", why)
+
+
+WITH_REFERENCE: Final = ("pairwise", "ranking")
+"""Templates whose own conditions may have a reference."""
+
+
+def sources() -> dict[str, str]:
+    """Return where motion comes from, each with what it means; networks come last."""
+    networks = [name for name in generator_names() if needs_model(name)]
+    words = "made here by a network from its weights: type {}"
+    return {**SOURCES, **{name: words.format(source_words(name)) for name in networks}}
+
+
+def require_known_pay(wanted: WantedStudy) -> None:
+    """Raise `InputError` where a recruiting site would not be told what it must be."""
+    if wanted.channel not in RECRUITING_SITES:
+        return
+    missing = [*([] if wanted.pay else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
+    if missing:
+        raise InputError(
+            f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"
+        )
+
+
+def read_pay(text: str, channel: str | None) -> Pay | None:
+    """Return what each participant gets from ``AMOUNT CURRENCY``, None for nothing.
+
+    Raises
+    ------
+    InputError
+        If it is not an amount with a currency, or nothing though the channel is a recruiting site.
+    """
+    given = "" if text == "-" else text.strip().replace(",", ".")
+    amount, _, currency = given.partition(" ")
+    if re.fullmatch(r"\d+(\.\d)?", amount):
+        amount = f"{Decimal(amount):.2f}"
+    if not re.fullmatch(MONEY, amount):
+        raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
+    if not amount or not Decimal(amount):
+        if channel in RECRUITING_SITES:
+            raise InputError("recruiting sites must be told what participants get")
+        return None
+    currency = currency or ("USD" if channel == "mturk" else "")
+    if not re.fullmatch(r"[A-Za-z]{3}", currency):
+        raise InputError(
+            f"{currency!r} is not a currency" if currency else "an amount needs a currency",
+            remedy="Give its three letters after the amount, such as 2.50 EUR",
+        )
+    return Pay(amount=amount, currency=currency.upper())
+
+
+def read_count(most: int, *, what: str) -> Callable[[str], int]:
+    """Return what reads a whole number of `what` from 1 to `most`."""
+
+    def read(text: str) -> int:
+        if not text.isdecimal() or not 1 <= int(text) <= most:
+            raise InputError(
+                f"{text!r} is not a number of {what}",
+                remedy=f"Give a whole number from 1 to {most}",
+            )
+        return int(text)
+
+    return read
+
+
+def read_line(text: str, longest: int) -> str:
+    """Return what was typed, nothing for a dash; `InputError` where it is too long."""
+    if text == "-":
+        return ""
+    if len(text) > longest:
+        raise InputError(f"that is longer than {longest} characters", remedy="Say it shorter")
+    return text
+
+
+def read_address(text: str) -> str:
+    """Return a contact; one that reaches nobody is refused, none at all can be filled in later."""
+    if text not in ("", "-") and not reaches_somebody(text):
+        raise InputError(
+            f"{text!r} does not say how to reach anybody",
+            remedy="Give an e-mail address, a page or a telephone number; or nothing for now",
+        )
+    return read_line(text, 200)

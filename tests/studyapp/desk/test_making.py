@@ -1,0 +1,129 @@
+"""A study made in the browser is the one that `motionjury init` makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from studyapp.cli.main import group
+from studyapp.desk.lab import Lab
+from studyapp.researchers.account import accounts
+from studyapp.study.interview import TEMPLATE_WORDS
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.reading import read_study
+from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+MAKE = "/research/make/study"
+
+
+def filled_in(page: PageReader) -> dict[str, str]:
+    """Return what a browser would send of the form as it comes, without rows of conditions."""
+    form = page.soup.select_one("form.questions")
+    assert form is not None
+    sent = {}
+    for field in form.select("input[name]"):
+        kind = field.get("type")
+        if kind in ("radio", "checkbox") and not field.has_attr("checked"):
+            continue
+        if field["name"] not in ("condition", "source", "form_code"):
+            sent[str(field["name"])] = str(field.get("value", ""))
+    for choice in form.select("select[name]"):
+        (chosen,) = choice.select("option[selected]")
+        sent[str(choice["name"])] = chosen.text
+    return sent
+
+
+@pytest.fixture
+def grace(researcher: Researcher) -> ResearchBrowser:
+    """Return the browser of an analyst of the desk."""
+    researcher("Ada")
+    return researcher("Grace", "analyst")
+
+
+@pytest.mark.parametrize("template", TEMPLATE_WORDS)
+@pytest.mark.parametrize("language", ["en", "ja"])
+def test_the_form_as_it_comes_makes_what_init_makes(
+    lab: Lab, grace: ResearchBrowser, tmp_path: Path, template: str, language: str
+) -> None:
+    fields = filled_in(grace.get(f"{MAKE}?template={template}&language={language}"))
+    answer = grace.post(MAKE, **fields | {"name": "made"})
+    assert answer.status_code == 303, answer.text
+    options = ["--no-ask", "--template", template, "--language", language]
+    CliRunner().invoke(group, ["init", str(tmp_path / "made"), *options], catch_exceptions=False)
+    made, expected = (read_study(root / "made" / "study.toml") for root in (lab.folder, tmp_path))
+    assert made == expected
+    (owner,) = accounts(lab.study("made").database)  # type: ignore[union-attr]
+    assert (owner.name, owner.role) == ("Grace", "owner")
+    assert "made" in grace.get("/research/").text
+
+
+def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBrowser) -> None:
+    fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en")) | {
+        "name": "own",
+        "conditions": "own",
+        "reference": "ground_truth",
+        "trials": "12",
+        "participants": "7",
+        "avatar": "maya",
+        "pay": "2.50 GBP",
+        "minutes": "15",
+        "channel": "prolific",
+        "contact": "lab@example.org",
+        "question-synchronisation": 'Which gestures "fit" better?',
+    }
+    code = grace.code()
+    rows = [("ground_truth", "files"), ("ours", "files"), ("chance", "mismatched:ground_truth")]
+    data: dict[str, str | list[str]] = {
+        **fields,
+        "form_code": code,
+        "condition": [*(name for name, _ in rows), ""],
+        "source": [*(source for _, source in rows), "files"],
+    }
+    assert grace.client.post(MAKE, data=data).status_code == 303
+    study = read_study(lab.folder / "own" / "study.toml")
+    assert isinstance(study, PairwiseStudy)
+    assert list(study.conditions) == ["ground_truth", "ours", "chance"]
+    assert (study.reference, study.trials, study.video.avatar) == ("ground_truth", 12, "maya")
+    assert study.questions[0].text == 'Which gestures "fit" better?'
+    assert study.recruitment.channel == "prolific"
+    assert study.page.contact == "lab@example.org"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"name": "../elsewhere"}, "cannot be called"),
+        ({"name": "research"}, "cannot be called"),
+        ({"name": "tiny"}, "already"),
+        ({"trials": "many"}, "not a number"),
+        ({"contact": "me"}, "how to reach"),
+        ({"channel": "prolific"}, "must be told"),
+        ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
+        ({"conditions": "own"}, "no condition is named"),
+        ({"avatar": "nobody"}, "avatar"),
+    ],
+)
+def test_what_is_wrong_is_said_and_nothing_is_made(
+    lab: Lab, grace: ResearchBrowser, wrong: dict[str, str], said: str
+) -> None:
+    before = {each.name for each in lab.folder.iterdir()}
+    fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en"))
+    answer = grace.post(MAKE, **fields | {"name": "new", "title": "Kept title"} | wrong)
+    assert answer.status_code == 422
+    problem = PageReader(answer.text).soup.select_one(".problem")
+    assert problem is not None
+    assert said in problem.text.lower()
+    assert "Kept title" in answer.text
+    assert {each.name for each in lab.folder.iterdir()} == before
+
+
+def test_viewers_of_the_desk_make_no_studies(researcher: Researcher) -> None:
+    researcher("Ada")
+    mary = researcher("Mary", "viewer")
+    for page in ("/research/make", f"{MAKE}?template=pairwise"):
+        mary.get(page, 403)
+    assert mary.post(MAKE, name="mine", template="pairwise", language="en").status_code == 403
