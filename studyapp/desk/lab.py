@@ -38,7 +38,7 @@ class Lab:
     origin: str = ""
     kind: Literal["study", "desk"] = field(default="desk", init=False)
     desk: Desk | None = field(default=None, init=False)
-    _known: dict[str, LabStudy] = field(default_factory=dict, init=False, repr=False)
+    _known: dict[tuple[str, int], LabStudy] = field(default_factory=dict, init=False, repr=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
     @property
@@ -57,12 +57,13 @@ class Lab:
             return None
         if not StudyFolder(self.folder / name).definition.is_file():
             return None
+        root = self.folder / name
+        # Another folder of the same name is another study.
+        key = (name, root.stat().st_ino)
         with self._lock:
-            if name not in self._known:
-                self._known[name] = LabStudy(
-                    self.folder / name, self.database, self.clock, self.origin
-                )
-            return self._known[name]
+            if key not in self._known:
+                self._known[key] = LabStudy(root, self.database, self.clock, self.origin)
+            return self._known[key]
 
     def studies(self) -> list[LabStudy]:
         """Return all studies, by name."""

@@ -160,7 +160,6 @@ def _page(given: Mapping[str, str], problem: InputError | None = None) -> str:
         "conditions": THE_TEMPLATES,
         "channel": "link",
         "avatar": default.video.avatar,
-        "reference": default.reference if isinstance(default, PairwiseStudy) else "",
     }
     rows = list(
         zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)

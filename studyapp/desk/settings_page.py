@@ -5,7 +5,8 @@ from __future__ import annotations
 import difflib
 import re
 from contextlib import suppress
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Self
 
 from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
@@ -33,6 +34,34 @@ class NewVersionError(InputError):
             remedy="Undo that, or save it as a new version: earlier answers are kept apart, and "
             "unfinished participants of what has changed cannot go on",
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Finding:
+    """Something that is wrong with the text, before and after the words ``line 3``.
+
+    Attributes
+    ----------
+    number : int
+        The line's; 0 where there is none.
+    line : str
+        What stands there.
+    """
+
+    before: str
+    after: str = ""
+    number: int = 0
+    line: str = ""
+
+    @classmethod
+    def of(cls, said: str, lines: list[str]) -> Self:
+        """Return what an error says of `lines`."""
+        found = LINE.search(said)
+        number = int(found[1]) if found else 0
+        if found is None or not 1 <= number <= len(lines):
+            return cls(before=said)
+        before, after = said[: found.start()], said[found.end() :]
+        return cls(before=before, after=after, number=number, line=lines[number - 1])
 
 
 def settings(study: OpenedStudy) -> ResponseReturnValue:
@@ -98,14 +127,14 @@ def _page(
     other: str = "",
 ) -> str:
     lines = text.split("\n")
-    said_of_it = problem.what.split("; ") if problem else []
+    findings = [_Finding.of(said, lines) for said in problem.what.split("; ")] if problem else []
     return page(
         "settings",
         study=study,
         text=text,
         seen=seen,
         problem=problem,
-        findings=[_finding(said, lines) for said in said_of_it],
+        findings=sorted(findings, key=lambda each: each.number),
         difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
         if other
         else [],
@@ -114,13 +143,6 @@ def _page(
         changeable=changeable_keys(),
         saved="saved" in request.args,
     )
-
-
-def _finding(said: str, lines: list[str]) -> tuple[str, int | None, str]:
-    """Return what is wrong, in which line, and what stands there."""
-    found = LINE.search(said)
-    number = int(found[1]) if found and int(found[1]) <= len(lines) else None
-    return said, number, lines[number - 1] if number else ""
 
 
 PAGES: Final = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import threading
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -33,6 +34,12 @@ RESERVED: Final = ("healthz", "research", "static")
 
 PAGE: Final = "/research/studies/{name}/"
 """A study's page at the desk."""
+
+QUICK: Final = 0.2
+"""Seconds; a study that takes longer to be read is not read again and again while it changes."""
+
+RESTS: Final = 20
+"""How many times as long as reading took it is not read again then."""
 
 State = Literal["being made", "changed", "ready", "running", "paused", "closed", "done"]
 
@@ -87,6 +94,7 @@ class LabStudy:
         self._served: ServedStudy | None = None
         self._problem: InputError | None = None
         self._awaits_new_version = False
+        self._not_before = 0.0
 
     @property
     def database(self) -> Database:
@@ -148,8 +156,8 @@ class LabStudy:
     def _look(self) -> None:
         """Read the study anew where its files have changed."""
         with self._lock:
-            found = self._stamp()
-            if found == self._seen:
+            began = time.monotonic()
+            if began < self._not_before or (found := self._stamp()) == self._seen:
                 return
             self._seen, self._awaits_new_version = found, False
             try:
@@ -161,6 +169,11 @@ class LabStudy:
                 self._served, self._problem = served, None
             except InputError as error:
                 self._problem = error
+            except OSError as error:
+                self._problem = InputError(f"a file cannot be read ({error})")
+            spent = time.monotonic() - began
+            # While videos are rendered, what they are changes all the time.
+            self._not_before = began + (RESTS * spent if spent > QUICK else 0)
 
     def _made(self, served: ServedStudy) -> Flask:
         return create_app(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 from flask import Flask
 
 from studyapp.desk.lab import Lab
@@ -160,3 +162,17 @@ def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
     assert arrived.status_code == 200
     assert participant.get("/none/").status_code == 404
     assert participant.get("/tiny").status_code == 308
+
+
+def test_another_study_in_place_of_one_is_another_study(
+    lab: Lab, desk: Flask, researcher: Researcher
+) -> None:
+    ada = owner_of_tiny(researcher)
+    ada.post(f"{TINY}open")
+    ada.get(INSIDE)
+    (lab.folder / "tiny").rename(lab.folder / "before")
+    shutil.copytree(lab.folder / "before", lab.folder / "tiny")
+    (lab.folder / "tiny" / "responses.db").unlink()
+    ada.get(TINY, 404)
+    assert ada.client.get(INSIDE).status_code == 303
+    ada.get("/research/studies/before/")
