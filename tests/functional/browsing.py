@@ -70,6 +70,26 @@ def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Itera
 
 
 @contextmanager
+def commanded(command: str, folder: Path) -> Iterator[tuple[str, str]]:
+    """Run `motionjury serve` or `desk`; give the address, and the first owner's link it prints."""
+    port = free_port()
+    motionjury = str(Path(sys.executable).with_name("motionjury"))
+    started = [motionjury, command, str(folder), "--port", str(port)]
+    with subprocess.Popen(started, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            said = ""
+            while "/research/join/" not in said:
+                said = server.stdout.readline()
+                assert said, "the server ended before it printed a link"
+            (link,) = re.findall(r"http\S+/research/join/\S+", said)
+            yield f"http://127.0.0.1:{port}", link
+        finally:
+            server.send_signal(signal.SIGTERM)
+            server.wait(timeout=PATIENCE_MS / 1000)
+
+
+@contextmanager
 def launched(*arguments: str) -> Iterator[Browser]:
     """Give a browser that nobody else uses, started with `arguments` besides the usual ones."""
     with sync_playwright() as playwright:
@@ -81,8 +101,14 @@ def launched(*arguments: str) -> Iterator[Browser]:
 
 
 @contextmanager
-def watched_page(browser: Browser, address: str) -> Iterator[Page]:
-    """Give an empty page that may ask nobody but the study, and must not complain."""
+def watched_page(browser: Browser, address: str, *, refused: int = 0) -> Iterator[Page]:
+    """Give an empty page that may ask nobody but the study, and must not complain.
+
+    Parameters
+    ----------
+    refused : int
+        A status with which the server is to answer something; browsers complain about it.
+    """
     context = browser.new_context(viewport=LAPTOP)
     context.set_default_timeout(PATIENCE_MS)
     opened = context.new_page()
@@ -101,7 +127,8 @@ def watched_page(browser: Browser, address: str) -> Iterator[Page]:
     opened.unroute_all(behavior="ignoreErrors")
     context.close()
     assert strangers == []
-    assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+    expected = ("ERR_INTERNET_DISCONNECTED", f"status of {refused} ")
+    assert [c for c in complaints if not any(words in c for words in expected)] == []
 
 
 def follow(link: Locator) -> None:

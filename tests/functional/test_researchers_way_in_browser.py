@@ -6,12 +6,9 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 from __future__ import annotations
 
 import json
-import re
-import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import httpx
@@ -19,9 +16,8 @@ import pandas as pd
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from studyapp.rehearsal.server import free_port
 from tests.functional.arriving_crowd import arriving_crowd
-from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
+from tests.functional.browsing import IN_A_BROWSER, commanded, follow, watched_page
 from tests.functional.joining import NAME, join
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 from tests.functional.redefining import redefine
@@ -67,25 +63,6 @@ def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tiny_study
 
 
-@contextmanager
-def launched_study(study: Path) -> Iterator[tuple[str, str]]:
-    """Run `motionjury serve`; give the address, and the link for the first owner that it prints."""
-    port = free_port()
-    command = [MOTIONJURY, "serve", str(study), "--port", str(port)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        try:
-            said = ""
-            while "/research/join/" not in said:
-                said = server.stdout.readline()
-                assert said, "the server ended before it printed a link"
-            (link,) = re.findall(r"http\S+/research/join/\S+", said)
-            yield f"http://127.0.0.1:{port}", link
-        finally:
-            server.send_signal(signal.SIGTERM)
-            server.wait(timeout=SLOW_SECONDS)
-
-
 def export(study: Path) -> pd.DataFrame:
     """Run `motionjury export`, and return the participants it tells of."""
     done = subprocess.run(
@@ -115,7 +92,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
 ) -> None:
     found: dict[str, list[str]] = {}
     with (
-        launched_study(study) as (address, link),
+        commanded("serve", study) as (address, link),
         watched_page(browser, address) as page,
     ):
         page.on("dialog", lambda _: pytest.fail("what a participant wrote was run"))
