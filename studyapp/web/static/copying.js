@@ -1,4 +1,4 @@
-/* Links written out whole, each with a button that copies it. */
+/* Links in full, each with a button that copies it. */
 
 for (const copied of document.querySelectorAll(".copied")) {
   const [link, button] = [copied.querySelector("a"), copied.querySelector("button")];
