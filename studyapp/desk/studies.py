@@ -95,6 +95,8 @@ class LabStudy:
         self._problem: InputError | None = None
         self._awaits_new_version = False
         self._not_before = 0.0
+        self._videos_written: tuple[int, int] | None = None
+        self._videos_in: list[Path] = []
 
     @property
     def database(self) -> Database:
@@ -187,15 +189,19 @@ class LabStudy:
 
     def _stamp(self) -> tuple[tuple[int, int], ...]:
         """Return what changes with the files that say what is served."""
-        videos = self.folder.videos
-        looked_at = [
+        files = (
             self.folder.definition,
             self.folder.stimuli,
             self.folder.speech / "segments.csv",
-            videos,
-            *(sorted(videos.iterdir()) if videos.is_dir() else ()),
-        ]
-        return tuple(_written(path) for path in looked_at)
+            self.folder.videos,
+        )
+        stamps = tuple(map(_written, files))
+        if stamps[-1] != self._videos_written:
+            # There may be thousands of videos, and every request comes by here.
+            inside = sorted(self.folder.videos.iterdir()) if self.folder.videos.is_dir() else ()
+            self._videos_in = [each for each in inside if each.is_dir()]
+            self._videos_written = stamps[-1]
+        return (*stamps, *map(_written, self._videos_in))
 
 
 def _written(path: Path) -> tuple[int, int]:

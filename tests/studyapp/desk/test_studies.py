@@ -1,0 +1,91 @@
+"""What is served of a desk's studies follows their files."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from studyapp.desk.lab import Lab
+from studyapp.desk.studies import LabStudy
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
+from tests.functional.redefining import redefine
+from tests.studyapp.test_server import HEAVY
+
+AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
+
+
+@pytest.fixture
+def tiny(lab: Lab) -> LabStudy:
+    found = lab.study("tiny")
+    assert found is not None
+    return found
+
+
+def asked(study: LabStudy) -> str:
+    served = study.served()
+    assert served is not None
+    return served.study.questions[0].text
+
+
+def test_a_desk_loads_nothing_heavy() -> None:
+    code = "import json, sys, studyapp.desk.server; print(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert set(HEAVY) & set(json.loads(done.stdout)) == set()
+
+
+def test_a_study_is_being_made_until_its_videos_are_there(tiny: LabStudy) -> None:
+    video = tiny.folder.videos / "pairs" / "003.mp4"
+    away = tiny.folder.root / "003.mp4"
+    video.rename(away)
+    assert tiny.standing().state == "being made"
+    assert tiny.application() is None
+    away.rename(video)
+    assert tiny.standing().state == "ready"
+    assert tiny.application() is not None
+
+
+def test_a_change_that_nobody_has_seen_is_served_at_once(tiny: LabStudy) -> None:
+    before = tiny.application()
+    redefine(tiny.folder.root, AGAIN)
+    assert asked(tiny).endswith("follow the speech better?")
+    assert tiny.application() is not before
+
+
+def test_participants_go_on_with_what_was_there_when_a_file_is_wrong(tiny: LabStudy) -> None:
+    before = tiny.application()
+    redefine(tiny.folder.root, ("trials = 4", "trails = 4"))
+    assert tiny.application() is before
+    assert tiny.problem is not None
+    assert tiny.standing().state == "ready"
+    redefine(tiny.folder.root, ("trails = 4", "trials = 4"))
+    assert tiny.problem is None
+
+
+def test_another_process_waits_for_a_new_version_and_then_serves_it(
+    lab: Lab, tiny: LabStudy
+) -> None:
+    served = tiny.served()
+    assert served is not None
+    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
+    other = LabStudy(tiny.folder.root, lab.database, lab.clock, "")
+    redefine(tiny.folder.root, AGAIN)
+    assert asked(tiny).endswith("rhythm of the speech better?")
+    assert other.standing().state == "changed"
+    assert other.application() is None
+    tiny.begin_new_version()
+    for study in (tiny, other):
+        assert asked(study).endswith("follow the speech better?")
+        assert study.problem is None
+
+
+def test_only_folders_of_studies_with_plain_names_are_studies(lab: Lab, tiny: LabStudy) -> None:
+    for name in ("research", "static", "with space", ".hidden", "dot.ted"):
+        (lab.folder / name).mkdir()
+        (lab.folder / name / "study.toml").write_bytes(tiny.folder.definition.read_bytes())
+    (lab.folder / "empty").mkdir()
+    assert [each.name for each in lab.studies()] == ["tiny"]
+    assert lab.study("../lab/tiny") is None
