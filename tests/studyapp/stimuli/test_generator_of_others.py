@@ -175,7 +175,7 @@ def test_check_says_what_a_condition_tells_it_wrongly(
     refusal = run("check", folder.root)
     assert refusal.exit_code == 1
     told = " ".join(refusal.output.split())
-    assert f"study.toml: conditions.ours.{said}." in told
+    assert f"study.toml: conditions.ours.{said} (line " in told
 
 
 def test_the_command_line_moves_by_it(speech: Path, weights: Path, tmp_path: Path) -> None:
