@@ -1,19 +1,16 @@
-"""Models of pairwise preferences: Bradley-Terry with ties by Davidson or by Rao and Kupper."""
+"""Bradley-Terry strengths from pairwise preferences, with ties by Davidson."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
-from analysis.stats.choices import ChoiceFit, Choices, Situation, fit_choices, sandwiches
-from analysis.stats.ordinal.links import interval
-from analysis.stats.ordinal.maximum import second_derivatives
+from analysis.stats.choices import ChoiceFit, Choices, Situation, fit_choices
 from analysis.stats.strength_differences import deviations
 from analysis.stats.strengths import Links, Strengths, centring, fitted, links, unknown
 from motion.errors import InputError
@@ -105,9 +102,6 @@ class Votes:
         return int(np.count_nonzero(np.bincount(self.tallies[0])))
 
 
-Ties = Literal["davidson", "half"]
-
-
 @dataclass(frozen=True, kw_only=True)
 class BradleyTerry(Strengths):
     """Strengths of conditions that were compared in pairs.
@@ -115,7 +109,7 @@ class BradleyTerry(Strengths):
     Attributes
     ----------
     tie : float or None
-        Davidson's log nu: how likely ties are among equals; None where ties are halved.
+        Davidson's log nu: how likely ties are among equals; None where there is no tie.
     tie_error : float
         Its clustered standard error; NaN where there is none.
     left : float or None
@@ -130,7 +124,7 @@ class BradleyTerry(Strengths):
     left_error: float = math.nan
 
 
-def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -> BradleyTerry:
+def bradley_terry(votes: Votes, *, left: bool = True) -> BradleyTerry:
     """Fit Bradley-Terry strengths.
 
     With strengths p and a left advantage g, the left one is preferred, tied with, or worse than
@@ -141,17 +135,15 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
     ----------
     votes : Votes
         Who preferred what to what.
-    ties : {'davidson', 'half'}
-        Model ties, or give half a vote to each side and model wins alone.
     left : bool
         Whether the left side may have an advantage.
     """
-    count, modelled = len(votes.conditions), ties == "davidson"
+    count = len(votes.conditions)
     linked = links(votes.beats, votes.conditions)
     if reason := linked.apart if len(votes.left) else "no answers":
-        return without_strengths(votes, reason)
+        return _without_strengths(votes, reason)
     # Without any tie their frequency has no estimate; the model without it is the same.
-    modelled = modelled and bool(votes.table[..., 1].any())
+    modelled = bool(votes.table[..., 1].any())
     shown = votes.table.sum(axis=2).ravel() > 0
     pairs, place = np.flatnonzero(shown), np.cumsum(shown) - 1
     situations = tuple(
@@ -169,9 +161,9 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
         _prior(count, modelled, left) if linked.swept else None,
     )
     if votes.segment is None:
-        return centred(votes, fit, None, linked, modelled, left)
+        return _centred(votes, fit, None, linked, modelled, left)
     kind = 3 * place[votes.left * count + votes.right] + 1 - votes.outcome
-    return centred(votes, fit, kind, linked, modelled, left)
+    return _centred(votes, fit, kind, linked, modelled, left)
 
 
 def _prior(count: int, modelled: bool, left: bool) -> Floats:
@@ -198,7 +190,7 @@ def _situation(first: int, second: int, count: int, modelled: bool, left: bool) 
     return Situation(features=np.stack([wins[0], tie, wins[1]]), ways=np.eye(3))
 
 
-def centred(
+def _centred(
     votes: Votes, fit: ChoiceFit, kind: Codes | None, linked: Links, modelled: bool, left: bool
 ) -> BradleyTerry:
     """Return strengths that add up to zero from those relative to the first condition.
@@ -226,7 +218,7 @@ def centred(
     )
 
 
-def without_strengths(votes: Votes, reason: str) -> BradleyTerry:
+def _without_strengths(votes: Votes, reason: str) -> BradleyTerry:
     """Return a result without strengths, which says why there are none."""
     return BradleyTerry(
         conditions=votes.conditions,
@@ -235,84 +227,3 @@ def without_strengths(votes: Votes, reason: str) -> BradleyTerry:
         participants=votes.participants,
         reason=reason,
     )
-
-
-def rao_kupper(votes: Votes, *, left: bool = True) -> BradleyTerry:
-    """Fit Bradley-Terry strengths with Rao & Kupper's (1967) ties.
-
-    With strengths p and a threshold theta > 1, one condition beats another with probability
-    p / (p + theta p_other): the logistic difference of log strengths must be above log theta.
-
-    Returns
-    -------
-    BradleyTerry
-        `tie` is log theta.
-    """
-    linked = links(votes.beats, votes.conditions)
-    reason = (linked.apart or linked.swept) if len(votes.left) else "no answers"
-    if not reason and not (votes.outcome == 0).any():
-        reason = "there is no tie, so that the size of an unseen difference has no estimate"
-    if reason:
-        return without_strengths(votes, reason)
-    count = len(votes.conditions)
-    cells, cell = np.unique(
-        (votes.left * count + votes.right) * 3 + (1 - votes.outcome), return_inverse=True
-    )
-    design = _design(cells, count, left)
-    counts = np.bincount(cell, minlength=len(cells)).astype(np.float64)
-
-    def descent(parameters: Floats) -> tuple[float, Floats]:
-        logs, scores = _cells(cells % 3, design, parameters, count)
-        return -float(counts @ logs) / len(cell), -(counts @ scores) / len(cell)
-
-    start = np.zeros(design.shape[1])
-    start[count - 1] = np.log(0.4)
-    found = minimize(descent, start, jac=True, method="BFGS", options={"gtol": 1e-9})
-    parameters = np.asarray(found.x, np.float64)
-    hessian = len(cell) * second_derivatives(lambda at: descent(at)[1], parameters)
-    _, scores = _cells(cells % 3, design, parameters, count)
-    bread = np.asarray(np.linalg.inv(hessian), np.float64)
-    robust, clustered = sandwiches(bread, scores, cell.astype(np.intp), votes.participant)
-    # The threshold was found by its logarithm; it is reported itself.
-    turn = np.ones(len(parameters))
-    turn[count - 1] = np.exp(parameters[count - 1])
-    scale = np.outer(turn, turn)
-    parameters[count - 1] = turn[count - 1]
-    fit = ChoiceFit(
-        estimates=parameters,
-        by_model=scale * bread,
-        robust=scale * robust,
-        clustered=scale * clustered,
-        influences=turn * (scores @ bread),
-        situation=(cells // 3).astype(np.intp),
-        log_likelihood=-float(found.fun) * len(cell),
-        choices=len(cell),
-        clusters=int(votes.participant.max()) + 1,
-        converged=bool(np.abs(found.jac).max() < 1e-6),
-    )
-    return centred(votes, fit, cell.astype(np.intp), linked, modelled=True, left=left)
-
-
-def _design(cells: NDArray[np.intp], count: int, left: bool) -> Floats:
-    """Return what each parameter adds to left minus right; nothing for the threshold."""
-    pairs = cells // 3
-    strengths = np.eye(count)
-    difference = strengths[pairs // count] - strengths[pairs % count]
-    columns = [difference[:, 1:], np.zeros((len(cells), 1))]
-    return np.concatenate([*columns, np.ones((len(cells), 1))] if left else columns, axis=1)
-
-
-def _cells(
-    outcome: NDArray[np.intp], design: Floats, parameters: Floats, count: int
-) -> tuple[Floats, Floats]:
-    """Return each cell's log probability and its gradient; outcomes are left, tie and right."""
-    threshold = np.exp(parameters[count - 1])
-    difference = design @ parameters
-    lower = np.choose(outcome, [threshold, -threshold, -np.inf]) - difference
-    upper = np.choose(outcome, [np.inf, threshold, -threshold]) - difference
-    ends = interval(lower, upper, "logit")
-    upper, lower = ends.by_upper[0], ends.by_lower[0]
-    scores = ends.slope[:, None] * design
-    by_threshold = np.choose(outcome, [lower, upper - lower, -upper])
-    scores[:, count - 1] = by_threshold * threshold
-    return ends.log_probability, scores

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,8 +75,6 @@ def sign_test(values: Floats) -> SignTest:
     )
 
 
-Zeros = Literal["dropped", "pratt"]
-
 EXACT: Final = 300
 """Up to so many values the distribution is counted out; beyond, it is taken for normal."""
 
@@ -144,19 +142,17 @@ class SignedRank:
     remark: str = ""
 
 
-def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
+def signed_rank(values: Floats) -> SignedRank:
     """Test whether `values` are symmetric around zero (Wilcoxon 1945).
 
     The distribution is that of all signs that the values could have, each with the ranks that
     they have: ties share the mean of their ranks, and the sums of doubled ranks are counted. So
-    the p value is exact with ties too.
+    the p value is exact with ties too. Values of zero are left out before ranking.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         One per independent unit: participants' means, not single answers.
-    zeros : {'dropped', 'pratt'}
-        Values of zero are left out before ranking (Wilcoxon), or after it (Pratt 1959).
     """
     values = finite(values)
     size = np.abs(values)
@@ -169,15 +165,13 @@ def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
     unknown = replace(unknown, estimate=estimate, low=low, high=high, remark=remark)
     if not nonzero.any():
         return replace(unknown, reason="all values are zero")
-    ranks = tied_ranks(size[nonzero]) if zeros == "dropped" else tied_ranks(size)[nonzero]
+    ranks = tied_ranks(size[nonzero])
     positive = values[nonzero] > 0
     total, above = ranks.sum(), ranks[positive].sum()
     deviation = math.sqrt(ranks @ ranks) / 2
     normal = float(2 * stats.norm.sf(abs(above - total / 2) / deviation))
     counted = len(ranks) <= EXACT
-    treatment = (
-        "no zeros" if nonzero.all() else "zeros dropped" if zeros == "dropped" else "Pratt's zeros"
-    )
+    treatment = "no zeros" if nonzero.all() else "zeros dropped"
     return replace(
         unknown,
         rank_biserial=float((2 * above - total) / total),

@@ -9,7 +9,7 @@ from scipy import stats
 from statsmodels.discrete.discrete_model import Logit
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
-from analysis.stats.bradley_terry import Votes, bradley_terry, rao_kupper
+from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
 from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
@@ -94,16 +94,6 @@ def test_there_are_none_with_one_participant_or_unknown_segments() -> None:
     assert found.two_way is None
     assert np.isnan(found.errors_two_way).all()
     assert bradley_terry(replace(votes, segment=None)).two_way is None
-
-
-def test_ties_as_unseen_differences_have_them_too() -> None:
-    votes = made_votes()
-    outcome = np.where(np.arange(len(votes.left)) % 5 == 0, 0, votes.outcome)
-
-    found = rao_kupper(replace(votes, outcome=outcome))
-    davidson = bradley_terry(replace(votes, outcome=outcome))
-
-    assert found.errors_two_way == pytest.approx(davidson.errors_two_way, rel=0.2)
 
 
 def test_rankings_of_two_conditions_are_votes() -> None:
