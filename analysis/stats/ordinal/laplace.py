@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.stats.ordinal.crossed import Information, Layout
-from analysis.stats.ordinal.links import Interval, Link, Thresholds, interval
+from analysis.stats.ordinal.links import Interval, Thresholds
 
 Floats = NDArray[np.float64]
 
@@ -47,8 +47,6 @@ class Answers:
         Groups of the random effects, the largest grouping first; None where there are none.
     multipliers : tuple of ndarray, shape (N,)
         For each grouping, what an answer's random effect is multiplied with.
-    link : {'logit', 'probit'}
-        Distribution of the noise.
     """
 
     codes: NDArray[np.intp]
@@ -56,7 +54,6 @@ class Answers:
     fixed: Floats
     layout: Layout | None
     multipliers: tuple[Floats, ...]
-    link: Link = "logit"
 
     @property
     def terms(self) -> int:
@@ -128,7 +125,7 @@ def _at(answers: Answers, parameters: Floats, random: Floats | float) -> Interva
     eta = answers.fixed @ effects + random
     lower = np.append(-np.inf, thresholds)[answers.codes] - eta
     upper = np.append(thresholds, np.inf)[answers.codes] - eta
-    return interval(lower, upper, answers.link)
+    return Interval(lower, upper)
 
 
 def _fixed_only(answers: Answers, parameters: Floats) -> Likelihood:

@@ -14,7 +14,7 @@ from scipy import stats
 
 from analysis.stats.ordinal.crossed import Layout
 from analysis.stats.ordinal.laplace import Answers, Likelihood
-from analysis.stats.ordinal.links import Link, Structure, Thresholds
+from analysis.stats.ordinal.links import Thresholds
 from analysis.stats.ordinal.maximum import (
     BOUNDARY,
     LARGEST,
@@ -77,8 +77,6 @@ class OrdinalFit:
         Whether a maximum was reached.
     boundary : tuple of str
         Random effects whose standard deviation is zero: the model is the one without them.
-    link, structure : str
-        See `fit`.
     remark : str
         Why the result must not be used, or what limits it; empty where nothing does.
     """
@@ -95,8 +93,6 @@ class OrdinalFit:
     groups: Mapping[str, int]
     converged: bool
     boundary: tuple[str, ...]
-    link: Link
-    structure: Structure
     remark: str
 
     def wald_p(self, name: str) -> float:
@@ -112,15 +108,13 @@ def fit(
     covariates: Mapping[str, Sequence[float] | Floats],
     random: Sequence[RandomEffect] = (),
     *,
-    link: Link = "logit",
-    structure: Structure = "flexible",
     errors: bool = True,
     begin: Beginning | None = None,
 ) -> OrdinalFit:
     """Fit a cumulative link mixed model by Laplace's approximation.
 
-    P(answer <= k) = F(threshold_k - eta), eta = covariates' effects + one random effect for each
-    grouping, normal and independent (Agresti 2010; Christensen, `ordinal` for R).
+    P(answer <= k) = logistic(threshold_k - eta), eta = covariates' effects + one random effect for
+    each grouping, normal and independent (Agresti 2010; Christensen, `ordinal` for R).
 
     Parameters
     ----------
@@ -130,10 +124,6 @@ def fit(
         Fixed effects, without an intercept.
     random : sequence of RandomEffect
         Crossed random effects.
-    link : {'logit', 'probit'}
-        Distribution of the noise.
-    structure : {'flexible', 'symmetric', 'symmetric around zero'}
-        See `Thresholds`.
     errors : bool
         Whether standard errors are wanted. A model that only another is compared with needs none,
         and is fitted in half the time.
@@ -145,7 +135,7 @@ def fit(
     InputError
         If there are no answers, all are alike, or the covariates say the same twice.
     """
-    data, ordered = _data(answers, covariates, random, link, structure)
+    data, ordered = _data(answers, covariates, random)
     return _result(data, list(covariates), ordered, *maximum(data, curved=errors, begin=begin))
 
 
@@ -163,7 +153,7 @@ def beginning_of(
     Parameters
     ----------
     answers, covariates, random
-        As of `fit`; the link is logit, thresholds are flexible.
+        As of `fit`.
     thresholds, effects, deviations
         About what is to be found: of neighbouring answers, of the covariates in order, and of
         random effects by name.
@@ -173,7 +163,7 @@ def beginning_of(
     ValueError
         If there are not as many thresholds as `answers` need.
     """
-    data, ordered = _data(answers, covariates, random, "logit", "flexible")
+    data, ordered = _data(answers, covariates, random)
     if len(thresholds) != data.thresholds.categories - 1:
         raise ValueError("there is one threshold between every two neighbouring answers")
     own = data.thresholds.parameters(np.asarray(thresholds, np.float64))
@@ -185,8 +175,6 @@ def _data(
     answers: Sequence[int] | NDArray[np.integer],
     covariates: Mapping[str, Sequence[float] | Floats],
     random: Sequence[RandomEffect],
-    link: Link,
-    structure: Structure,
 ) -> tuple[Answers, list[RandomEffect]]:
     """Return what is fitted as numbers, and the random effects, the largest first."""
     categories, codes = np.unique(np.asarray(answers), return_inverse=True)
@@ -205,14 +193,13 @@ def _data(
     ordered = sorted(random, key=lambda effect: -len(np.unique(effect.groups)))
     data = Answers(
         codes=codes.astype(np.intp),
-        thresholds=Thresholds(len(categories), structure),
+        thresholds=Thresholds(len(categories)),
         fixed=fixed,
         layout=_layout(ordered),
         multipliers=tuple(
             np.ones(len(codes)) if effect.multiplier is None else effect.multiplier
             for effect in ordered
         ),
-        link=link,
     )
     return data, ordered
 
@@ -287,8 +274,6 @@ def _result(
         groups={e.name: size for e, size in zip(random, sizes, strict=True)},
         converged=converged and not separated and not parted,
         boundary=zero,
-        link=answers.link,
-        structure=answers.thresholds.structure,
         remark=_remark(
             converged,
             # Effects grow with the variance between groups where that is what diverges.
