@@ -191,3 +191,71 @@ def forecast(
                 return Forecast(at=None, reason="at this rate it takes longer than a year")
             return Forecast(at=now + left)
     return Forecast(at=None, reason="too few have finished lately to tell when it is done")
+
+
+POINTS: Final = 200
+"""Moments at which a curve of completions may rise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completions:
+    """Places done over time, as points of a drawing.
+
+    Attributes
+    ----------
+    since, until : datetime
+        Ends of the time axis: the first participant, and now or when all will be done.
+    done : tuple of (float, float)
+        Time and places, each as a share of its axis in [0, 1]; a staircase.
+    expected : tuple of (float, float)
+        The straight line from now to the projected end; empty where there is none.
+    """
+
+    since: datetime
+    until: datetime
+    done: tuple[tuple[float, float], ...]
+    expected: tuple[tuple[float, float], ...]
+
+
+def completions(
+    finished: Sequence[datetime],
+    wanted: int,
+    began: datetime | None,
+    end: datetime | None,
+    now: datetime,
+) -> Completions | None:
+    """Return how the places became done; None where none is.
+
+    Parameters
+    ----------
+    finished : sequence of datetime
+        When each place that is done was, in any order.
+    wanted : int
+        Places.
+    began : datetime or None
+        When the first participant came.
+    end : datetime or None
+        When the last place will be done, where that can be told.
+    """
+    if began is None or not finished:
+        return None
+    # Nothing happens any more where all are done.
+    until = end or (max(finished) if len(finished) >= wanted else now)
+    whole = max((until - began).total_seconds(), 1.0)
+    most = max(wanted, len(finished))
+
+    def place(moment: datetime) -> float:
+        return min(1.0, round(POINTS * (moment - began).total_seconds() / whole) / POINTS)
+
+    reached = {place(moment): done for done, moment in enumerate(sorted(finished), start=1)}
+    stairs, height = [(0.0, 0.0)], 0.0
+    for across, done in reached.items():
+        stairs += [(across, height), (across, done / most)]
+        height = done / most
+    stairs.append((place(now), height))
+    return Completions(
+        since=began,
+        until=until,
+        done=tuple(stairs),
+        expected=() if end is None else ((place(now), height), (1.0, 1.0)),
+    )

@@ -16,6 +16,7 @@ from studyapp.database.tables import (
     RefusalLine,
     StudySession,
     Trial,
+    TrialStimulus,
     Video,
     WatchRecord,
 )
@@ -24,6 +25,7 @@ from studyapp.researchers.exclusion_decisions import exclusion_decisions
 from studyapp.session.ending import JUDGED, is_failed
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.watch_evidence import FASTEST, length, watched_share, watched_so_far
+from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
 
@@ -38,6 +40,8 @@ class Event:
         As a sentence without a full stop; never what was answered.
     trial : int or None
         Position of the trial it belongs to.
+    video : int or None
+        Number of the video of that trial which it is about.
     trouble : bool
         Whether something did not go as it should.
     """
@@ -45,6 +49,7 @@ class Event:
     at: datetime
     what: str
     trial: int | None = None
+    video: int | None = None
     trouble: bool = False
 
 
@@ -133,6 +138,22 @@ def one_study_session(
         )
 
 
+def content_shown(database: Database, number: int, position: int, video: int) -> Content:
+    """Return what a video of a trial of the study session `number` shows; empty without one."""
+    query = (
+        select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
+        .join(TrialStimulus.video)
+        .join(Video.trial)
+        .where(Trial.study_session_id == number, Trial.position == position, Video.number == video)
+        .order_by(TrialStimulus.number)
+    )
+    with database.reading() as session:
+        return tuple(
+            Stimulus(condition=condition, segment=segment, speech=speech)
+            for condition, segment, speech in session.execute(query)
+        )
+
+
 def _recruiter(found: StudySession) -> tuple[tuple[str, str], ...]:
     names = {
         "participant": found.recruiter_participant or "",
@@ -195,7 +216,9 @@ def _trial_events(trial: Trial) -> Iterator[Event]:
             yield _played(trial, video, video.watch_record)
         if video.unplayable_at is not None:
             what = f"Said that {_video(trial, video)} does not play"
-            yield Event(at=video.unplayable_at, what=what, trial=place, trouble=True)
+            yield Event(
+                at=video.unplayable_at, what=what, trial=place, video=video.number, trouble=True
+            )
     if trial.answered_at is not None:
         yield Event(at=trial.answered_at, what=f"Answered trial {place}", trial=place)
     if trial.unplayable_at is not None:
@@ -223,6 +246,7 @@ def _played(trial: Trial, video: Video, record: WatchRecord) -> Event:
         at=record.reported_at,
         what=", ".join(notes),
         trial=trial.position,
+        video=video.number,
         trouble=len(notes) > 2,
     )
 

@@ -21,10 +21,12 @@ from studyapp.monitoring.answered_trials import (
     times_of_trials,
 )
 from studyapp.monitoring.counts import (
+    Completions,
     Dropouts,
     Forecast,
     PlaceCounts,
     all_together,
+    completions,
     count_places,
     dropouts,
     forecast,
@@ -73,6 +75,8 @@ class Overview:
         Whether newcomers are let in, as far as the study file lets them.
     places, arms : PlaceCounts, tuple of PlaceCounts
         Of all arms together, and of each.
+    completions : Completions or None
+        Places done over time; None where none is.
     earlier : int
         Study sessions of earlier versions of the study, which are counted nowhere else.
     lapsed, replaced, unwatched : int
@@ -90,6 +94,7 @@ class Overview:
     places: PlaceCounts
     arms: tuple[PlaceCounts, ...]
     forecast: Forecast
+    completions: Completions | None
     earlier: int
     lapsed: int
     replaced: int
@@ -121,12 +126,16 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
     arms = count_places(served.study.arms, present, intake.more_places)
     places, left, items = all_together(arms), dropouts(present), checked_items(found)
     whole = times("whole study session", _whole_seconds(present))
+    began = min((each.consented_at for each in present), default=None)
+    expected = _forecast(present, places, began, now)
+    done = [each.completed_at for each in present if each.standing == "done" and each.completed_at]
     return Overview(
         at=now,
         intake=intake,
         places=places,
         arms=arms,
-        forecast=_forecast(present, places, now),
+        forecast=expected,
+        completions=completions(done, places.wanted, began, expected.at, now),
         earlier=len(everybody) - len(present),
         lapsed=sum(each.standing == "lapsed" for each in present),
         replaced=sum(each.standing == "replaced" for each in present),
@@ -166,9 +175,10 @@ def places_so_far(database: Database, served: ServedStudy, now: datetime) -> Pla
     return all_together(count_places(served.study.arms, present, more))
 
 
-def _forecast(present: Sequence[SessionProgress], places: PlaceCounts, now: datetime) -> Forecast:
+def _forecast(
+    present: Sequence[SessionProgress], places: PlaceCounts, began: datetime | None, now: datetime
+) -> Forecast:
     finished = [each.completed_at for each in present if each.completed_at is not None]
-    began = min((each.consented_at for each in present), default=None)
     return forecast(finished, places.still_to_be_done, began, now)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime, timedelta
 from typing import Any, Final, Literal, get_args
@@ -49,6 +50,8 @@ class SessionProgress:
         Pages on which a video was said not to play, that which ended the study session included.
     excluded : bool
         Whether a researcher leaves it out of the analysis.
+    recruiter_participant : str or None
+        What the recruiter calls the participant, for owners alone; None without a recruiter.
     """
 
     id: int
@@ -63,6 +66,14 @@ class SessionProgress:
     settled: int
     left_out: int = 0
     excluded: bool = False
+    recruiter_participant: str | None = None
+
+    @property
+    def seconds(self) -> float | None:
+        """From the first trial to the end, or to the last sign of the participant."""
+        if self.started_at is None:
+            return None
+        return ((self.completed_at or self.last_active_at) - self.started_at).total_seconds()
 
     @property
     def has_left(self) -> bool:
@@ -138,6 +149,7 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
             StudySession.completed_at,
             StudySession.withdrawn_at,
             StudySession.outcome,
+            StudySession.recruiter_participant,
             Place.id.label("place"),
             by_hand.c.study_session_id.is_not(None).label("excluded"),
             func.coalesce(of_trials.c.trials, 0).label("trials"),
@@ -154,8 +166,35 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Listed:
+    """A study session in a list.
+
+    Attributes
+    ----------
+    failures : int or None
+        Catch trials and attention checks that were failed; None where none was reached.
+    """
+
+    progress: SessionProgress
+    failures: int | None
+
+
+Order = Literal["number", "recruiter", "duration", "failures"]
+"""What a list can be sorted by."""
+
+ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+
+_KEYS: Final[Mapping[Order, Callable[[Listed], float | str | None]]] = {
+    "number": lambda each: each.progress.id,
+    "recruiter": lambda each: each.progress.recruiter_participant,
+    "duration": lambda each: each.progress.seconds,
+    "failures": lambda each: each.failures,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Which study sessions are listed; what is None chooses nothing.
+    """Which study sessions are listed, and how; what is None chooses nothing.
 
     Attributes
     ----------
@@ -169,6 +208,9 @@ class Choice:
         Those of earlier versions of the study rather than of the present one.
     excluded : bool
         Only those that researchers leave out of the analysis.
+    order : Order
+    rising : bool
+        Whether the least comes first. What has no value comes last either way.
     """
 
     standing: Standing | None = None
@@ -177,28 +219,44 @@ class Choice:
     failed: tuple[str, int] | None = None
     earlier: bool = False
     excluded: bool = False
+    order: Order = "number"
+    rising: bool = False
 
 
-def chosen(
-    database: Database, served: ServedStudy, choice: Choice, now: datetime
-) -> list[SessionProgress]:
-    """Return the study sessions of `choice`, the newest first."""
+def chosen(database: Database, served: ServedStudy, choice: Choice, now: datetime) -> list[Listed]:
+    """Return the study sessions of `choice`, in its order; equals by number."""
     with database.reading() as session:
         found = progress_of_sessions(session, served, now)
-        if choice.failed is not None:
-            kind, count = choice.failed
-            ids = {each.id for each in found if each.standing != "withdrawn"}
-            failures = failed_by_session(checks(session, served.study, ids), kind)
-            found = [each for each in found if failures.get(each.id) == count]
-    return list(reversed([each for each in found if _fits(each, choice)]))
+        ids = {each.id for each in found if each.standing != "withdrawn"}
+        judged = checks(session, served.study, ids)
+    if choice.failed is not None:
+        kind, count = choice.failed
+        of_kind = failed_by_session(judged, kind)
+        found = [each for each in found if of_kind.get(each.id) == count]
+    failures: Counter[int] = Counter()
+    for check in judged:
+        failures[check.study_session] += check.failed
+    listed = [
+        Listed(progress=each, failures=failures.get(each.id))
+        for each in found
+        if _fits(each, choice)
+    ]
+    return _sorted(listed, choice)
 
 
-def page_of(found: Sequence[SessionProgress], number: int) -> Sequence[SessionProgress]:
+def _sorted(listed: Sequence[Listed], choice: Choice) -> list[Listed]:
+    key = _KEYS[choice.order]
+    known = [(value, each) for each in listed if (value := key(each)) is not None]
+    known.sort(key=lambda pair: pair[0], reverse=not choice.rising)
+    return [each for _, each in known] + [each for each in listed if key(each) is None]
+
+
+def page_of(found: Sequence[Listed], number: int) -> Sequence[Listed]:
     """Return those on page `number`, from 1."""
     return found[(number - 1) * ROWS : number * ROWS]
 
 
-def pages_of(found: Sequence[SessionProgress]) -> Iterable[int]:
+def pages_of(found: Sequence[Listed]) -> Iterable[int]:
     """Return the numbers of the pages that show them all."""
     return range(1, max(1, -(-len(found) // ROWS)) + 1)
 

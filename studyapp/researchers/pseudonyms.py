@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, NamedTuple, Protocol, Self
 
-from sqlalchemy import ColumnElement, or_, select, true
+from sqlalchemy import ColumnElement, func, or_, select, true
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -200,6 +200,13 @@ def number_called(session: Session, key: PseudonymKey | None, name: str) -> int 
         return _numbered(session, name)
     named = {} if key is None else key.pseudonyms(_identities(session, true()))
     return next((number for number, found in named.items() if found == name), None)
+
+
+def number_recruited(session: Session, name: str) -> int | None:
+    """Return the last study session of whom a recruiter calls `name`; None where there is none."""
+    return session.scalar(
+        select(func.max(StudySession.id)).where(StudySession.recruiter_participant == name.strip())
+    )
 
 
 def _identities(session: Session, chosen: ColumnElement[bool]) -> list[_Identity]:

@@ -168,6 +168,13 @@ PAGES: Final = (
         rehearsed=True,
     ),
     Page(
+        "GET",
+        f"/study-sessions/{ROW}:number>/{ROW}:position>/{ROW}:video>.mp4",
+        progress.shown_video,
+        Right.WATCH,
+        rehearsed=True,
+    ),
+    Page(
         "POST",
         f"/study-sessions/{ROW}:number>/exclusion",
         progress.decide_about,

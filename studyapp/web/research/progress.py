@@ -6,22 +6,35 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from flask import abort, redirect, request, url_for
+from flask import Response, abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.monitoring.one_study_session import one_study_session
+from studyapp.monitoring.one_study_session import content_shown, one_study_session
 from studyapp.monitoring.overview import overview as overview_of
-from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen, page_of, pages_of
+from studyapp.monitoring.study_sessions import (
+    ORDERS,
+    STANDINGS,
+    Choice,
+    chosen,
+    page_of,
+    pages_of,
+)
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim_figures import Document, Kept, kept_figures
-from studyapp.researchers.pseudonyms import PseudonymKey, number_called, pseudonyms_of
+from studyapp.researchers.pseudonyms import (
+    PseudonymKey,
+    number_called,
+    number_recruited,
+    pseudonyms_of,
+)
 from studyapp.session.ending import JUDGED
 from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
 from studyapp.study.folder import StudyFolder
+from studyapp.web.media import send_video
 from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
 from studyapp.web.running import running
 
@@ -55,7 +68,7 @@ def naming() -> Naming:
     return Naming(key=key, reason="" if key else "Pseudonyms are drawn at the first export.")
 
 
-CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded")
+CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded", "order")
 """What an address may say of which study sessions are listed."""
 
 LARGEST: Final = 2**31 - 1
@@ -100,11 +113,13 @@ def study_sessions(data: Data) -> ResponseReturnValue:
     with looked_at(data) as database:
         with database.reading() as session:
             one = number_called(session, names.key, called) if called else None
+            if one is None and called and researcher().may(Right.NAME):
+                one = number_recruited(session, called)
         if one is not None:
             return redirect(url_for("research.study_session", data=data, number=one), 303)
         found = chosen(database, here.served, choice, here.clock.now())
         shown = page_of(found, number)
-        pseudonyms = _pseudonyms(database, names, [each.id for each in shown])
+        pseudonyms = _pseudonyms(database, names, [each.progress.id for each in shown])
     return page(
         "study_sessions",
         data=data,
@@ -150,6 +165,16 @@ def study_session_page(
     )
 
 
+def shown_video(data: Data, number: int, position: int, video: int) -> Response:
+    """Send a video that was shown in a study session, as it is served now."""
+    with looked_at(data) as database:
+        content = content_shown(database, number, position, video)
+    found = running().served.videos.get(content)
+    if found is None:
+        abort(404)
+    return send_video(found.file)
+
+
 def changes() -> ResponseReturnValue:
     """Show who changed what, when and why, the newest first."""
     before = _number("before")
@@ -170,6 +195,10 @@ def _choice() -> Choice:
     if standing is not None and standing not in STANDINGS:
         abort(404)
     kind, count = request.args.get("check", ""), _number("failed")
+    asked = request.args.get("order") or "-number"
+    order = next((known for known in ORDERS if known == asked.removeprefix("-")), None)
+    if order is None or (order == "recruiter" and not researcher().may(Right.NAME)):
+        abort(404)
     return Choice(
         standing=standing,
         arm=request.args.get("arm") or None,
@@ -177,6 +206,8 @@ def _choice() -> Choice:
         failed=(kind, count) if kind in JUDGED and count is not None else None,
         earlier="earlier" in request.args,
         excluded="excluded" in request.args,
+        order=order,
+        rising=not asked.startswith("-"),
     )
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from datetime import timedelta
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from studyapp.monitoring.answered_trials import (
     AnsweredTrial,
@@ -13,9 +15,16 @@ from studyapp.monitoring.answered_trials import (
     times,
     times_of_trials,
 )
-from studyapp.monitoring.counts import LeftAt, all_together, count_places, dropouts, forecast
+from studyapp.monitoring.counts import (
+    LeftAt,
+    all_together,
+    completions,
+    count_places,
+    dropouts,
+    forecast,
+)
 from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
-from studyapp.monitoring.study_sessions import ROWS, page_of, pages_of
+from studyapp.monitoring.study_sessions import ROWS, Listed, page_of, pages_of
 from studyapp.study.design.trial import Arm
 from tests.studyapp.monitoring.made_study_sessions import NOON, session_progress
 
@@ -166,7 +175,10 @@ def test_sides_are_balanced_as_far_as_chance_goes(left: int, right: int, balance
 
 
 def test_a_long_list_is_cut_into_pages_without_loss() -> None:
-    long = [session_progress("done", id=number) for number in range(2 * ROWS + 1)]
+    long = [
+        Listed(progress=session_progress("done", id=number), failures=None)
+        for number in range(2 * ROWS + 1)
+    ]
 
     pages = list(pages_of(long))
 
@@ -174,3 +186,42 @@ def test_a_long_list_is_cut_into_pages_without_loss() -> None:
     assert [each for number in pages for each in page_of(long, number)] == long
     assert list(pages_of([])) == [1]
     assert page_of(long, 4) == []
+
+
+def test_places_done_are_a_staircase_that_goes_on_to_the_projected_end() -> None:
+    began = NOON - timedelta(hours=4)
+    finished = [NOON - timedelta(hours=hours) for hours in (2, 3)]
+
+    found = completions(finished, 4, began, NOON + timedelta(hours=4), NOON)
+
+    assert found is not None
+    assert (found.since, found.until) == (began, NOON + timedelta(hours=4))
+    assert found.done == (
+        (0, 0), (0.125, 0), (0.125, 0.25), (0.25, 0.25), (0.25, 0.5), (0.5, 0.5),
+    )  # fmt: skip
+    assert found.expected == ((0.5, 0.5), (1, 1))
+
+
+def test_the_staircase_ends_now_or_with_the_last_place() -> None:
+    began, finished = NOON - timedelta(hours=4), [NOON - timedelta(hours=2)]
+
+    halfway, through = (completions(finished, wanted, began, None, NOON) for wanted in (2, 1))
+
+    assert halfway is not None
+    assert through is not None
+    assert (halfway.until, halfway.done[-1]) == (NOON, (1, 0.5))
+    assert (through.until, through.done[-1]) == (finished[0], (1, 1))
+    assert halfway.expected == through.expected == ()
+    assert completions([], 2, began, None, NOON) is None
+
+
+@given(st.lists(st.integers(0, 10**7), min_size=1, max_size=500))
+def test_a_staircase_only_rises_and_stays_short(seconds: list[int]) -> None:
+    finished = [NOON + timedelta(seconds=each) for each in seconds]
+
+    found = completions(finished, len(finished), NOON, None, NOON + timedelta(days=365))
+
+    assert found is not None
+    assert list(found.done) == sorted(found.done)
+    assert len(found.done) < 500
+    assert found.done[-1] == (1, 1)

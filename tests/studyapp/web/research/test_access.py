@@ -31,6 +31,8 @@ MAY = {
     ("GET", "/research/rehearsal/study-sessions"): ALL_ROLES,
     ("GET", "/research/study-sessions/<number>"): ALL_ROLES,
     ("GET", "/research/rehearsal/study-sessions/<number>"): ALL_ROLES,
+    ("GET", "/research/study-sessions/<number>/<position>/<video>.mp4"): ALL_ROLES,
+    ("GET", "/research/rehearsal/study-sessions/<number>/<position>/<video>.mp4"): ALL_ROLES,
     ("POST", "/research/study-sessions/<number>/exclusion"): {"analyst", "owner"},
     ("GET", "/research/<rest>"): ALL_ROLES,
     ("GET", "/research/changes"): {"analyst", "owner"},

@@ -66,6 +66,8 @@ ASKING = ("", "study-sessions?arm=", "study-sessions?called=", "preview?arm=", "
 VIDEOS_AND_FILES = {
     "/research/preview/1/1/1/media/1.mp4",
     "/research/preview/1/1/1/static/1",
+    "/research/study-sessions/1/1/1.mp4",
+    "/research/rehearsal/study-sessions/1/1/1.mp4",
 }
 
 ODD = [

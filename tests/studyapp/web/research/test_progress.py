@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import closing
 from pathlib import Path
 
 from flask import Flask
 
 from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession
 from studyapp.session.intake import decided
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -72,6 +74,72 @@ def test_a_study_session_shows_its_trials_and_what_happened(
     assert "Agreed to take part" in events[0]
     assert "Trial 2 was shown" in events[-1]
     assert viewer.client.get("/research/study-sessions/3").status_code == 404
+
+
+def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
+    app: Flask, log_in: LogIn, clock: SetClock
+) -> None:
+    people(app, clock)
+    viewer = log_in("viewer")
+    page = viewer.get("/research/study-sessions")
+
+    def numbers(page: PageReader) -> list[str]:
+        return [row.get_text() for row in page.soup.select("tbody th")]
+
+    assert numbers(page) == ["2", "1"]
+    assert page.one("th[aria-sort]").get_text(" ", strip=True) == "Number ↓"
+    longest = viewer.get(page.value("thead a[href*=duration]", "href"))
+    shortest = viewer.get(longest.value("thead a[href*=duration]", "href"))
+    assert numbers(longest) == numbers(shortest)[::-1] == ["1", "2"]
+    assert shortest.value("th[aria-sort]", "aria-sort") == "ascending"
+    # Who has reached no check comes last either way.
+    failures = viewer.get(page.value("thead a[href*=failures]", "href"))
+    assert numbers(failures) == ["1", "2"]
+    assert viewer.client.get("/research/study-sessions?order=token").status_code == 404
+
+
+def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
+    app: Flask, log_in: LogIn, clock: SetClock, stored: Database
+) -> None:
+    people(app, clock)
+    with stored.writing() as session:
+        session.get_one(StudySession, 2).recruiter_participant = "5d33f9"
+    owner, analyst = log_in("owner"), log_in("analyst")
+    called, listed = "/research/study-sessions?called=5d33f9", "/research/study-sessions"
+
+    assert owner.client.get(called).location == f"{listed}/2"
+    assert "No study session has" in analyst.get(called).soup.get_text()
+    assert "5d33f9" in owner.get(f"{listed}?order=recruiter").soup.get_text()
+    assert "5d33f9" not in analyst.get(listed).text
+    assert analyst.client.get(f"{listed}?order=recruiter").status_code == 404
+
+
+def test_what_happened_leads_to_the_video_it_was_about(
+    app: Flask, log_in: LogIn, clock: SetClock
+) -> None:
+    people(app, clock)
+    viewer = log_in("viewer")
+
+    page = viewer.get("/research/study-sessions/1")
+
+    links = [str(link["href"]) for link in page.soup.select(".events a")]
+    assert len(links) >= 6
+    for link in links:
+        with closing(viewer.client.get(link)) as answer:
+            assert (answer.status_code, answer.mimetype) == (200, "video/mp4"), link
+    assert viewer.client.get("/research/study-sessions/1/1/9.mp4").status_code == 404
+
+
+def test_the_overview_draws_places_done_over_time(
+    app: Flask, log_in: LogIn, clock: SetClock
+) -> None:
+    assert not log_in("viewer").get("/research/").soup.select(".completions")
+    people(app, clock)
+
+    curve = log_in("analyst").get("/research/").one(".completions svg")
+
+    assert curve["aria-label"] == "1 of 4 places are done."
+    assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
 
 
 def test_a_rehearsal_is_shown_apart_and_is_not_changed(
