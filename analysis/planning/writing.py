@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib as mpl
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,8 +17,8 @@ from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
 from analysis.planning.words import segments, sentences, with_error
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import INK, LINE, SOFT, STYLE, sign_of
-from analysis.report.figures.svg import as_pdf
+from analysis.report.figures.style import INK, LINE, SOFT, sign_of
+from analysis.report.figures.svg import FORMATS, as_file
 from analysis.report.tables import write_frame
 from analysis.results.report import as_json
 from motion.files import replacing, write_text
@@ -37,10 +35,10 @@ def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
     write_frame(folder / "power.csv", rows(plan))
     written = [folder / "plan.json", folder / "power.csv"]
     figure = power_figure(plan)
-    for ending, made in FORMATS.items():
+    for ending in FORMATS:
         path = folder / f"power.{ending}"
         with replacing(path) as draft:
-            draft.write_bytes(made(figure))
+            draft.write_bytes(as_file(figure, ending))
         written.append(path)
     return tuple(written)
 
@@ -159,26 +157,6 @@ def power_figure(plan: Plan) -> Figure:
         legend=signs,
     )
     return draw_sheet(what, list(panels)).figure
-
-
-def as_png(figure: Figure) -> bytes:
-    """Return the figure as PNG, 200 dots an inch."""
-    stream = io.BytesIO()
-    with mpl.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=200, metadata={"Software": None})
-    return stream.getvalue()
-
-
-def as_svg(figure: Figure) -> bytes:
-    """Return the figure as an SVG file without a date."""
-    stream = io.BytesIO()
-    with mpl.rc_context({**STYLE, "svg.hashsalt": "power"}):
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    return stream.getvalue()
-
-
-FORMATS: Final = {"png": as_png, "svg": as_svg, "pdf": as_pdf}
-"""How the figure is written, by the ending of its file."""
 
 
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:

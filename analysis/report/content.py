@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from markupsafe import Markup
 
 from analysis.report import wording
 from analysis.results.grouping import ConditionPlace, PairPlace
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Row = TypeVar("Row")
 
@@ -58,6 +61,8 @@ class Table:
         as ``tables/<name>.csv``; empty for the page alone.
     data : str
         File in the report's ``tables`` folder with the full data; empty for none.
+    secondary : str
+        What the table is, in a few words, where the page folds it away; empty where it is shown.
     """
 
     caption: str
@@ -68,6 +73,7 @@ class Table:
     notes: tuple[str, ...] = ()
     name: str = ""
     data: str = ""
+    secondary: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,16 +89,16 @@ class Picture:
     data : str
         File in the report's ``tables`` folder with its numbers; empty for none.
     name : str
-        Its file in the report's ``figures`` folder, without the ending; empty for none.
-    pdf : bytes
-        What that file holds.
+        Its files in the report's ``figures`` folder, without the ending; empty for none.
+    figure : Figure or None
+        What is drawn in them.
     """
 
     svg: Markup
     caption: str
     data: str = ""
     name: str = ""
-    pdf: bytes = b""
+    figure: Figure | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,6 +130,7 @@ def table_of(
     notes: Iterable[str] = (),
     name: str = "",
     data: str = "",
+    secondary: str = "",
 ) -> Table:
     """Return a table with a line for each of `rows`; see `Table` for all else.
 
@@ -134,7 +141,7 @@ def table_of(
     *columns : (str, callable)
         From the left: the heading, and what gives a row's cell; those that give words, and stand
         before all that give cells, are columns of text.
-    caption, groups, notes, name, data
+    caption, groups, notes, name, data, secondary
         See `Table`.
     """
     found = [[cell(row) for _, cell in columns] for row in rows]
@@ -150,6 +157,7 @@ def table_of(
         notes=tuple(notes),
         name=name,
         data=data,
+        secondary=secondary,
     )
 
 

@@ -18,8 +18,9 @@ from markupsafe import Markup
 
 from analysis.measurement.score_tables import score_table
 from analysis.report.content import Picture, Section, Table
+from analysis.report.figures.svg import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section
-from analysis.report.sections.answer import answer
+from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.checks import sensitivity_section, truth_section
 from analysis.report.sections.diagnostics import diagnostics_section
 from analysis.report.sections.flow import flow_line, flow_section, looks_section
@@ -60,8 +61,8 @@ def write_report(
         What they are about.
     folder : Path
         Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
-        LaTeX; ``figures`` with PDF; ``paper.txt`` with sentences for a paper. What an earlier
-        report left in the two folders is removed.
+        LaTeX; ``figures`` with PDF, PNG and SVG; ``paper.txt`` with sentences for a paper. What
+        an earlier report left in the two folders is removed.
     beside : mapping of str to object, optional
         Further keys of ``results.json``.
     more : tuple of TableReport
@@ -97,7 +98,7 @@ def paper_text(page: Page) -> str:
     methods = [section for section in page.sections if section.anchor == ANCHOR]
     paragraphs = [
         *([page.mark] if page.mark else []),
-        " ".join(page.answer),
+        " ".join((*page.answer, *page.certainty)),
         page.flow,
         *(text for section in methods for text in (*section.paragraphs, *section.bullets)),
     ]
@@ -114,7 +115,7 @@ def render_page(page: Page) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    script = (files("analysis.report") / "templates" / "sorting.js").read_text("utf-8")
+    script = (files("analysis.report") / "templates" / "page.js").read_text("utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return environment.get_template("report.html").render(
         page=page,
@@ -124,7 +125,7 @@ def render_page(page: Page) -> str:
 
 
 def write_page_files(page: Page, folder: Path) -> None:
-    """Write the page's named tables as LaTeX and CSV, and its named figures as PDF.
+    """Write the page's named tables as LaTeX and CSV, and its named figures as PDF, PNG and SVG.
 
     Parameters
     ----------
@@ -141,9 +142,10 @@ def write_page_files(page: Page, folder: Path) -> None:
         if not table.data:
             write_frame(folder / "tables" / f"{table.name}.csv", as_frame(table))
     for picture in page_pictures(page):
-        if picture.name and picture.pdf:
-            with replacing(folder / "figures" / f"{picture.name}.pdf") as draft:
-                draft.write_bytes(picture.pdf)
+        if picture.name and picture.figure is not None:
+            for ending in FORMATS:
+                with replacing(folder / "figures" / f"{picture.name}.{ending}") as draft:
+                    draft.write_bytes(as_file(picture.figure, ending))
 
 
 def page_tables(page: Page) -> Iterator[Table]:
@@ -171,15 +173,18 @@ class Page:
     mark : str
         What must be said on every screen and every printed page; empty for real answers.
     mark_short : str
-        The same in a word or two, for headings and captions.
+        The same in a word or two, for the title, and for tables that leave the page.
     answer : tuple of str
-        The sentences that answer the study's question.
+        The sentences that answer the study's question: one before the first figure, the others
+        after it.
     picture : Picture or None
         The first figure; None where nobody has answered.
     flow : str
         The participant flow in one line.
     sections : tuple of Section
         Everything after the first screen.
+    certainty : tuple of str
+        Sentences on how sure the answer is, which the page folds away.
     """
 
     title: str
@@ -189,6 +194,7 @@ class Page:
     picture: Picture | None
     flow: str
     sections: tuple[Section, ...]
+    certainty: tuple[str, ...] = ()
 
 
 TASKS: Final = MappingProxyType({"pairwise": "realism"})
@@ -217,6 +223,7 @@ def build_page(report: TableReport, subject: Subject, more: tuple[TableReport, .
         picture=picture,
         flow=flow_line(report, subject),
         sections=rest,
+        certainty=certainty(report, subject),
     )
 
 

@@ -20,6 +20,15 @@ from analysis.report.figures.style import FOLLOWS_THE_PAGE, STYLE
 WIDTH: Final = 7.2
 """Width of every figure in inches: what A4 holds between its margins."""
 
+FORMATS: Final[Mapping[str, dict[str, None]]] = {
+    "pdf": {"CreationDate": None, "Producer": None},
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+}
+"""How figures are written, by the ending of the file, and what the file leaves out."""
+
+_DOTS: Final = 200
+
 _ID: Final = re.compile(r'(id="|href="#|url\(#)')
 _COLOUR: Final = re.compile("|".join(FOLLOWS_THE_PAGE))
 
@@ -82,7 +91,7 @@ def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing | None = 
         )
         svg = _of_class(svg, "wide") + _of_class(small, "narrow")
     return Picture(
-        svg=svg, caption=about.caption, data=about.data, name=about.name, pdf=as_pdf(wide.figure)
+        svg=svg, caption=about.caption, data=about.data, name=about.name, figure=wide.figure
     )
 
 
@@ -116,11 +125,16 @@ def inline_svg(
     return Markup(_named(body, name, title, alt))  # noqa: S704 - all words are escaped
 
 
-def as_pdf(figure: Figure) -> bytes:
-    """Return `figure` as a PDF file with embedded fonts and without a date."""
+def as_file(figure: Figure, ending: str) -> bytes:
+    """Return `figure` as a file of `FORMATS`, without a date; PNG has 200 dots an inch."""
     stream = io.BytesIO()
-    with mpl.rc_context(STYLE), _any_letters():
-        figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Producer": None})
+    with mpl.rc_context({**STYLE, "svg.hashsalt": ending}), _any_letters():
+        figure.savefig(
+            stream,
+            format=ending,
+            dpi=_DOTS if ending == "png" else "figure",
+            metadata=FORMATS[ending],
+        )
     return stream.getvalue()
 
 

@@ -1,4 +1,4 @@
-"""The report's first words: the study's question, answered in three sentences."""
+"""The report's first words: the study's question answered, and how sure that is."""
 
 from __future__ import annotations
 
@@ -19,83 +19,100 @@ from analysis.results.strengths import Standings
 from motion.errors import listed
 
 MOST: Final = 4
-"""How many results the first sentences name; the tables hold all of them."""
+"""How many of a kind a sentence names; the tables hold all of them."""
 
 
 def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
-    """Return the answer: what was found, how sure it is, and what it does not show."""
+    """Return what was found in one sentence, what it rests on, and what it does not show."""
     if subject.origin == "none":
         return (
             "No participant has answered yet, so this report says nothing about preference.",
             *_metrics_only(subject),
         )
+    warning = _unfinished(report, subject)
     if report.remark:
-        return (report.remark, *_unfinished(report, subject))
-    found = verdicts(report)
+        return tuple(filter(None, (report.remark, warning)))
+    effect = _effect(verdicts(report), report, subject)
     return (
-        _effect(found, subject),
-        " ".join(
-            part
-            for part in (
-                _together(report),
-                _certainty(found),
-                _stand_ins(found),
-                _seeming(found),
-                _equivalent(report.results),
-                _unequal(report.results),
-                _basis(report, subject),
-            )
-            if part
-        ),
-        " ".join(
-            part
-            for part in (
-                _not_shown(report, subject),
-                *_unfinished(report, subject),
-                looks_sentence(report),
-            )
-            if part
-        ),
+        effect,
+        _basis(report, subject),
+        warning or looks_sentence(report) or _not_shown(subject),
     )
 
 
-def _effect(found: tuple[Verdict, ...], subject: Subject) -> str:
-    """Name what is decided, the largest first, or say that nothing is."""
+def certainty(report: TableReport, subject: Subject) -> tuple[str, ...]:
+    """Return what a careful reader of the answer wants to know besides; () without one."""
+    if subject.origin == "none" or report.remark:
+        return ()
+    found = verdicts(report)
+    return tuple(
+        part
+        for part in (
+            _further(found),
+            _together(report),
+            _undecided(found),
+            _stand_ins(found),
+            _seeming(found),
+            _equivalent(report.results),
+            _unequal(report.results),
+            _equality(report, subject, found),
+            *_after_the_warning(report, subject),
+        )
+        if part
+    )
+
+
+def _effect(found: tuple[Verdict, ...], report: TableReport, subject: Subject) -> str:
+    """Name the largest of what is decided, or say that nothing is."""
     decided = largest_first([one for one in found if one.outcome == "decided"])
     found = tuple(one for one in found if one.outcome != "outside")
     tested = [one for one in found if one.outcome != "untested"]
-    people = subject.people.capitalize()
     if not tested:
         reasons = list(dict.fromkeys(one.reason for one in found if one.reason))
         why = f": {reasons[0]}" if len(reasons) == 1 else "; the tables say why"
         seen = [one for one in largest_first(found) if one.size > 0]
-        widest = (
-            f"; the largest difference is that of {_named(seen[0], measured=True)}" if seen else ""
-        )
+        widest = f"; the largest difference is that of {_named(seen[0])}" if seen else ""
         return f"No test could be made{why}{widest}."
-    family = wording.count(len(found), "test")
     if not decided:
-        first = largest_first(tested)[0]
+        alike = _equivalent(report.results).rstrip(".")
+        equivalent = f"; {alike[0].lower()}{alike[1:]}" if alike else ""
         return (
-            f"None of {family} decides between what was compared (p at least "
-            f"{SIGNIFICANCE:g} after Holm's correction); the largest difference is that of "
-            f"{_named(first, measured=True)}."
+            f"None of {wording.count(len(found), 'test')} decides between what was compared (p at "
+            f"least {SIGNIFICANCE:g} after Holm's correction); the largest difference is that of "
+            f"{_named(largest_first(tested)[0])}{equivalent}."
         )
-    named = [_named(one, measured=place == 0) for place, one in enumerate(decided[:MOST])]
-    more = len(decided) - len(named)
-    further = f", and {more} more of {family}" if more else ""
-    return f"{people} preferred {listed(named)}{further}."
+    others = _others(len(decided) - 1, len(found) - 1)
+    return f"{subject.people.capitalize()} preferred {_named(decided[0])}{others}."
 
 
-def _named(one: Verdict, *, measured: bool) -> str:
-    measure = f"{one.measure} " if measured else ""
+def _others(decided: int, others: int) -> str:
+    """Say how many of the other tests decide too, as the end of a sentence."""
+    if not others:
+        return ""
+    if others == 1:
+        return f"; the other test {'decides too' if decided else 'does not decide'}"
+    of = f"of the other {others} tests"
+    if not decided:
+        return f"; none {of} decides"
+    return f"; {decided} {of} {'decides' if decided == 1 else 'decide'} too"
+
+
+def _further(found: tuple[Verdict, ...]) -> str:
+    """Name what else is decided, the largest first."""
+    decided = largest_first([one for one in found if one.outcome == "decided"])[1:]
+    named = [_named(one) for one in decided[:MOST]]
+    more = f", and {len(decided) - len(named)} more" if len(decided) > len(named) else ""
+    return f"Also preferred: {'; '.join(named)}{more}." if named else ""
+
+
+def _named(one: Verdict) -> str:
     return (
         f"{wording.name(one.better)} to {wording.name(one.worse)} "
-        f"{about(one.question, one.set)} ({measure}{one.numbers})"
+        f"{about(one.question, one.set)} ({one.measure} {one.numbers})"
     )
 
 
-def _certainty(found: tuple[Verdict, ...]) -> str:
+def _undecided(found: tuple[Verdict, ...]) -> str:
     """Name what stays open."""
     undecided = [one for one in found if one.outcome == "undecided"]
     untested = [one for one in found if one.outcome == "untested"]
@@ -216,31 +233,42 @@ def _basis(report: TableReport, subject: Subject) -> str:
     return f"{words}."
 
 
-def _not_shown(report: TableReport, subject: Subject) -> str:
+def _not_shown(subject: Subject) -> str:
     if subject.origin == "rehearsal":
         return (
             "It does not show what any person prefers: simulated raters answered by rules they "
             "were given."
         )
-    undecided = any(one.outcome == "undecided" for one in verdicts(report))
-    equal = (
-        " That a test does not decide is no evidence that two conditions are equally good."
-        if undecided and report.settings.margin is None
-        else ""
-    )
     return (
         "It does not show how other systems, other speech, other speakers or differently worded "
-        f"questions would do.{equal}"
+        "questions would do."
     )
 
 
-def _unfinished(report: TableReport, subject: Subject) -> tuple[str, ...]:
+def _equality(report: TableReport, subject: Subject, found: tuple[Verdict, ...]) -> str:
+    if subject.origin == "rehearsal" or report.settings.margin is not None:
+        return ""
+    if not any(one.outcome == "undecided" for one in found):
+        return ""
+    return "That a test does not decide is no evidence that two conditions are equally good."
+
+
+def _unfinished(report: TableReport, subject: Subject) -> str:
     if not is_half_finished(report, subject):
+        return ""
+    return f"The study is not finished, and numbers will change: {places_words(report)}."
+
+
+def _after_the_warning(report: TableReport, subject: Subject) -> tuple[str, ...]:
+    """Return what a warning has taken the place of in the answer."""
+    looks, unfinished = looks_sentence(report), _unfinished(report, subject)
+    if not (looks or unfinished):
         return ()
-    return (
-        f"The study is not finished: {places_words(report)}. Numbers will change, and to stop "
-        "because of what they show now would make false findings likelier.",
+    stopping = (
+        "To stop because of what the numbers of an unfinished study show would make false "
+        "findings likelier."
     )
+    return (*((stopping, looks) if unfinished else ()), _not_shown(subject))
 
 
 def _metrics_only(subject: Subject) -> tuple[str, ...]:

@@ -137,6 +137,7 @@ def _reasons(report: TableReport) -> Table:
         ("reason", lambda one: one[1]),
         caption="Every excluded participant with the reason.",
         data="exclusions.csv",
+        secondary="Every excluded participant",
     )
 
 
@@ -199,7 +200,8 @@ def looks_section(report: TableReport) -> Section | None:
 def looks_sentence(report: TableReport) -> str:
     """Return in one sentence that there were looks; '' where there were none."""
     return (
-        f"{_looks_words(report.looks)} The p values and intervals do not allow for that."
+        f"{_looks_words(report.looks).rstrip('.')}; the p values and intervals do not allow for "
+        "that."
         if report.looks.count
         else ""
     )

@@ -72,6 +72,7 @@ def counts_table(group: PreferenceGroup) -> Table:
         notes=("Rounded percentages may not add up to 100.",),
         name="counts",
         data=group.data,
+        secondary="Every answer, counted",
     )
 
 
@@ -147,6 +148,7 @@ def further_table(group: PreferenceGroup) -> Table:
         notes=(f"As published leaves out of account {'; '.join(ignored)}.",) if ignored else (),
         name="as-published",
         data=group.data,
+        secondary="Without exclusions, by further tests, and as papers report",
     )
 
 

@@ -284,6 +284,7 @@ def posthoc_table(contrasts: Sequence[RankContrast]) -> Table:
         notes=gathered((place_of(c), c.reason) for c in contrasts),
         name="posthoc",
         data="posthoc.csv",
+        secondary="Tests after Friedman's",
     )
 
 

@@ -137,6 +137,7 @@ def model_table(
         ),
         name="model",
         data="contrasts.csv",
+        secondary="The same contrasts in a model",
     )
 
 

@@ -205,7 +205,7 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
     again = write_plan(plan(REQUEST, Runner(folder=tmp_path / "cells")), tmp_path / "two")
 
     assert [path.name for path in first] == [
-        *("plan.json", "power.csv", "power.png", "power.svg", "power.pdf")
+        *("plan.json", "power.csv", "power.pdf", "power.png", "power.svg")
     ]
     for one, other in zip(first, again, strict=True):
         assert one.read_bytes() == other.read_bytes(), one.name

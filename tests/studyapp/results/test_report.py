@@ -135,7 +135,7 @@ def test_who_did_not_finish_is_left_out_and_a_margin_of_the_command_line_is_expl
     [flow] = found["flow"]
     assert (flow["places"], flow["opened"], flow["completed"], flow["answered"]) == (3, 3, 2, 3)
     assert "2 of 6 trials" in found["exclusions"]["3"]
-    assert "The study is not finished: 2 of 3 places are filled." in text
+    assert "The study is not finished, and numbers will change: 2 of 3 places are filled." in text
     assert len(found["equivalence"]) == len(found["comparisons"])
     assert "given with the report, not in the study file" in text
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from analysis.report.sections.answer import answer
+from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.flow import flow_line, flow_section
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.participants import Flow
@@ -22,16 +22,17 @@ from tests.analysis.results.made_tables import (
     report_of,
 )
 
-Answered = Callable[..., tuple[str, ...]]
+Answered = Callable[..., tuple[str, str]]
 
 
 @pytest.fixture
 def answered(tmp_path: Path) -> Answered:
-    """Return what gives the answer that the report of a table begins with."""
+    """Return what gives a table's answer in one sentence, and what is said of its certainty."""
 
-    def read(table: pd.DataFrame, protocol: str, **settings: float) -> tuple[str, ...]:
+    def read(table: pd.DataFrame, protocol: str, **settings: float) -> tuple[str, str]:
         report = report_of(table, protocol, tmp_path, **settings)
-        return answer(report, subject_of(report))
+        subject = subject_of(report)
+        return answer(report, subject)[0], " ".join(certainty(report, subject))
 
     return read
 
@@ -59,17 +60,17 @@ def test_the_better_condition_comes_first_whichever_the_table_names_first(
 
 def test_what_is_not_decided_is_not_called_equal(answered: Answered) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=10, segments=8)
-    effect, _, limits = answered(table, "pairwise")
+    effect, sure = answered(table, "pairwise")
 
     assert effect.startswith("None of 1 test decides")
-    assert "no evidence that two conditions are equally good" in limits
+    assert "no evidence that two conditions are equally good" in sure
 
 
 def test_what_is_equivalent_within_the_margin_is_named(answered: Answered) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
-    _, basis, _ = answered(table, "pairwise", margin=0.2)
+    effect, _ = answered(table, "pairwise", margin=0.2)
 
-    assert basis.startswith("Equivalent within 0.2 are twin and ours on emotion.")
+    assert effect.endswith("; equivalent within 0.2 are twin and ours on emotion.")
 
 
 def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
@@ -77,10 +78,10 @@ def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
 ) -> None:
     table = pairwise_table(("ours", "other"), participants=6, effects=(0.0, 0.0))
     table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
-    effect, basis, _ = answered(table, "pairwise")
+    effect, sure = answered(table, "pairwise")
 
     assert effect.startswith("Participants preferred ours to other on emotion (share of ")
-    assert "1 test is of the share of participants, because the usual test cannot be used" in basis
+    assert "1 test is of the share of participants, because the usual test cannot be used" in sure
 
 
 def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
@@ -100,10 +101,10 @@ def test_ratings_are_answered_by_mean_differences(answered: Answered) -> None:
 
 
 def test_rankings_are_answered_by_differences_of_worths(answered: Answered) -> None:
-    effect, basis, _ = answered(ranking_table(participants=16, segments=10), "ranking")
+    effect, sure = answered(ranking_table(participants=16, segments=10), "ranking")
 
     assert "preferred truth to static on realism (difference of worths in logits " in effect
-    assert basis.startswith("One test of all conditions together: on realism (F(2, ")
+    assert "One test of all conditions together: on realism (F(2, " in sure
 
 
 def test_no_condition_is_called_best_where_all_share_one_rank(answered: Answered) -> None:
@@ -160,7 +161,7 @@ def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_ex
     assert (
         "Intervals stand for one test at a time: 1 of them leaves out no difference, although p, "
         "corrected over 6 tests, does not decide."
-    ) in answer(seen, subject_of(report))[1]
+    ) in certainty(seen, subject_of(report))
 
 
 def test_a_very_busy_participant_is_warned_of(answered: Answered) -> None:
@@ -177,6 +178,25 @@ def test_own_speech_is_named_against_anothers(answered: Answered) -> None:
     effect = answered(mismatch_table(participants=40, segments=12), "mismatch")[0]
 
     assert "truth with its own speech to truth with another's speech on fits" in effect
+
+
+@pytest.mark.parametrize(
+    ("effects", "end"),
+    [
+        ((3.0, 3.0, 0.0), "; 1 of the other 2 tests decides too."),
+        ((0.0, 0.0, 3.0), "; 1 of the other 2 tests decides too."),
+        ((4.0, 0.0, -4.0), "; 2 of the other 2 tests decide too."),
+    ],
+)
+def test_the_first_sentence_names_the_largest_and_counts_the_others(
+    answered: Answered, effects: tuple[float, ...], end: str
+) -> None:
+    table = pairwise_table(("a", "b", "c"), effects=effects, participants=20, segments=8)
+    effect, sure = answered(table, "pairwise")
+
+    assert effect.endswith(end)
+    assert effect.count(" preferred ") == 1
+    assert sure.startswith("Also preferred: ")
 
 
 def test_a_rehearsal_says_that_no_person_answered(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.sections.answer import answer
+from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.checks import truth_section
 from analysis.report.sections.diagnostics import diagnostics_section
 from analysis.report.sections.flow import MOST_LOOKS, flow_section, looks_section
@@ -139,10 +139,10 @@ def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_
         ["2026-05-04", "researcher 1", "researchers' page", "not said", "4", "30", "1"],
     ]
     subject = subject_of(seen)
-    assert SENTENCE in " ".join(answer(seen, subject))
+    assert answer(seen, subject)[-1].startswith(SENTENCE)
     assert SENTENCE in " ".join(methods_section(seen, subject).paragraphs)
     assert looks_section(report) is None
-    assert "looked at" not in " ".join(answer(report, subject))
+    assert "looked at" not in " ".join((*answer(report, subject), *certainty(report, subject)))
 
 
 def test_many_looks_are_counted_and_the_last_ones_shown(tmp_path: Path) -> None:

@@ -32,3 +32,10 @@ for (const table of document.querySelectorAll("table.sortable")) {
     });
   }
 }
+addEventListener("beforeprint", () => {
+  for (const folded of document.querySelectorAll("details:not(nav details)")) folded.open = true;
+});
+const contents = document.querySelector("nav details");
+contents.addEventListener("click", (event) => {
+  if (event.target.closest("a")) contents.open = false;
+});
