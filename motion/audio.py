@@ -26,6 +26,14 @@ SPEECH_RATE: Final = 16000
 LONGEST: Final = 3 * 3600
 """Seconds that a recording may last; a small file may unpack to more than memory holds."""
 
+WHOLE_FORMATS: Final = MappingProxyType(
+    {
+        "format_whitelist": "aac,aiff,amr,asf,au,avi,caf,flac,matroska,mov,mp3,mpeg,mpegts,ogg,"
+        "w64,wav,webm"
+    }
+)
+"""Options with which FFmpeg opens no playlist: that would have it read other files."""
+
 _RIFF_TOLERANCE: Final = 4096
 _RIFF_SIZES_OF_STREAMS: Final = frozenset({0, 0xFFFFFFFF})
 _FORMAT_OF_ENDING: Final = MappingProxyType(
@@ -153,7 +161,7 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
         raise InputError("the file is empty", where=path, remedy="Export or copy it again")
     _check_whole_wav(path)
     try:
-        with av.open(str(path)) as container:
+        with av.open(str(path), options=dict(WHOLE_FORMATS)) as container:
             if not container.streams.audio:
                 raise InputError(
                     "the file has no audio stream",

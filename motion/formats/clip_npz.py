@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import zipfile
 import zlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,6 +21,7 @@ from pydantic import TypeAdapter, ValidationError
 from motion.clip import EXPRESSION_COUNT, MotionClip, check_frame_rate
 from motion.errors import InputError, found_at
 from motion.files import replacing
+from motion.formats.archives import check_unpacked_size
 from motion.formats.smplx_rows import MOTION_X_WIDTH, motion_x_clip
 from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
 
@@ -41,8 +42,6 @@ _KNOWN_KEYS: Final = frozenset(
     }
 )
 _PROVENANCE: Final = TypeAdapter(dict[str, str])
-_LARGEST: Final = 2**30
-"""Bytes of all arrays unpacked, about an hour of motion at 120 fps; a small file may hold more."""
 _BEAT2_MODEL: Final = "smplx2020"
 _SMPLH_JOINT_COUNT: Final = 52
 """SMPL+H has SMPL-X's joints except the three of the face."""
@@ -153,24 +152,12 @@ def _load(path: Path, *, only: Collection[str]) -> Arrays:
     try:
         with np.load(path, allow_pickle=False) as archive:
             wanted = [key for key in archive.files if key in only]
-            _check_size(archive.zip, wanted)
+            check_unpacked_size(archive, wanted)
             for key in wanted:
                 arrays[key] = _array(archive, key)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
     return arrays
-
-
-def _check_size(archive: zipfile.ZipFile | None, wanted: Sequence[str]) -> None:
-    """Raise where the `wanted` arrays would unpack to more than a motion can be."""
-    names = {name for key in wanted for name in (key, f"{key}.npy")}
-    members = archive.infolist() if archive else []
-    size = sum(member.file_size for member in members if member.filename in names)
-    if size > _LARGEST:
-        raise InputError(
-            f"the archive unpacks to {size / 2**20:.0f} MiB, more than {_LARGEST / 2**20:.0f}",
-            remedy="Cut the motion into shorter files",
-        )
 
 
 def _array(archive: Mapping[str, NDArray[Any]], key: str) -> NDArray[Any]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError, found_at
+from motion.formats.archives import check_unpacked_size
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
@@ -164,6 +165,7 @@ def _read(path: Path) -> _Recording:
             return _in_known_order(loaded, None)
         with loaded:
             keys = [key for key in ("joints", "directions", *_NAMES, *_RATES) if key in loaded]
+            check_unpacked_size(loaded, keys)
             arrays = {key: loaded[key] for key in keys}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(

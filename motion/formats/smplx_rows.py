@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError, found_at
+from motion.formats.archives import check_unpacked_size
 from motion.skeleton import JOINT_COUNT
 
 FRAME_RATE: Final = 30.0
@@ -63,6 +64,7 @@ def read_show_npz(path: Path) -> MotionClip:
     with found_at(path):
         try:
             with np.load(path, allow_pickle=False) as archive:
+                check_unpacked_size(archive, [name for name, _ in _PARTS])
                 parts = [_part(archive.get(name), name, width) for name, width in _PARTS]
             return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
         except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:

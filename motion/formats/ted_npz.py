@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError, found_at
+from motion.formats.archives import check_unpacked_size
 
 FRAME_RATE: Final = 15.0
 JOINTS: Final = 10
@@ -93,6 +94,7 @@ def read_ted_npz(path: Path) -> TedMotion:
 def _read(path: Path) -> TedMotion:
     try:
         with np.load(path, allow_pickle=False) as archive:
+            check_unpacked_size(archive, (*ARRAYS, "frame_rate"))
             arrays = {key: archive[key] for key in (*ARRAYS, "frame_rate") if key in archive}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(

@@ -10,13 +10,19 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final, Literal, Self
 
 import av
+from av.container import InputContainer
 
+from motion.audio import WHOLE_FORMATS
 from renderer.encoder import SOUND_RATE
 
 _UNREADABLE: Final = (av.FFmpegError, OSError)
 
 DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
+
+
+def _opened(video: Path) -> InputContainer:
+    return av.open(str(video), options=dict(WHOLE_FORMATS))
 
 
 FlawKind = Literal["damaged", "no picture", "no sound", "length"]
@@ -45,7 +51,7 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
         Whether it must have sound.
     """
     try:
-        with av.open(str(video)) as container:
+        with _opened(video) as container:
             if not container.streams.video:
                 return Flaw("no picture", "has no picture")
             if sound and not container.streams.audio:
@@ -120,7 +126,7 @@ class VideoFormat:
 
 def format_of(video: Path) -> VideoFormat | None:
     """Return how a video is encoded; None where it cannot be opened or has no picture."""
-    with suppress(*_UNREADABLE), av.open(str(video)) as container:
+    with suppress(*_UNREADABLE), _opened(video) as container:
         if not container.streams.video:
             return None
         picture: Any = container.streams.video[0]
@@ -173,7 +179,7 @@ class VideoStructure:
 
 def structure_of(video: Path) -> VideoStructure | None:
     """Return what the index of a video tells; None where it cannot be opened or has no picture."""
-    with suppress(*_UNREADABLE), av.open(str(video)) as container:
+    with suppress(*_UNREADABLE), _opened(video) as container:
         if not container.streams.video:
             return None
         streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
@@ -219,7 +225,7 @@ def plays_at_once(video: Path) -> bool | None:
 def written_in(video: Path) -> tuple[str, ...]:
     """Return what a video's file says of itself: brands, titles, comments, names of streams."""
     try:
-        with av.open(str(video)) as container:
+        with _opened(video) as container:
             tables = [container.metadata, *(stream.metadata for stream in container.streams)]
     except _UNREADABLE:
         return ()

@@ -8,8 +8,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-import numpy as np
-
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -18,36 +16,44 @@ from motion.formats.beat_tracks import write_semantic_scores
 from motion.formats.joint_maps import JointMap
 from motion.placement import place
 from motion.resample import cut
-from motion.segment import Segment, check_name, read_segments, write_segments
+from motion.segment import Segment, check_name
 from studyapp.stimuli.recorded_beside import (
     read_recorded,
     semantics_beside,
     with_words_beside,
 )
 from studyapp.stimuli.shown_motion import SEGMENT_TOLERANCE, check_same_length, licensed_hands
+from studyapp.stimuli.stored_speech import (
+    check_no_clash,
+    check_same_speech,
+    known_segments,
+    store_segments,
+)
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import add_condition
 
 TAKE_TOLERANCE: Final = 1.0
 """Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
-ROUNDING: Final = 1e-3
-"""Share of full scale by which storing a recording as 16-bit WAV may change it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Take:
-    """A recording of motion and speech together, and what to make of it.
+    """A recording of speech, mostly with motion, and what to make of it.
 
     Attributes
     ----------
-    motion, speech : Path
-        The two files, in any format the project reads.
+    motion : Path or None
+        In any format the project reads; None of speech alone.
+    speech : Path
+        In any format the project reads.
     frame_rate : float or None
         Overrides what the motion file says of its frame rate.
     segment_seconds : float or None
         Length of the segments it is cut into; None keeps the take whole.
-    condition, speaker, emotion : str
+    condition : str or None
+        What the motion belongs to.
+    speaker, emotion : str
         What its segments are.
     as_recorded : bool
         Whether hands of a BVH stay where they come to lie inside the body.
@@ -55,11 +61,11 @@ class Take:
         For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
     """
 
-    motion: Path
+    motion: Path | None
     speech: Path
     frame_rate: float | None
     segment_seconds: float | None
-    condition: str
+    condition: str | None
     speaker: str
     emotion: str
     as_recorded: bool = False
@@ -86,46 +92,39 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         exists.
     """
     study = folder.study()
-    _check_condition(study, take.condition, folder)
+    if take.condition is not None:
+        _check_condition(study, take.condition, folder)
     check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
-    clip, motion_notes = read_recorded(
-        take.motion,
-        frame_rate=take.frame_rate,
-        mean_hands=licensed_hands(folder, study),
-        as_recorded=take.as_recorded,
-        joint_map=take.joint_map,
-    )
+    clip, seconds, motion_notes = _motion_of(folder, study, take, audio)
     notes = [*audio.notes, *motion_notes]
-    seconds, note = _common_length(take, audio, clip)
-    notes += note
     segments = _cut_points(take, seconds)
     rest = seconds - segments[-1].end
     if rest > SEGMENT_TOLERANCE:
         notes.append(
             f"{take.speech.name}: the last {rest:.1f} s make no whole segment and are left out"
         )
-    segments, word_notes = with_words_beside(segments, take.motion, audio)
-    semantics, semantic_notes = semantics_beside(segments, take.motion)
+    named = take.motion or take.speech
+    segments, word_notes = with_words_beside(segments, named, audio)
+    semantics, semantic_notes = semantics_beside(segments, named)
     notes += [*word_notes, *semantic_notes]
-    known = _known_segments(folder)
-    _check_no_clash(known, segments, folder)
-    _check_same_speech(folder.speech / segments[0].wav, audio)
-    clips = {segment.name: _placed_cut(clip, segment.start, segment.end) for segment in segments}
-    _check_no_other_motion(folder, take.condition, clips)
+    known = known_segments(folder)
+    check_no_clash(known, segments, folder)
+    check_same_speech(folder.speech / segments[0].wav, audio)
+    clips = {}
+    if clip is not None and take.condition is not None:
+        clips = {one.name: _placed_cut(clip, one.start, one.end) for one in segments}
+        _check_no_other_motion(folder, take.condition, clips)
 
     write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
     for name, piece in clips.items():
-        write_clip(folder.clip(take.condition, name), piece)
+        write_clip(folder.clip(str(take.condition), name), piece)
     for name, spans in semantics.items():
         write_semantic_scores(folder.semantics(name), spans)
-    told = {segment.name: segment.transcript for segment in known}
-    segments = [
-        replace(one, transcript=one.transcript or told.get(one.name, "")) for one in segments
-    ]
-    merged = {segment.name: segment for segment in (*known, *segments)}
-    write_segments(folder.speech, tuple(merged.values()))
-    return segments, notes + _add_if_new(folder, study, take.condition)
+    segments = store_segments(folder, known, segments)
+    if take.condition is not None:
+        notes += _add_if_new(folder, study, take.condition)
+    return segments, notes
 
 
 def import_clips(
@@ -202,6 +201,23 @@ def import_clips(
     return notes + _add_if_new(folder, study, condition)
 
 
+def _motion_of(
+    folder: StudyFolder, study: Study, take: Take, audio: Audio
+) -> tuple[MotionClip | None, float, list[str]]:
+    """Return a take's motion, how many seconds can be used, and notes; None of speech alone."""
+    if take.motion is None:
+        return None, audio.duration, []
+    clip, notes = read_recorded(
+        take.motion,
+        frame_rate=take.frame_rate,
+        mean_hands=licensed_hands(folder, study),
+        as_recorded=take.as_recorded,
+        joint_map=take.joint_map,
+    )
+    seconds, note = _common_length(take.motion, audio, clip)
+    return clip, seconds, [*notes, *note]
+
+
 def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     """Return an excerpt that is placed by its own frames, whatever it was cut from.
 
@@ -210,21 +226,21 @@ def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     return place(cut(clip, start, end))[0]
 
 
-def _common_length(take: Take, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
+def _common_length(motion: Path, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
     """Return how many seconds of a take have both motion and speech."""
     difference = abs(audio.duration - clip.duration)
     lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
     if difference > TAKE_TOLERANCE:
         raise InputError(
             lengths,
-            where=take.motion,
+            where=motion,
             remedy=f"A take's ends may differ by {TAKE_TOLERANCE} s: check that the files belong "
             "together and that the frame rate is right (--fps)",
         )
     seconds = min(audio.duration, clip.duration)
     if difference <= 1e-3:
         return seconds, []
-    return seconds, [f"{take.motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
+    return seconds, [f"{motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
 
 
 def _cut_points(take: Take, seconds: float) -> list[Segment]:
@@ -233,7 +249,7 @@ def _cut_points(take: Take, seconds: float) -> list[Segment]:
     if not length <= seconds + 1e-6:
         raise InputError(
             f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
-            where=take.motion,
+            where=take.motion or take.speech,
             remedy="Give a shorter --segment",
         )
     count = int(seconds / length + 1e-6)
@@ -252,12 +268,6 @@ def _cut_points(take: Take, seconds: float) -> list[Segment]:
     ]
 
 
-def _known_segments(folder: StudyFolder) -> tuple[Segment, ...]:
-    if not (folder.speech / "segments.csv").exists():
-        return ()
-    return read_segments(folder.speech)
-
-
 def _check_condition(study: Study, condition: str, folder: StudyFolder) -> None:
     """Raise if motion files cannot be brought in for `condition`."""
     check_name(condition, "condition")
@@ -269,6 +279,13 @@ def _check_condition(study: Study, condition: str, folder: StudyFolder) -> None:
             remedy="Bring the files in under another condition, or remove the generator of this "
             "one first",
         )
+    if condition in (*study.conditions, study.catch.condition) and study.is_finished(condition):
+        raise InputError(
+            f"condition {condition!r} has finished videos, no motion",
+            where=folder.definition,
+            remedy="Bring the files in under another condition, or remove videos = true from "
+            "this one first",
+        )
 
 
 def _add_if_new(folder: StudyFolder, study: Study, condition: str) -> list[str]:
@@ -277,22 +294,6 @@ def _add_if_new(folder: StudyFolder, study: Study, condition: str) -> list[str]:
         return []
     add_condition(folder.definition, condition)
     return [f"{folder.definition.name}: condition {condition!r} added"]
-
-
-def _check_same_speech(stored: Path, audio: Audio) -> None:
-    """Raise if another recording is stored under the name that `audio` would get."""
-    if not stored.exists():
-        return
-    known = read_audio(stored, sample_rate=None)
-    if known.sample_rate != audio.sample_rate or not (
-        known.samples.shape == audio.samples.shape
-        and np.allclose(known.samples, audio.samples, atol=ROUNDING)
-    ):
-        raise InputError(
-            "another recording is stored under this name",
-            where=stored,
-            remedy="Rename the new recording: its segments are named after it",
-        )
 
 
 def _check_no_other_motion(
@@ -312,17 +313,3 @@ def _check_no_other_motion(
                     where=stored,
                     remedy="Bring this one in under another condition, or remove that file first",
                 )
-
-
-def _check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:
-    """Raise if importing `new` would change what an existing segment is."""
-    existing = {segment.name: segment for segment in known}
-    for segment in new:
-        old = existing.get(segment.name)
-        if old is not None and (old.start, old.end) != (segment.start, segment.end):
-            raise InputError(
-                f"segment {segment.name} exists with other times "
-                f"({old.start:g}–{old.end:g} s, now {segment.start:g}–{segment.end:g} s)",
-                where=folder.speech / "segments.csv",
-                remedy="Use another file name, or remove the old segments first",
-            )

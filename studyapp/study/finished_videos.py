@@ -14,6 +14,7 @@ from typing import Final
 
 import av
 
+from motion.audio import WHOLE_FORMATS
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment, check_name
 from studyapp.study.design.trial import Content, Stimulus
@@ -53,7 +54,7 @@ def seconds_of(video: Path) -> float:
         If it cannot be opened.
     """
     try:
-        with av.open(str(video)) as container:
+        with av.open(str(video), options=dict(WHOLE_FORMATS)) as container:
             return (container.duration or 0) / av.time_base
     except (av.FFmpegError, OSError):
         raise InputError(

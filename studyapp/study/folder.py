@@ -50,6 +50,9 @@ class StudyFolder:
     rehearsal = _Inside("rehearsal.db")
     """SQLite database of simulated participants; never mixed with the real one."""
 
+    inbox = _Inside("inbox")
+    """Folder of what was uploaded at a desk, until it is in the study."""
+
     tries = _Inside("tries.db")
     """SQLite database of test participations; never mixed with the real one."""
 

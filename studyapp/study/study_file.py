@@ -204,10 +204,12 @@ def text_digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def add_condition(path: Path, name: str) -> Study:
-    """Add a condition whose motion comes from files to a study file, keeping its comments."""
+def add_condition(path: Path, name: str, *, videos: bool = False) -> Study:
+    """Add a condition of motion files, or of finished videos, to a study file with its comments."""
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
     table = tomlkit.table()
+    if videos:
+        table.add("videos", True)
     table.add(tomlkit.nl())
     document["conditions"][check_name(name, "condition", path)] = table
     return _write(path, document)

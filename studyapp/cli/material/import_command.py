@@ -6,18 +6,22 @@ from pathlib import Path
 
 import click
 
+from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import existing_study, joints_option
 from studyapp.cli.output import progress
+from studyapp.stimuli.imported_folder import FolderFacts, folder_items
 from studyapp.stimuli.recordings import Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
+from studyapp.study.folder import StudyFolder
 
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+_FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
 
 
 @click.command("import")
-@click.argument("motion", nargs=-1, type=_FILE)
+@click.argument("motion", nargs=-1, type=_FILE_OR_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 @click.option("--condition", help="The condition this motion belongs to.")
 @click.option(
@@ -38,6 +42,11 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("--emotion", type=click.Choice(EMOTIONS), help="The emotion of the take.")
 @joints_option
 @click.option(
+    "--move",
+    is_flag=True,
+    help="Of a folder: remove each file once it is in the study; what is refused stays.",
+)
+@click.option(
     "--as-recorded",
     is_flag=True,
     help="Leave hands of a BVH where another body had them, even inside trunk or thighs.",
@@ -53,20 +62,38 @@ def command(
     speaker: str | None,
     emotion: str | None,
     joint_map: JointMap | None,
+    move: bool,
     as_recorded: bool,
 ) -> None:
     """Bring MOTION into the study FOLDER.
 
     With --speech, one motion file and its recording become new segments. Without it, each
-    motion file must be named after a segment that the study has. With --from-video, FOLDER is not a
-    study but a folder of takes, which 'motionjury train' reads.
+    motion file must be named after a segment that the study has. MOTION may also be a folder of
+    speech, motion and finished videos. With --from-video, FOLDER is not a study but a folder of
+    takes, which 'motionjury train' reads.
     """
     if video is not None:
         others = (condition, speech, fps, segment_seconds, emotion, joint_map)
-        if motion or as_recorded or any(option is not None for option in others):
+        if motion or move or as_recorded or any(option is not None for option in others):
             raise click.UsageError("--from-video goes with FOLDER and --speaker alone.")
         _import_video(video, folder, speaker)
         return
+    if len(motion) == 1 and motion[0].is_dir():
+        if speech is not None:
+            raise click.UsageError("The speech of a folder lies in it: leave --speech out.")
+        facts = FolderFacts(
+            condition=condition,
+            speaker=speaker,
+            emotion=emotion,
+            segment_seconds=segment_seconds,
+            frame_rate=fps,
+            as_recorded=as_recorded,
+            joint_map=joint_map,
+        )
+        _import_folder(existing_study(folder), motion[0], facts, move=move)
+        return
+    if move or any(path.is_dir() for path in motion):
+        raise click.UsageError("Give one folder, or files without --move.")
     if not motion or condition is None:
         raise click.UsageError("Give MOTION and --condition, or --from-video.")
     study = existing_study(folder)
@@ -101,6 +128,32 @@ def command(
     for note in notes:
         click.echo(f"note: {note}")
     click.echo(f"Imported {done} into {folder}.")
+
+
+def _import_folder(study: StudyFolder, brought: Path, facts: FolderFacts, *, move: bool) -> None:
+    """Bring in one item after another; what is refused keeps nothing else out."""
+    items, refused = folder_items(study, brought, facts), 0
+    with progress("bringing in", "item") as told:
+        for number, item in enumerate(items, start=1):
+            try:
+                notes = item.bring_in()
+            except InputError as error:
+                refused += 1
+                click.echo(f"refused: {error}")
+            else:
+                for note in notes:
+                    click.echo(f"note: {note}")
+                if move:
+                    for file in item.files:
+                        file.unlink(missing_ok=True)
+            told(number, len(items), item.files[0].name)
+    click.echo(f"Brought in {len(items) - refused} of {len(items)} into {study.root}.")
+    if refused:
+        raise InputError(
+            f"{refused} of {len(items)} could not be brought in, and stay where they are",
+            where=brought,
+            remedy="Correct or remove them, and run the command again",
+        )
 
 
 def _import_video(video: Path, folder: Path, speaker: str | None) -> None:

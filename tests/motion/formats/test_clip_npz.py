@@ -236,7 +236,7 @@ def archive_of(path: Path, shape: tuple[int, int], content: int) -> Path:
 def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("motion.formats.clip_npz._LARGEST", 2**21)
+    monkeypatch.setattr("motion.formats.archives.LARGEST", 2**21)
     path = archive_of(tmp_path / "bomb.npz", (2**21, 1), 2**23)
     assert path.stat().st_size < 2**16
     with pytest.raises(InputError, match=r"bomb\.npz: the archive unpacks to 8 MiB, more than 2"):

@@ -17,6 +17,7 @@ MakeTake = Callable[..., Take]
 
 
 def beside(take: Take, ending: str, text: str) -> Path:
+    assert take.motion is not None
     path = take.motion.with_suffix(ending)
     path.write_text(text, encoding="utf-8")
     return path

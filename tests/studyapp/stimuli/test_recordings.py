@@ -147,8 +147,10 @@ def test_an_unsafe_condition_name_is_refused(
     with pytest.raises(InputError, match="condition name"):
         import_take(folder, replace(take(), condition=condition))
     import_take(folder, take())
+    motion = take().motion
+    assert motion is not None
     with pytest.raises(InputError, match="condition name"):
-        import_clips(folder, [take().motion], condition=condition, frame_rate=None)
+        import_clips(folder, [motion], condition=condition, frame_rate=None)
 
 
 def test_two_files_for_one_segment_are_refused(
@@ -236,6 +238,7 @@ def test_speech_whose_name_cannot_name_segments_is_told(
 
 def test_the_face_beside_a_recording_comes_with_it(folder: StudyFolder, take: MakeTake) -> None:
     recording = take()
+    assert recording.motion is not None
     weights = np.linspace(0, 1, 300)[:, None] * np.ones(51)
     write_arkit_json(recording.motion.with_suffix(".json"), weights, 60)
     segments, notes = import_take(folder, recording)
@@ -254,6 +257,7 @@ def test_another_json_beside_a_recording_is_left_out_and_said(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     recording = take()
+    assert recording.motion is not None
     recording.motion.with_suffix(".json").write_text('{"take": 3}')
     segments, notes = import_take(folder, recording)
     assert any("motion.json lies beside motion.npz and is left out" in note for note in notes)

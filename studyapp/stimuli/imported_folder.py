@@ -1,0 +1,288 @@
+"""Bringing a folder of files into a study: speech, motion and finished videos, by their names.
+
+Files in the folder itself are of the condition that is stated; those in a sub-folder are of the
+condition that it is called after.
+"""
+
+from __future__ import annotations
+
+import filecmp
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from motion.errors import InputError
+from motion.files import replacing
+from motion.formats.joint_maps import JointMap
+from motion.formats.joint_positions import is_joint_table
+from motion.segment import SEGMENTS_FILE, check_name
+from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of, plays_at_once
+from studyapp.stimuli.recordings import Take, import_clips, import_take
+from studyapp.stimuli.stored_speech import import_speech
+from studyapp.study.finished_videos import seconds_of
+from studyapp.study.folder import StudyFolder
+from studyapp.study.study_file import add_condition
+
+MOTION: Final = (".bvh", ".npz", ".npy")
+SPEECH: Final = (".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff")
+VIDEO: Final = ".mp4"
+TABLE: Final = ".csv"
+BESIDE: Final = (".json", ".textgrid", ".lab", ".txt", TABLE)
+"""Endings of what may lie beside a motion or its speech."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FolderFacts:
+    """What the files of a folder do not say themselves; see `studyapp.stimuli.recordings.Take`.
+
+    Attributes
+    ----------
+    condition : str or None
+        Of motion and videos that lie in no sub-folder.
+    speaker, emotion : str or None
+        Of speech that no ``segments.csv`` beside it describes.
+    """
+
+    condition: str | None = None
+    speaker: str | None = None
+    emotion: str | None = None
+    segment_seconds: float | None = None
+    frame_rate: float | None = None
+    as_recorded: bool = False
+    joint_map: JointMap | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FolderItem:
+    """Files that come into a study together, or not at all.
+
+    Attributes
+    ----------
+    files : tuple of Path
+        The one that it is about comes first.
+    bring_in : callable
+        Does it, and returns what was changed on the way.
+    """
+
+    files: tuple[Path, ...]
+    bring_in: Callable[[], list[str]]
+
+
+def folder_items(study: StudyFolder, folder: Path, facts: FolderFacts) -> list[FolderItem]:
+    """Return what is in `folder`, in an order in which it can be brought in: speech first.
+
+    Raises
+    ------
+    InputError
+        If there is nothing.
+    """
+    places = {folder: facts.condition}
+    for each in sorted(folder.iterdir()):
+        if each.is_dir() and not each.name.startswith("."):
+            places[each] = each.name
+    found = [_Place(study, place, condition, facts) for place, condition in places.items()]
+    items = [
+        item
+        for listed in (_Place.speech, _Place.motion, _Place.videos, _Place.others)
+        for place in found
+        for item in listed(place)
+    ]
+    if not items:
+        raise InputError(
+            "there is no file to bring in", where=folder, remedy="Put files there first"
+        )
+    return items
+
+
+class _Place:
+    """One folder of files that belong to one condition."""
+
+    def __init__(
+        self, study: StudyFolder, folder: Path, condition: str | None, facts: FolderFacts
+    ) -> None:
+        self._study, self._condition, self._facts = study, condition, facts
+        self._left = {
+            path.name: path
+            for path in sorted(folder.iterdir())
+            if path.is_file() and not path.name.startswith(".")
+        }
+        self._folder = folder
+
+    def speech(self) -> Iterator[FolderItem]:
+        """Yield what makes segments: a table with its recordings, takes, and speech alone."""
+        table = self._left.get(SEGMENTS_FILE)
+        if table is not None:
+            told = {one.strip() for line in _lines(table) for one in line.split(",")}
+            named = [path for path in self._of(SPEECH) if path.name in told]
+            files = self._taken([table, *named])
+            yield FolderItem(
+                files=files, bring_in=partial(import_speech, self._study, self._folder)
+            )
+        for speech in self._of(SPEECH):
+            motion = next((one for one in self._moving() if one.stem == speech.stem), None)
+            files = self._taken([*([motion] if motion else []), speech, *self._beside(speech)])
+            yield FolderItem(files=files, bring_in=partial(self._bring_take, motion, speech))
+
+    def motion(self) -> Iterator[FolderItem]:
+        """Yield motion of segments that the study has then."""
+        for motion in self._moving():
+            files = self._taken([motion, *self._beside(motion)])
+            yield FolderItem(files=files, bring_in=partial(self._bring_clip, motion))
+
+    def videos(self) -> Iterator[FolderItem]:
+        """Yield finished videos."""
+        for video in self._of((VIDEO,)):
+            bring_in = partial(self._bring_video, video)
+            yield FolderItem(files=self._taken([video]), bring_in=bring_in)
+
+    def others(self) -> Iterator[FolderItem]:
+        """Yield what is nothing of these."""
+        for path in list(self._left.values()):
+            yield FolderItem(files=self._taken([path]), bring_in=partial(_refuse_unknown, path))
+
+    def _of(self, endings: Sequence[str]) -> list[Path]:
+        return [path for path in self._left.values() if path.suffix.lower() in endings]
+
+    def _moving(self) -> list[Path]:
+        tables = [path for path in self._of((TABLE,)) if is_joint_table(path)]
+        return [*self._of(MOTION), *tables]
+
+    def _beside(self, path: Path) -> list[Path]:
+        return [one for one in self._of(BESIDE) if one.stem == path.stem]
+
+    def _taken(self, files: Sequence[Path]) -> tuple[Path, ...]:
+        for path in files:
+            self._left.pop(path.name, None)
+        return tuple(dict.fromkeys(files))
+
+    def _bring_take(self, motion: Path | None, speech: Path) -> list[str]:
+        facts = self._facts
+        if facts.speaker is None or facts.emotion is None:
+            raise InputError(
+                "nothing says who speaks, and with which emotion",
+                where=speech,
+                remedy=f"Give --speaker and --emotion, or a {SEGMENTS_FILE} beside it that says so",
+            )
+        take = Take(
+            motion=motion,
+            speech=speech,
+            frame_rate=facts.frame_rate,
+            segment_seconds=facts.segment_seconds,
+            condition=None if motion is None else self._named_condition(motion),
+            speaker=facts.speaker,
+            emotion=facts.emotion,
+            as_recorded=facts.as_recorded,
+            joint_map=facts.joint_map,
+        )
+        return import_take(self._study, take)[1]
+
+    def _bring_clip(self, motion: Path) -> list[str]:
+        return import_clips(
+            self._study,
+            [motion],
+            condition=self._named_condition(motion),
+            frame_rate=self._facts.frame_rate,
+            as_recorded=self._facts.as_recorded,
+            joint_map=self._facts.joint_map,
+        )
+
+    def _bring_video(self, video: Path) -> list[str]:
+        return import_video(self._study, video, self._named_condition(video))
+
+    def _named_condition(self, path: Path) -> str:
+        if self._condition is None:
+            raise InputError(
+                "nothing says of which condition this is",
+                where=path,
+                remedy="Put it into a sub-folder that is called after its condition, or give "
+                "--condition",
+            )
+        return self._condition
+
+
+def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
+    """Store a finished video, named after its segment, in the study.
+
+    Returns
+    -------
+    list of str
+        What was changed on the way.
+
+    Raises
+    ------
+    InputError
+        If it cannot be played, is of another length than its segment, belongs to no segment or
+        to a condition of motion, or the condition has another video for the segment.
+    """
+    definition = study.study()
+    check_name(condition, "condition")
+    is_known = condition in (*definition.conditions, definition.catch.condition)
+    if is_known and not definition.is_finished(condition):
+        raise InputError(
+            f"condition {condition!r} has motion, no finished videos",
+            where=study.definition,
+            remedy="Bring the video in under another condition, or write videos = true for this "
+            "one first",
+        )
+    # A segment, or a segment with another one's speech: no name holds an @.
+    names = [check_name(name, "segment", video) for name in video.stem.split("@", 1)]
+    _check_video(video, _seconds(study, names, video))
+    stored = study.videos / condition / f"{video.stem}{VIDEO}"
+    if stored.is_file() and not filecmp.cmp(stored, video, shallow=False):
+        raise InputError(
+            f"condition {condition!r} has another video for segment {video.stem} already",
+            where=stored,
+            remedy="Bring this one in under another condition, or remove that file first",
+        )
+    if not is_known:
+        add_condition(study.definition, condition, videos=True)
+    with replacing(stored) as draft:
+        shutil.copyfile(video, draft)
+    return [] if is_known else [f"{study.definition.name}: condition {condition!r} added"]
+
+
+def _seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:
+    """Return how long a video should be: as its segment where the study has speech."""
+    if not (study.speech / SEGMENTS_FILE).exists():
+        return seconds_of(video)
+    segments: Mapping[str, float] = {one.name: one.duration for one in study.segments()}
+    for name in names:
+        if name not in segments:
+            raise InputError(
+                f"no segment is called {name!r}",
+                where=video,
+                remedy=f"Name the file after its segment ({', '.join(list(segments)[:3])}, …)",
+            )
+    return segments[names[0]]
+
+
+def _check_video(video: Path, seconds: float) -> None:
+    # Whether it needs sound, only the design tells: 'check' does.
+    flaw = flaw_of(video, seconds, sound=False)
+    if flaw is None and plays_at_once(video) is None:
+        what: str | None = "is no MP4"
+    else:
+        what = None if flaw is None else flaw.what
+    if what is not None:
+        raise InputError(
+            f"the video {what}",
+            where=video,
+            remedy="Bring it as H.264 and AAC in MP4; lengths may differ by "
+            f"{DURATION_TOLERANCE} s",
+        )
+
+
+def _refuse_unknown(path: Path) -> list[str]:
+    raise InputError(
+        "this is neither speech, motion nor a finished video, nor named after one that lies here",
+        where=path,
+        remedy=f"Bring motion as {', '.join(MOTION)} or a table of joints, speech as "
+        f"{', '.join(SPEECH)}, videos as {VIDEO}",
+    )
+
+
+def _lines(table: Path) -> list[str]:
+    return table.read_text("utf-8", errors="replace").splitlines()
