@@ -116,7 +116,8 @@ def copies_left(folder: StudyFolder) -> tuple[str, ...]:
         for path in folder.root.glob("*")
         if path.suffix in (".csv", ".parquet") and path.is_file() and path.name != "metrics.parquet"
     )
-    return (*tables, *(["report/"] if folder.report.exists() else []))
+    folders = [path.name for path in (folder.report, folder.jobs) if path.exists()]
+    return (*tables, *(f"{name}/" for name in folders))
 
 
 @click.command("forget")

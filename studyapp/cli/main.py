@@ -126,3 +126,7 @@ def main() -> None:
         sys.exit(130)
     except click.exceptions.Exit as leaving:
         sys.exit(leaving.exit_code)
+
+
+if __name__ == "__main__":
+    main()

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Final
 
 import click
 from tqdm import tqdm
 
+from motion.files import write_text
+from studyapp.desk.jobs import PROGRESS_FILE, Progress
 from studyapp.recruitment.payment import Judged
 from training.run.launching import is_leader
 
 _A_LINE_EVERY: Final = 30.0
 """Seconds between two lines where no terminal shows a bar."""
+
+_IN_A_FILE_EVERY: Final = 1.0
 
 
 @contextmanager
@@ -60,24 +66,39 @@ def _show_nothing(done: int, total: int, detail: str = "") -> None:
 
 
 class _Lines:
-    """Progress for a log: a line at most every `_A_LINE_EVERY` seconds, and one at the end."""
+    """Progress for a log: a line at most every `_A_LINE_EVERY` seconds, and one at the end.
+
+    Whoever watches the command gets it in a file besides, which the environment names.
+    """
 
     def __init__(self, title: str, unit: str) -> None:
         self._title = title
         self._unit = unit
         self._said = time.monotonic()
+        self._written = -_IN_A_FILE_EVERY
         self._first: tuple[int, float] | None = None
+        self._file = os.environ.get(PROGRESS_FILE)
 
     def show(self, done: int, total: int, detail: str = "") -> None:
         """Write a line if it is time for one."""
         now = time.monotonic()
         # What was done before the first call, an earlier run's share or other work, is no rate.
         self._first = self._first or (done, now)
-        if not (done or detail) or (done < total and now - self._said < _A_LINE_EVERY):
-            return
-        self._said = now
+        words = self._words(done, total, detail, now, *self._first)
+        if self._file and (done == total or now - self._written >= _IN_A_FILE_EVERY):
+            self._written = now
+            # A full disk need not end what can go on without it.
+            with suppress(OSError):
+                told = Progress(done=done, total=total, words=words)
+                write_text(Path(self._file), told.model_dump_json())
+        if (done or detail) and (done == total or now - self._said >= _A_LINE_EVERY):
+            self._said = now
+            click.echo(words, err=True)
+
+    def _words(
+        self, done: int, total: int, detail: str, now: float, before: int, began: float
+    ) -> str:
         said = [f"{self._title}: {done} of {total} {self._unit}s"]
-        before, began = self._first
         if done > before:
             rate = (done - before) / max(now - began, 1e-6)
             said.append(f"{rate:.3g} a second")
@@ -85,7 +106,7 @@ class _Lines:
                 said.append(f"about {tqdm.format_interval((total - done) / rate)} left")
         if detail:
             said.append(detail)
-        click.echo(", ".join(said), err=True)
+        return ", ".join(said)
 
 
 _NAMED: Final = 10

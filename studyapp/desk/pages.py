@@ -10,7 +10,7 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.desk import belonging, list_page, making, settings_page, study_page
+from studyapp.desk import belonging, job_page, list_page, making, settings_page, study_page
 from studyapp.desk.lab import OpenedStudy, lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
 from studyapp.researchers.account import Right
@@ -41,10 +41,11 @@ PAGES: Final = (
 STUDY_PAGES: Final[tuple[StudyPage, ...]] = (
     *study_page.PAGES,
     *settings_page.PAGES,
+    *job_page.PAGES,
 )
 """Pages of one study, for which the role in it counts."""
 
-SECTIONS: Final[tuple[Section, ...]] = ()
+SECTIONS: Final[tuple[Section, ...]] = (*job_page.SECTIONS,)
 """Parts of a study's first page, in their order."""
 
 

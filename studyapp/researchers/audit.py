@@ -64,6 +64,9 @@ WORDS: Final[Mapping[Event, str]] = MappingProxyType(
         Event.SECOND_FACTOR_RESET: "second factor reset",
         Event.NEW_VERSION: "new version",
         Event.DEFINITION_EDITED: "study file edited",
+        Event.JOB_BEGUN: "job started",
+        Event.JOB_STOPPED: "job stopped",
+        Event.DOWNLOADED: "downloaded",
     }
 )
 """How events are told to people."""

@@ -20,6 +20,7 @@ from analysis.results.report import plain
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
+from studyapp.desk.jobs import RESEARCHER
 from studyapp.researchers.audit import StudyState, note_look
 from studyapp.researchers.interim_figures import Basis, Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
@@ -81,7 +82,8 @@ def note_way_out(
     try:
         database = Database.open(database_url_of(folder.root))
         with closing(database), database.writing() as session:
-            note_look(session, Clock().now(), state, way=way, reason=reason)
+            by = os.environ.get(RESEARCHER, "")
+            note_look(session, Clock().now(), state, way=way, by=by, reason=reason)
     except (InputError, SQLAlchemyError, OSError) as error:
         problem = str(error).splitlines()[0]
     if not state.is_interim:

@@ -80,6 +80,9 @@ class StudyFolder:
     joint_positions = _Inside(".joint-positions")
     """Folder in which metrics keep what they computed; it may be removed at any time."""
 
+    jobs = _Inside("jobs")
+    """Folder of what the desk has run, a sub-folder for each kind of job."""
+
     evaluators = _Inside("evaluators")
     """Folder of feature networks with which metrics measure, ``*.safetensors``."""
 

@@ -31,6 +31,16 @@ PARTICIPANTS: Final = ("entrance", "participant", "sound_check", "withdrawal")
 """Blueprints of the pages that a recruiter may show in a frame."""
 
 
+FOREIGN_FILES: Final = "research.job_file"
+"""Endpoint of files that are no pages of ours, such as reports."""
+
+SHUT_IN: Final = (
+    "sandbox allow-scripts allow-downloads; default-src data: blob: 'unsafe-inline'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+"""The policy of such files: whatever is in them has no origin, and asks nobody for anything."""
+
+
 def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
     """Add the headers to every answer of `app`.
 
@@ -52,6 +62,8 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
     def add_headers(response: Response) -> Response:
         response.headers.update(PROTECTION)
         response.headers.update(framed if request.blueprint in PARTICIPANTS else alone)
+        if request.endpoint == FOREIGN_FILES:
+            response.headers["Content-Security-Policy"] = SHUT_IN
         if request.endpoint not in ("static", "media.video"):
             response.headers["Cache-Control"] = "no-store"
             response.headers.pop("Expires", None)

@@ -168,6 +168,9 @@ class Event(StrEnum):
     SECOND_FACTOR_RESET = "second_factor_reset"
     NEW_VERSION = "new_version"
     DEFINITION_EDITED = "definition_edited"
+    JOB_BEGUN = "job_begun"
+    JOB_STOPPED = "job_stopped"
+    DOWNLOADED = "downloaded"
 
 
 class AuditLine(Base):

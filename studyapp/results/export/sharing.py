@@ -95,7 +95,8 @@ def share(
             where=out,
             remedy="Give a folder that does not exist yet",
         )
-    if out.resolve().is_relative_to(folder.root.resolve()):
+    within = out.resolve().is_relative_to
+    if within(folder.root.resolve()) and not within(folder.jobs.resolve()):
         raise InputError(
             "the folder for another lab would lie within the study",
             where=out,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from datetime import datetime
 from typing import Final
 
 from flask import abort, redirect, request, url_for
@@ -10,6 +11,7 @@ from flask.typing import ResponseReturnValue
 
 from analysis.stats.multiple_testing import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
+from studyapp.database.engine import Database
 from studyapp.database.tables import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import places_so_far
@@ -17,6 +19,7 @@ from studyapp.researchers.audit import looks, note_look
 from studyapp.researchers.interim_figures import Document, kept_figures
 from studyapp.researchers.logins import HOLDS, unblind, unblinded_because
 from studyapp.session.intake import present_intake
+from studyapp.session.served_study import ServedStudy
 from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.running import running
 
@@ -32,7 +35,7 @@ CLOSED: Final = "the study is closed"
 def results() -> ResponseReturnValue:
     """Show results at the end, and before it to whoever has said why; log it; else ask why."""
     here, token = running(), visitor_cookie()
-    over = _over()
+    over = over_because(here.database, here.served, here.clock.now())
     because = over or unblinded_because(here.database, token or "", here.clock.now())
     if not because:
         return _asking()
@@ -60,14 +63,13 @@ def results() -> ResponseReturnValue:
     )
 
 
-def _over() -> str:
+def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
     """Return why nobody is awaited any more; empty where somebody is."""
-    here = running()
-    places = places_so_far(here.database, here.served, here.clock.now())
+    places = places_so_far(database, served, now)
     if not places.still_to_be_done:
         return EVERYBODY
-    with here.database.reading() as session:
-        closed = not here.served.study.open or present_intake(session).state == "closed"
+    with database.reading() as session:
+        closed = not served.study.open or present_intake(session).state == "closed"
     return CLOSED if closed and not places.active else ""
 
 

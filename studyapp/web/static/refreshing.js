@@ -1,8 +1,7 @@
-// The overview asks for itself anew while somebody can see it, and changes only what it shows.
+// A page asks for itself anew while somebody can see it, and changes only what it shows.
 
 import { writeLocalTimes } from "./local_times.js";
 
-const SECONDS = 20;
 const live = document.getElementById("live");
 
 /** Tell whether somebody is about to use what would be replaced. */
@@ -32,7 +31,16 @@ async function refresh() {
   if (fresh !== null && !inUse()) {
     writeLocalTimes(fresh);
     live.replaceChildren(...fresh.childNodes);
+    live.dataset.seconds = fresh.dataset.seconds;
   }
 }
 
-setInterval(refresh, SECONDS * 1000);
+/** Refresh again and again, as often as the page says; 0 is never. */
+function goOn() {
+  const seconds = Number(live.dataset.seconds);
+  if (seconds > 0) {
+    setTimeout(() => refresh().finally(goOn), seconds * 1000);
+  }
+}
+
+goOn();

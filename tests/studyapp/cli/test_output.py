@@ -2,10 +2,12 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
 from studyapp.cli.output import progress
+from studyapp.desk.jobs import PROGRESS_FILE, Progress
 
 
 @pytest.fixture
@@ -72,3 +74,33 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left(
     assert "200/200" in bar
     assert "frame/s" in bar
     assert "4 of 4 videos" in bar
+
+
+def test_whoever_watches_finds_in_a_file_how_far_it_is(
+    clock: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "progress.json"
+    monkeypatch.setenv(PROGRESS_FILE, str(file))
+
+    def told() -> Progress:
+        return Progress.model_validate_json(file.read_bytes())
+
+    with progress("render", "frame") as show:
+        show(0, 400)
+        assert told().words == "render: 0 of 400 frames"
+        clock[0] += 0.5
+        show(100, 400)
+        assert told().done == 0
+        clock[0] += 0.5
+        show(200, 400)
+        assert (told().done, told().total) == (200, 400)
+        assert told().words == "render: 200 of 400 frames, 200 a second, about 00:01 left"
+
+
+def test_what_cannot_be_told_ends_no_work(
+    clock: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv(PROGRESS_FILE, str(tmp_path / "file" / "below"))
+    with progress("render", "frame") as show:
+        show(0, 400)

@@ -1,0 +1,257 @@
+"""Commands that the desk runs: one at a time for each study, known from the study's folder alone.
+
+A job is a command of the command line in processes of its own, which go on without the page and the
+server that began it. Whether it still runs is told by a lock that its processes hold, and that ends
+with them however they end; all else lies in the folder ``jobs/<kind>``, which keeps the last job of
+each kind. So every process of the server, and a server that is started anew, sees the same.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from pydantic import AwareDatetime, BaseModel, ConfigDict, ValidationError
+
+from motion.errors import InputError
+from motion.files import write_text
+
+DESCRIPTION: Final = "job.json"
+LOG: Final = "log.txt"
+PROGRESS: Final = "progress.json"
+STOP: Final = "stop.txt"
+"""Holds the name of who asks the job to stop."""
+
+PROGRESS_FILE: Final = "MOTIONJURY_PROGRESS"
+"""The environment variable that names the file into which a command writes how far it is."""
+
+RESEARCHER: Final = "MOTIONJURY_RESEARCHER"
+"""The environment variable that names for whom a command is run, for the log of looks."""
+
+PROGRAM: Final = "studyapp.desk.job_process"
+LOCK_SECONDS: Final = 1.0
+"""For how long a lock is tried for that somebody may only be looking at."""
+
+State = Literal["running", "stopping", "done", "failed", "stopped", "interrupted"]
+
+
+class _Plain(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Job(_Plain):
+    """A command that was begun.
+
+    Attributes
+    ----------
+    command : tuple of str
+        What stands behind ``motionjury``; it is run in the study's folder.
+    by : str
+        The researcher's name.
+    packed : str
+        A folder within the study's that becomes an archive when the command has succeeded;
+        empty for none.
+    status : int or None
+        With which the command ended; None until then, and where nobody could tell.
+    stopped_by : str
+        The name of who had it stopped; empty where nobody did.
+    """
+
+    kind: str
+    command: tuple[str, ...]
+    by: str
+    began_at: AwareDatetime
+    packed: str = ""
+    ended_at: AwareDatetime | None = None
+    status: int | None = None
+    stopped_by: str = ""
+
+    def write(self, folder: Path) -> None:
+        """Write it into the job's own folder."""
+        write_text(folder / DESCRIPTION, self.model_dump_json(indent=1))
+
+    @property
+    def archive(self) -> str:
+        """The name of the archive, without an ending."""
+        return Path(self.packed).name
+
+
+class Progress(_Plain):
+    """How far a command is.
+
+    Attributes
+    ----------
+    done, total : int
+        Of whatever it counts.
+    words : str
+        The same for people, with the time that is left.
+    """
+
+    done: int
+    total: int
+    words: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobStanding:
+    """The last job of its kind, and how it stands.
+
+    Attributes
+    ----------
+    progress : Progress or None
+        None where the command has not said anything, and once it has ended.
+    """
+
+    job: Job
+    state: State
+    progress: Progress | None = None
+
+    @property
+    def is_running(self) -> bool:
+        """Whether no other job can begin."""
+        return self.state in ("running", "stopping")
+
+
+def run_job(jobs: Path, job: Job) -> None:
+    """Begin a job, which goes on after this returns.
+
+    Parameters
+    ----------
+    jobs : Path
+        The folder of jobs in the study's folder.
+
+    Raises
+    ------
+    InputError
+        If another job of the study runs.
+    """
+    own = jobs / job.kind
+    jobs.mkdir(exist_ok=True)
+    with _locked(jobs) as lock:
+        shutil.rmtree(own, ignore_errors=True)
+        own.mkdir()
+        job.write(own)
+        with (own / LOG).open("wb") as log:
+            # Without -P, a folder that happens to be called like a package would be taken for it.
+            process = subprocess.Popen(  # noqa: S603 - our own program
+                [sys.executable, "-P", "-m", PROGRAM, str(own), str(lock)],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                pass_fds=(lock,),
+            )
+    # Who began a process has to ask how it ended.
+    threading.Thread(target=process.wait, name="job", daemon=True).start()
+
+
+@contextmanager
+def _locked(jobs: Path) -> Iterator[int]:
+    """Give the lock of a study's jobs, which whoever inherits it holds on after the block."""
+    lock = os.open(jobs, os.O_RDONLY)
+    try:
+        until = time.monotonic() + LOCK_SECONDS
+        while True:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > until:
+                    raise InputError(
+                        "another job of this study is running",
+                        remedy="Wait until it is done, or stop it",
+                    ) from None
+                time.sleep(0.02)
+        yield lock
+    finally:
+        os.close(lock)
+
+
+def stop_job(jobs: Path, kind: str, *, by: str) -> None:
+    """Ask the job of a kind to stop; it takes the time to leave everything in order.
+
+    Raises
+    ------
+    InputError
+        If none runs.
+    """
+    found = job_standings(jobs).get(kind)
+    if found is None or not found.is_running:
+        raise InputError("this job is not running any more", remedy="See how it ended")
+    write_text(jobs / kind / STOP, by)
+
+
+def job_standings(jobs: Path) -> Mapping[str, JobStanding]:
+    """Return the last job of each kind that was ever begun."""
+    found = [job for path in jobs.glob(f"*/{DESCRIPTION}") if (job := _read(path)) is not None]
+    present = max(found, key=lambda job: job.began_at, default=None)
+    # Who holds the lock is whoever came last, unless that one has ended just now.
+    has_lock = present is not None and present.status is None and _is_locked(jobs)
+    return {
+        job.kind: _standing(jobs / job.kind, job, is_running=has_lock and job is present)
+        for job in found
+    }
+
+
+def _read(path: Path) -> Job | None:
+    """Return a job; None where there is none, or one of another version."""
+    try:
+        return Job.model_validate_json(path.read_bytes())
+    except (OSError, ValidationError):
+        return None
+
+
+def _is_locked(jobs: Path) -> bool:
+    lock = os.open(jobs, os.O_RDONLY)
+    try:
+        fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(lock)
+    return False
+
+
+def _standing(own: Path, job: Job, *, is_running: bool) -> JobStanding:
+    if is_running:
+        progress = None
+        with suppress(OSError, ValidationError):
+            progress = Progress.model_validate_json((own / PROGRESS).read_bytes())
+        state: State = "stopping" if (own / STOP).exists() else "running"
+        return JobStanding(job=job, state=state, progress=progress)
+    if job.status is None:
+        # It may have ended between two looks.
+        job = _read(own / DESCRIPTION) or job
+    if job.status is None:
+        state = "interrupted"
+    elif job.status == 0:
+        state = "done"
+    else:
+        state = "stopped" if job.stopped_by else "failed"
+    return JobStanding(job=job, state=state)
+
+
+def job_log(jobs: Path, kind: str, *, most: int) -> str:
+    """Return the last `most` bytes of what the job of a kind has printed."""
+    try:
+        with (jobs / kind / LOG).open("rb") as log:
+            size = log.seek(0, os.SEEK_END)
+            log.seek(max(0, size - most))
+            return log.read().decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
+def command_line(command: Sequence[str]) -> list[str]:
+    """Return how the command line is called."""
+    return [sys.executable, "-P", "-m", "studyapp.cli.main", *command]

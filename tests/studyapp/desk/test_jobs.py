@@ -1,0 +1,145 @@
+"""Jobs are commands that go on by themselves, and whose state is true whatever happens."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.desk.jobs import job_log, job_standings, stop_job
+from tests.studyapp.desk.job_watching import PATIENCE, SLOW, begin, wait_for, wait_until_ended
+from tests.studyapp.test_server import HEAVY
+
+
+@pytest.fixture
+def jobs(tiny_study: Path) -> Path:
+    return tiny_study / "jobs"
+
+
+def processes_of(study: Path) -> list[int]:
+    """Return the processes that run a job's command in a study, and those that it has begun."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*/cwd"):
+        try:
+            if place.readlink() == study:
+                found.append(int(place.parent.name))
+        except OSError:
+            continue
+    return found
+
+
+def wait_for_nobody(study: Path) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while processes_of(study):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_a_command_that_succeeds_is_done_with_its_log_and_its_archive(
+    jobs: Path, tiny_study: Path
+) -> None:
+    begin(jobs, "researchers", ".", "list", packed="speech")
+    standing = wait_until_ended(jobs)
+    assert (standing.state, standing.job.status, standing.job.by) == ("done", 0, "Ada")
+    assert standing.job.ended_at is not None
+    assert "prints a link" in job_log(jobs, "try", most=10_000)
+    with zipfile.ZipFile(jobs / "try" / "speech.zip") as archive:
+        assert "speech/segments.csv" in archive.namelist()
+
+
+def test_a_command_that_fails_says_so_with_its_own_words(jobs: Path) -> None:
+    begin(jobs, "nothing", packed="speech")
+    standing = wait_until_ended(jobs)
+    assert (standing.state, standing.job.status) == ("failed", 2)
+    assert "No such command 'nothing'" in job_log(jobs, "try", most=10_000)
+    assert not (jobs / "try" / "speech.zip").exists()
+
+
+def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(
+    jobs: Path, tiny_study: Path
+) -> None:
+    begin(jobs, *SLOW)
+    with pytest.raises(InputError, match="another job"):
+        begin(jobs, "check", kind="other")
+    assert list(job_standings(jobs)) == ["try"]
+    # Another process tells the same.
+    code = (
+        "import sys; from pathlib import Path; from studyapp.desk.jobs import job_standings; "
+        "print(job_standings(Path(sys.argv[1]))['try'].state)"
+    )
+    told = subprocess.run(
+        [sys.executable, "-c", code, str(jobs)], capture_output=True, text=True, check=True
+    )
+    assert told.stdout == "running\n"
+    stop_job(jobs, "try", by="Grace")
+    assert job_standings(jobs)["try"].state in ("stopping", "stopped")
+    standing = wait_until_ended(jobs)
+    assert (standing.state, standing.job.stopped_by) == ("stopped", "Grace")
+    assert "goes on where it stopped" in job_log(jobs, "try", most=10_000)
+    with pytest.raises(InputError, match="not running"):
+        stop_job(jobs, "try", by="Grace")
+    begin(jobs, "nothing", kind="other")
+    assert wait_until_ended(jobs, "other").state == "failed"
+
+
+def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -> None:
+    code = (
+        "import os, signal, sys; from pathlib import Path; "
+        "from tests.studyapp.desk.job_watching import SLOW, begin; "
+        "begin(Path(sys.argv[1]), *SLOW); os.killpg(0, signal.SIGKILL)"
+    )
+    server = subprocess.run([sys.executable, "-c", code, str(jobs)], process_group=0, check=False)
+    assert server.returncode == -signal.SIGKILL
+    assert wait_for(jobs, "running").job.by == "Ada"
+    deadline = time.monotonic() + PATIENCE
+    while not (running := processes_of(tiny_study)):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert all(os.getpriority(os.PRIO_PROCESS, each) >= 10 for each in running)
+    stop_job(jobs, "try", by="Ada")
+    assert wait_until_ended(jobs).state == "stopped"
+    wait_for_nobody(tiny_study)
+
+
+def test_what_was_killed_is_told_from_what_ended_and_keeps_no_other_job_away(
+    jobs: Path, tiny_study: Path
+) -> None:
+    begin(jobs, *SLOW)
+    deadline = time.monotonic() + PATIENCE
+    while not (running := processes_of(tiny_study)):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    (supervisor,) = {_parent(each) for each in running} - set(running)
+    os.kill(supervisor, signal.SIGKILL)
+    # The command itself goes on, and the study is busy as long as it does.
+    assert job_standings(jobs)["try"].state == "running"
+    for each in processes_of(tiny_study):
+        os.kill(each, signal.SIGKILL)
+    assert wait_until_ended(jobs).state == "interrupted"
+    begin(jobs, "nothing", kind="other")
+    assert wait_until_ended(jobs, "other").state == "failed"
+    assert job_standings(jobs)["try"].state == "interrupted"
+
+
+def _parent(process: int) -> int:
+    return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def test_a_job_of_another_version_is_none(jobs: Path) -> None:
+    (jobs / "try").mkdir(parents=True)
+    (jobs / "try" / "job.json").write_text('{"kind": "try", "pid": 3}')
+    assert job_standings(jobs) == {}
+
+
+def test_what_runs_a_job_loads_nothing_heavy() -> None:
+    code = "import json, sys, studyapp.desk.job_process; print(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {*HEAVY, "flask", "sqlalchemy"} & set(json.loads(done.stdout)) == set()
