@@ -163,14 +163,14 @@ def table_of(
 
 CONDITION: Final[tuple[Column[ConditionPlace], ...]] = (
     ("question", lambda one: wording.heading(one.question)),
-    ("condition", lambda one: wording.name(one.condition)),
+    ("condition", lambda one: wording.condition(one.condition)),
 )
 
 
 PAIR: Final[tuple[Column[PairPlace], ...]] = (
     ("question", lambda one: wording.heading(one.question)),
-    ("first", lambda one: wording.name(one.a)),
-    ("second", lambda one: wording.name(one.b)),
+    ("first", lambda one: wording.condition(one.a)),
+    ("second", lambda one: wording.condition(one.b)),
 )
 
 

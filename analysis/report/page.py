@@ -17,6 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from analysis.measurement.score_tables import score_table
+from analysis.report import wording
 from analysis.report.content import Picture, Section, Table
 from analysis.report.figures.svg import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section
@@ -213,18 +214,19 @@ def build_page(report: TableReport, subject: Subject, more: tuple[TableReport, .
     more : tuple of TableReport
         Results of further tasks of the same study.
     """
-    sections = tuple(section for section in _sections(report, subject, more) if section)
-    picture, rest = first_picture(sections)
-    return Page(
-        title=subject.title,
-        mark=subject.mark,
-        mark_short=subject.mark_short,
-        answer=answer(report, subject),
-        picture=picture,
-        flow=flow_line(report, subject),
-        sections=rest,
-        certainty=certainty(report, subject),
-    )
+    with wording.labelled(subject.labels):
+        sections = tuple(section for section in _sections(report, subject, more) if section)
+        picture, rest = first_picture(sections)
+        return Page(
+            title=subject.title,
+            mark=subject.mark,
+            mark_short=subject.mark_short,
+            answer=answer(report, subject),
+            picture=picture,
+            flow=flow_line(report, subject),
+            sections=rest,
+            certainty=certainty(report, subject),
+        )
 
 
 def _sections(

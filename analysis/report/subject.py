@@ -60,6 +60,8 @@ class Subject:
         'pairwise', 'rating', 'ranking' or 'mismatch'.
     conditions : tuple of str
         What is compared, in the order of tables and figures.
+    labels : mapping of str to str
+        What a condition, or the comparison of two, is called where that is not its name.
     questions : mapping of str to str
         Name of each question to its text; '' where it is not known.
     reference : str or None
@@ -97,6 +99,7 @@ class Subject:
     protocol: str
     conditions: tuple[str, ...]
     questions: Mapping[str, str]
+    labels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     reference: str | None = None
     recorded: str | None = None
     broken: str | None = None

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from types import MappingProxyType
 from typing import Final
 
 from analysis.results.grouping import Place
@@ -16,9 +19,36 @@ NO_BREAK: Final = "\u00a0"
 _ZERO: Final = 1e-9
 
 
-def name(condition: str) -> str:
-    """Return a condition's or a question's name for reading."""
-    return condition.replace("_", " ")
+_LABELS: ContextVar[Mapping[str, str]] = ContextVar("_LABELS", default=MappingProxyType({}))
+"""What conditions are called on the page that is being written, where that is not their name."""
+
+
+@contextmanager
+def labelled(labels: Mapping[str, str]) -> Iterator[None]:
+    """Have `condition` give `labels`, by name, inside of the context.
+
+    Every table and figure names conditions; handing the labels to each of them would burden all.
+    """
+    before = _LABELS.set(labels)
+    try:
+        yield
+    finally:
+        _LABELS.reset(before)
+
+
+def condition(name_in_results: str) -> str:
+    """Return what a condition is called: its label, or its name for reading."""
+    return _LABELS.get().get(name_in_results) or name(name_in_results)
+
+
+def against(a: str, b: str) -> str:
+    """Return what the comparison of two conditions is called."""
+    return f"{condition(a)} against {condition(b)}"
+
+
+def name(plain: str) -> str:
+    """Return the name of a question, a set or a segment for reading."""
+    return plain.replace("_", " ")
 
 
 def heading(question: str) -> str:
@@ -102,7 +132,7 @@ HOLM: Final = f"p{NO_BREAK}(Holm)"
 
 def place_of(one: Place) -> str:
     """Return what a note calls a result: its question, and its condition or conditions."""
-    return f"{heading(one.question)}, {name(' against '.join(one.names))}"
+    return f"{heading(one.question)}, {' against '.join(map(condition, one.names))}"
 
 
 def interval(found: Estimate, written: Callable[[float], str] = share) -> str:

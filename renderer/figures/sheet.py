@@ -129,9 +129,11 @@ def _page(sheet: Sheet, rows: Sequence[Segment], facts: str) -> Image.Image:
     for column, condition in enumerate(sheet.conditions):
         left = _NAMES_WIDTH + column * (CELL[0] + _MARGIN)
         letters = font(_LETTERS, bold=True)
-        pen.text((left, _HEADER - _LINE), condition, INK, letters)
         role = sheet.roles.get(condition, "")
-        beside = left + letters.getlength(condition) + 8
+        room = CELL[0] - (font(_LETTERS).getlength(role) + 8 if role else 0)
+        (name,) = wrapped(condition, letters, room, 1)
+        pen.text((left, _HEADER - _LINE), name, INK, letters)
+        beside = left + letters.getlength(name) + 8
         pen.text((beside, _HEADER - _LINE), role, FAINT_INK, font(_LETTERS))
     for row, segment in enumerate(rows):
         top = _HEADER + row * _CELL_HEIGHT

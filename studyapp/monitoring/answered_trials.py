@@ -137,6 +137,8 @@ class Sides:
 
     Attributes
     ----------
+    condition : str
+        As researchers call it.
     left, right : int
         In trials that have been answered and are analysed.
     """
@@ -185,12 +187,12 @@ def shown_on_sides(session: Session) -> dict[tuple[str, int], int]:
     return {(condition, number): count for condition, number, count in rows}
 
 
-def sides(counts: Mapping[tuple[str, int], int]) -> tuple[Sides, ...]:
-    """Return the sides of each condition, by name."""
+def sides(counts: Mapping[tuple[str, int], int], names: Mapping[str, str]) -> tuple[Sides, ...]:
+    """Return the sides of each condition in the order of names, called as `names` says."""
     conditions: Iterable[str] = sorted({condition for condition, _ in counts})
     return tuple(
         Sides(
-            condition=condition,
+            condition=names.get(condition, condition),
             left=counts.get((condition, 1), 0),
             right=counts.get((condition, 2), 0),
         )

@@ -6,7 +6,7 @@ Catch trials and attention checks tell who failed them, and which of them good r
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -73,7 +73,7 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
     rows = session.connection().execute(
         query.where(Trial.kind.in_(JUDGED), settled).order_by(Trial.id)
     )
-    shown = _conditions(session)
+    shown, names = _conditions(session), study.display_names
     answers = _answers(session)
     found = []
     for trial_id, study_session, kind, part, segment, expected, instructed, answered in rows:
@@ -81,7 +81,8 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
             continue
         conditions = shown.get(trial_id, ())
         judged = JudgedTrial(kind, part, conditions, expected, instructed)
-        pair = f": {' and '.join(sorted(conditions))}" if kind == "catch" else ""
+        called = sorted(names.get(condition, condition) for condition in conditions)
+        pair = f": {' and '.join(called)}" if kind == "catch" else ""
         failed = not answered or study.failed(judged, answers.get(trial_id, {}))
         found.append(Check(study_session, kind, f"{segment}{pair}", failed, answered))
     return found
@@ -187,9 +188,18 @@ class PlayedVideo:
         return self.stalled > 0 or self.unplayable > 0 or some_left_out
 
 
-def played_videos(session: Session) -> tuple[PlayedVideo, ...]:
-    """Return how each video played that anybody began to watch, the most trouble first."""
-    played = [_played(*row) for row in session.connection().execute(_PLAYED).all()]
+def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVideo, ...]:
+    """Return how each video played that anybody began to watch, the most trouble first.
+
+    Parameters
+    ----------
+    names : mapping of str to str
+        What conditions are called, where that is not their name.
+    """
+    played = [
+        _played(segment, [names.get(each, each) for each in (condition, beside) if each], *counts)
+        for segment, condition, beside, *counts in session.connection().execute(_PLAYED).all()
+    ]
     return tuple(
         sorted(played, key=lambda each: (-each.unplayable, -each.stalled / each.shown, each.what))
     )
@@ -197,8 +207,7 @@ def played_videos(session: Session) -> tuple[PlayedVideo, ...]:
 
 def _played(
     segment: str,
-    condition: str,
-    beside: str | None,
+    conditions: Sequence[str],
     shown: int,
     stalled: int,
     stalled_seconds: float,
@@ -207,7 +216,7 @@ def _played(
     unplayable: int,
 ) -> PlayedVideo:
     return PlayedVideo(
-        what=f"{segment}: {condition}" if beside is None else f"{segment}: {condition} | {beside}",
+        what=f"{segment}: {' | '.join(conditions)}",
         shown=shown,
         stalled=stalled,
         stalled_seconds=float(stalled_seconds),

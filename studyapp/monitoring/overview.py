@@ -119,9 +119,10 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         present = present_ones(everybody)
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
         trials = [each for each in answered_trials(session) if each.study_session in counted]
+        names = served.study.display_names
         found = checks(session, served.study, counted)
-        videos = played_videos(session)
-        balance = sides(shown_on_sides(session))
+        videos = played_videos(session, names)
+        balance = sides(shown_on_sides(session), names)
         intake = present_intake(session)
     arms = count_places(served.study.arms, present, intake.more_places)
     places, left, items = all_together(arms), dropouts(present), checked_items(found)

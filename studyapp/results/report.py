@@ -197,6 +197,7 @@ def _of_study(study: Study, subject: Subject, answers: Answers) -> dict[str, obj
         "sha256": subject.study_sha256,
         "seed": study.seed,
         "origin": subject.origin,
+        "labels": {name: made.label for name, made in study.conditions.items() if made.label},
         "versions": versions,
     }
 

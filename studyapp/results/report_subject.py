@@ -50,6 +50,7 @@ def study_subject(
         origin=origin,
         protocol=study.protocol,
         conditions=compared(study),
+        labels=study.display_names,
         questions={question.name: question.text for question in study.questions},
         reference=_reference(study),
         recorded=GROUND_TRUTH if study.has_recording else None,

@@ -62,13 +62,14 @@ def write_contact_sheet(
         for number, (key, entry) in enumerate(zip(wanted, made, strict=True), 1):
             entries[key] = entry
             on_done(number, len(wanted))
+    called = study.display_names
     sheet = Sheet(
         title=study.title,
         facts=_facts(study, segments, conditions, len(clips)),
-        conditions=conditions,
-        roles=study.roles,
+        conditions=tuple(called[name] for name in conditions),
+        roles={called[name]: role for name, role in study.roles.items()},
         segments=segments,
-        cells=entries,
+        cells={(segment, called[name]): entry for (segment, name), entry in entries.items()},
     )
     page = place / "index.html"
     write_text(page, sheet_page(sheet))

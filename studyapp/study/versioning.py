@@ -36,7 +36,7 @@ ANALYSIS: Final[dict[str, Any]] = {
     "evaluator": True,
     "margin": True,
     "family": True,
-    "conditions": {"__all__": {"generative"}},
+    "conditions": {"__all__": {"generative", "label"}},
 }
 """Keys that say what is done with the answers. They may change too, but then the report says that
 they did. All keys that are neither these nor of the operation are the study's design."""

@@ -211,7 +211,7 @@ def matrix_pictures(
                 colour, gid = between_sides(1 - won.share), f"cell{panel.prefix}-{row}-{column}"
                 cell = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
                 cell[0].set_gid(gid)
-                hints[gid] = f"{wording.name(one)} against {wording.name(other)}: {won.words}"
+                hints[gid] = f"{wording.against(one, other)}: {won.words}"
                 text = wording.share(won.share)
                 _write(axes, column, row, text, colour, size, bold=won.decided)
         return hints
@@ -220,13 +220,13 @@ def matrix_pictures(
     told = {
         question: f"{wording.heading(question)}. "
         + "; ".join(
-            f"{wording.name(one)} against {wording.name(other)}: {won.words}"
+            f"{wording.against(one, other)}: {won.words}"
             for (one, other), won in shares.items()
             if place[one] < place[other]
         )
         + "."
         for question, shares in questions.items()
     }
-    rows = [Row(f"{number} {wording.name(one)}") for number, one in enumerate(conditions, 1)]
+    rows = [Row(f"{number} {wording.condition(one)}") for number, one in enumerate(conditions, 1)]
     columns = 2 if count <= 6 else 1
     return panel_pictures(PanelFigure(told=told, draw=draw, rows=rows, columns=columns), about)

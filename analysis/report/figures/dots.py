@@ -187,7 +187,7 @@ def agreement_pictures(
                 gid=f"place{gid}",
             )
             hints[f"place{gid}"] = (
-                f"{wording.name(place.condition)}: {metric.metric} "
+                f"{wording.condition(place.condition)}: {metric.metric} "
                 f"{wording.quantity(place.score)}, preference {wording.fixed(place.preference, 2)}"
             )
         axes.margins(x=0.09)
@@ -208,7 +208,7 @@ def agreement_pictures(
     told = {
         metric.metric: f"{metric.metric}: "
         + ", ".join(
-            f"{wording.name(place.condition)} {wording.quantity(place.score)} with preference "
+            f"{wording.condition(place.condition)} {wording.quantity(place.score)} with preference "
             f"{wording.fixed(place.preference, 2)}"
             for place in metric.places
         )
@@ -217,7 +217,13 @@ def agreement_pictures(
     }
     signs = [
         Line2D(
-            [], [], color=c, marker=m, linestyle="none", markersize=4.5, label=wording.name(name)
+            [],
+            [],
+            color=c,
+            marker=m,
+            linestyle="none",
+            markersize=4.5,
+            label=wording.condition(name),
         )
         for name, (c, m) in ((name, sign_of(k)) for k, name in enumerate(conditions))
     ]

@@ -342,7 +342,7 @@ def _left_out(asked: Sequence[_Question]) -> Iterator[str]:
         for metric in one.metrics:
             for reason in dict.fromkeys(metric.left_out.values()):
                 names = [name for name, why in metric.left_out.items() if why == reason]
-                words = listed([wording.name(name) for name in names])
+                words = listed([wording.condition(name) for name in names])
                 metrics = about.setdefault((words, reason), [])
                 if metric.metric not in metrics:
                     metrics.append(metric.metric)

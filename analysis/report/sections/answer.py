@@ -107,8 +107,7 @@ def _further(found: tuple[Verdict, ...]) -> str:
 
 def _named(one: Verdict) -> str:
     return (
-        f"{wording.name(one.better)} to {wording.name(one.worse)} "
-        f"{about(one.question, one.set)} ({one.measure} {one.numbers})"
+        f"{one.better} to {one.worse} {about(one.question, one.set)} ({one.measure} {one.numbers})"
     )
 
 
@@ -130,9 +129,7 @@ def _open(undecided: list[Verdict], tests: int) -> str:
     if len(undecided) >= MOST:
         return f"{len(undecided)} of {tests} tests do not decide"
     pairs = [
-        f"{wording.name(a)} and {wording.name(b)} {about(one.question, one.set)}"
-        for one in undecided
-        for a, b in (one.pair,)
+        f"{a} and {b} {about(one.question, one.set)}" for one in undecided for a, b in (one.pair,)
     ]
     return f"the answers do not decide between {'; '.join(pairs)}"
 
@@ -189,7 +186,7 @@ def _seeming(found: tuple[Verdict, ...]) -> str:
 def _unequal(results: Results) -> str:
     """Warn where one participant weighs much more than the others."""
     said = [
-        f"{' against '.join(names)}: {found.remark}"
+        f"{wording.against(*names)}: {found.remark}"
         for (_, _, names), found in whole_effects(results).items()
         if found.remark
     ]
@@ -205,7 +202,8 @@ def _equivalent(results: Results) -> str:
     if not alike:
         return ""
     pairs = [
-        f"{wording.name(one.a)} and {wording.name(one.b)} {about(one.question, one.set or '')}"
+        f"{wording.condition(one.a)} and {wording.condition(one.b)} "
+        f"{about(one.question, one.set or '')}"
         for one in alike[:MOST]
     ]
     more = f", and {len(alike) - MOST} more" if len(alike) > MOST else ""

@@ -113,7 +113,7 @@ def _shown(one: Sensitivity, is_planned: bool) -> tuple[Estimate, ...]:
 
 
 def _of(one: Sensitivity) -> str:
-    return " – ".join(map(wording.name, one.conditions))
+    return " – ".join(map(wording.condition, one.conditions))
 
 
 def _people(is_planned: bool, place: int, one: Sensitivity) -> Cell:
@@ -157,7 +157,7 @@ def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section |
             table_of(
                 pairs,
                 ("question", lambda pair: question_name(pair[0].part, pair[0].question)),
-                ("of", lambda pair: wording.name(pair[0].about)),
+                ("of", lambda pair: wording.condition(pair[0].about)),
                 ("number", lambda pair: MEASURES[pair[0].measure]),
                 ("truth", lambda pair: number_cell(pair[0].value)),
                 ("estimate", lambda pair: number_cell(pair[1].estimate)),

@@ -46,7 +46,7 @@ def _flow(report: TableReport, subject: Subject) -> Table:
     flows = report.flow if len(report.flow) == 1 else (*report.flow, _sum(report.flow))
     return table_of(
         flows,
-        ("arm", lambda flow: wording.name(flow.arm) or "all"),
+        ("arm", lambda flow: wording.condition(flow.arm) or "all"),
         *((heading, partial(_stage, name)) for name, heading in stages),
         ("answered", lambda flow: _count(flow.answered)),
         *(

@@ -167,11 +167,11 @@ def _effect(
     found: PairHeterogeneity | ConditionHeterogeneity, whole: Estimate | None, side: str | None
 ) -> Effect:
     if isinstance(found, ConditionHeterogeneity):
-        return Effect(wording.name(found.condition), found, whole)
+        return Effect(wording.condition(found.condition), found, whole)
     if found.b != side:
-        return Effect(wording.name(f"{found.a} against {found.b}"), found, whole)
+        return Effect(wording.against(found.a, found.b), found, whole)
     turned = replace(found, levels=tuple(level.turned() for level in found.levels))
-    about = wording.name(f"{found.b} against {found.a}")
+    about = wording.against(found.b, found.a)
     return Effect(about, turned, None if whole is None else whole.turned())
 
 

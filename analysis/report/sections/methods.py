@@ -129,7 +129,7 @@ def _asked(report: TableReport, subject: Subject) -> str:
     if subject.frozen:
         held = listed([wording.name(channel) for channel in subject.frozen])
         frozen = f" The videos held {held} still."
-    conditions = listed([wording.name(name) for name in subject.conditions])
+    conditions = listed([wording.condition(name) for name in subject.conditions])
     return (
         f"{subject.people.capitalize()} {verb} {asked}. ".replace("  ", " ")
         + f"Conditions: {conditions or 'none'}."

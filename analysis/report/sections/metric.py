@@ -231,9 +231,10 @@ def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:
     """Yield which emotions each condition's gestures were taken for."""
     for number, found in enumerate(metrics.confusions, start=1):
         yield Table(
-            caption=f"Emotions that the gestures of {wording.name(found.condition)} were taken for "
-            f"by the emotion network {found.network[:12]}: clips, spoken emotion in rows, named "
-            "one in columns; the right one is bold.",
+            caption="Emotions that the gestures of "
+            f"{wording.condition(found.condition)} were taken for by the emotion network "
+            f"{found.network[:12]}: clips, spoken emotion in rows, named one in columns; the right "
+            "one is bold.",
             header=("spoken", *found.named),
             rows=tuple(_confusion_rows(found)),
             name=f"emotion-confusion-{number}",

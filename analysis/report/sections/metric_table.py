@@ -126,7 +126,7 @@ def metric_table(
         caption=caption,
         header=("condition", *header),
         rows=tuple(
-            (Cell(text=wording.name(system)), *(column[place] for column in filled))
+            (Cell(text=wording.condition(system)), *(column[place] for column in filled))
             for place, system in enumerate(systems.names)
         ),
         groups=tuple(groups) if any(block for block, _ in groups) else (),
@@ -150,7 +150,7 @@ class _Footnotes:
     def letter(self, reason: str, label: str, condition: str) -> str:
         """Return the letter of `reason`, and remember what it is about."""
         about = self._subjects.setdefault(reason, {})
-        about.setdefault(label, []).append(wording.name(condition))
+        about.setdefault(label, []).append(wording.condition(condition))
         return _letter(list(self._subjects).index(reason))
 
     def texts(self) -> Iterator[str]:
@@ -265,7 +265,7 @@ def _reading(columns: Sequence[TableColumn], systems: Systems, has_spread: bool)
         if better in used
     ]
     left = [
-        f"{wording.name(name)} ({what})"
+        f"{wording.condition(name)} ({what})"
         for name, what in ((systems.recorded, "recorded"), (systems.broken, "catch trials"))
         if name is not None and name in systems.names
     ]

@@ -119,13 +119,13 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
         if side is None:
             found.append(_group("the first", "the second", "first against second", PAIRS, rows))
         else:
-            found.append(_group(wording.name(side), "the other", "against", PAIRS, rows))
+            found.append(_group(wording.condition(side), "the other", "against", PAIRS, rows))
     return tuple(found)
 
 
 def _compared(comparison: Comparison, reference: str | None) -> PreferenceRow:
     found = comparison.turned() if comparison.b == reference else comparison
-    one, other = wording.name(found.a), wording.name(found.b)
+    one, other = wording.condition(found.a), wording.condition(found.b)
     label = f"{one} against {other}" if reference is None else other
     return PreferenceRow(label=label, one=one, other=other, found=found)
 
@@ -156,7 +156,9 @@ def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
             "condition",
             CONDITIONS,
             [
-                PreferenceRow(label=wording.name(own.condition), one=one, other=other, found=own)
+                PreferenceRow(
+                    label=wording.condition(own.condition), one=one, other=other, found=own
+                )
                 for own in members
             ],
         )

@@ -140,7 +140,7 @@ def place_pictures(
             question: [_bar(by_place.get((one, question)), places) for one in names]
             for question in dict.fromkeys(one.question for one in conditions)
         },
-        [Row(wording.name(one), f"n = {rankings[one]}") for one in names],
+        [Row(wording.condition(one), f"n = {rankings[one]}") for one in names],
         dict(zip(map(ordinal, range(1, places + 1)), place_colours(places), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of rankings"),
         Scale(limits=(1, places), ticks={1: "1", places: str(places)}, label="mean rank"),

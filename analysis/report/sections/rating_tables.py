@@ -44,7 +44,7 @@ def score_table(conditions: Sequence[RatedCondition]) -> Table:
     marks = _marks(conditions)
     return table_by_question(
         {
-            (wording.name(c.condition), c.question): (
+            (wording.condition(c.condition), c.question): (
                 counted(c.estimate, number(c.estimate), **marks.get((c.condition, c.question), {})),
                 number_cell(c.sd),
                 count_cell(c.n),

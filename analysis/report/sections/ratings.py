@@ -125,7 +125,7 @@ def distribution_pictures(
             question: [_bar(by_place.get((one, question))) for one in names]
             for question in questions
         },
-        [Row(wording.name(one), f"n = {ratings[one]}") for one in names],
+        [Row(wording.condition(one), f"n = {ratings[one]}") for one in names],
         dict(zip(words, scale_colours(len(scores)), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of ratings"),
         Scale(limits=ends, ticks={score: str(score) for score in ends}, label="mean"),
@@ -170,7 +170,7 @@ def cumulative_pictures(
 
     told = {
         question: f"{wording.heading(question)}. "
-        + "; ".join(f"{wording.name(c.condition)}: {_reached(c)}" for c in of_question)
+        + "; ".join(f"{wording.condition(c.condition)}: {_reached(c)}" for c in of_question)
         + "."
         for question in dict.fromkeys(c.question for c in conditions)
         if (of_question := [c for c in conditions if c.question == question])
@@ -180,7 +180,7 @@ def cumulative_pictures(
             told=told,
             draw=draw,
             height=1.9,
-            legend=[_curve(place, {}, wording.name(one)) for place, one in enumerate(names)],
+            legend=[_curve(place, {}, wording.condition(one)) for place, one in enumerate(names)],
         ),
         About(
             name=name,
@@ -224,7 +224,7 @@ def contrast_pictures(
             question: [_difference(by_place.get((a, b, question))) for a, b in pairs]
             for question in dict.fromkeys(c.question for c in contrasts)
         },
-        [Row(f"{wording.name(a)} against {wording.name(b)}") for a, b in pairs],
+        [Row(wording.against(a, b)) for a, b in pairs],
         Scale(label="difference in scores", line=0.0),
         About(
             name=name,

@@ -53,7 +53,7 @@ def strength_pictures(found: Mapping[str, Fitted], axis: str, about: About) -> t
     order = strongest_first(known, [name for one in known.values() for name in _values(one)])
     return dot_pictures(
         {question: [_dot(one, name) for name in order] for question, one in known.items()},
-        [Row(wording.name(name)) for name in order],
+        [Row(wording.condition(name)) for name in order],
         Scale(label=axis, line=0.0),
         about,
     )
@@ -105,7 +105,7 @@ def standings_table(
             )
         ],
         ("question", lambda row: wording.heading(row[0])),
-        ("condition", lambda row: wording.name(row[2])),
+        ("condition", lambda row: wording.condition(row[2])),
         (what, lambda row: number_cell(row[3])),
         ("error", lambda row: number_cell(_error(row[1], row[2]))),
         (INTERVAL, lambda row: interval_cell(row[1].low[row[2]], row[1].high[row[2]])),

@@ -31,7 +31,7 @@ def strip_section(subject: Subject) -> Section | None:
         f"syllables: gestures fall on these. A still tells nothing of how a motion moves.{said}"
     ]
     if missing:
-        names = listed([wording.name(name) for name in missing])
+        names = listed([wording.condition(name) for name in missing])
         paragraphs.append(
             f"There is no video of this segment, or none that can be read, of {names}."
         )
@@ -57,7 +57,7 @@ def _strip(rows: dict[str, list[Still]]) -> Markup:
     )
     body = Markup("").join(
         Markup('<tr><th scope="row">{}</th>{}</tr>').format(
-            wording.name(condition), Markup("").join(_cell(still) for still in stills)
+            wording.condition(condition), Markup("").join(_cell(still) for still in stills)
         )
         for condition, stills in rows.items()
     )
@@ -68,7 +68,7 @@ def _strip(rows: dict[str, list[Still]]) -> Markup:
 
 def _cell(still: Still) -> Markup:
     said = f", at “{still.word}”" if still.word else ""
-    words = f"{wording.name(still.condition)} after {still.seconds:.1f} seconds{said}"
+    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds{said}"
     return Markup('<td><img src="{}" alt="{}"></td>').format(still.image, words)
 
 

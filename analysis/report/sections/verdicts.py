@@ -40,7 +40,7 @@ class Verdict:
     outcome : {'decided', 'undecided', 'untested', 'outside'}
         Whether the corrected test decides, or there is none, or it is not of the report's family.
     better, worse : str
-        What is ahead in the answers, and of what; the names as they stand in the table.
+        What is ahead in the answers, and of what, as readers know them.
     question, set : str
         What was asked; empty where there are no sets.
     numbers : str
@@ -81,7 +81,10 @@ def verdicts(report: TableReport) -> tuple[Verdict, ...]:
         case PairwiseResults() as results:
             if results.decided_by == "strengths":
                 return tuple(_stronger(one, "strengths") for one in results.contrasts)
-            return tuple(_preferred(one, (one.a, one.b)) for one in results.comparisons)
+            return tuple(
+                _preferred(one, (wording.condition(one.a), wording.condition(one.b)))
+                for one in results.comparisons
+            )
         case MismatchResults(conditions=conditions):
             return tuple(_matched(one) for one in conditions)
         case RatingResults(contrasts=contrasts):
@@ -98,8 +101,8 @@ def about(question: str, of: str) -> str:
 
 def _matched(one: MatchedCondition) -> Verdict:
     names = (
-        f"{one.condition} with its own speech",
-        f"{one.condition} with another's speech",
+        f"{wording.condition(one.condition)} with its own speech",
+        f"{wording.condition(one.condition)} with another's speech",
     )
     return _preferred(one, names)
 
@@ -165,7 +168,8 @@ def _difference(
     reason: str = "",
 ) -> Verdict:
     turned = estimate < 0
-    better, worse = (of.b, of.a) if turned else (of.a, of.b)
+    names = wording.condition(of.a), wording.condition(of.b)
+    better, worse = names[::-1] if turned else names
     sign = -1 if turned else 1
     low, high = sorted(sign * end for end in ends)
     return Verdict(

@@ -17,9 +17,10 @@ from motion.segment import Segment
 from studyapp.rehearsal.simulation.population import Population, rating_thresholds
 from studyapp.rehearsal.simulation.raters import segment_fit, speech_fit
 from studyapp.study.protocols.mismatch import FIT, REALISM, MismatchStudy
-from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.study import Study
 
 Average = Callable[[np.ndarray, float], float]

@@ -50,7 +50,7 @@ from studyapp.study.design.trial import (
     Tally,
     Trial,
 )
-from studyapp.study.settings.conditions import Condition, with_sources
+from studyapp.study.settings.conditions import Condition, comparison_name, with_sources
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.sections import Name
 from studyapp.study.settings.study import GROUND_TRUTH, Study
@@ -297,8 +297,3 @@ class PairwiseStudy(Study):
             replace(trial, instructed=int(chance.choice(INSTRUCTED)))
             for trial in self._pairs("attention", list(zip(heard, pairs, strict=True)), chance)
         ]
-
-
-def comparison_name(reference: str, other: str) -> str:
-    """Return the name of the comparison of `reference` with `other`."""
-    return f"{reference}-{other}"

@@ -18,6 +18,9 @@ class Condition(Section, extra="allow"):
 
     Attributes
     ----------
+    label : str or None
+        What researchers and readers of reports see in place of its name, such as "Ours (full)";
+        never on a page of participants.
     generator : str or None
         The generator that makes its motion; None when its motion files are imported.
     source : str or None
@@ -29,6 +32,7 @@ class Condition(Section, extra="allow"):
         None where that is not stated. Nothing but the report looks at it.
     """
 
+    label: str | None = Field(None, min_length=1, max_length=60)
     generator: str | None = None
     source: Name | None = None
     videos: bool = False
@@ -121,6 +125,27 @@ def source_problems(conditions: Mapping[str, Condition], name: str) -> list[str]
     if name in _sources(conditions, condition.source):
         return [f"conditions.{name}: its sources run in a circle"]
     return []
+
+
+def label_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:
+    """Return where two conditions would be called the same."""
+    called: dict[str, str] = {catch.condition: catch.condition}
+    problems = []
+    for name, condition in conditions.items():
+        shown = display_name(name, condition)
+        if called.setdefault(shown, name) != name:
+            problems.append(f"conditions.{name}: {called[shown]!r} is called {shown!r} too")
+    return problems
+
+
+def display_name(name: str, condition: Condition) -> str:
+    """Return what researchers and readers of reports see in place of a condition's name."""
+    return condition.label or name.replace("_", " ")
+
+
+def comparison_name(reference: str, other: str) -> str:
+    """Return the name of the comparison of `reference` with `other`."""
+    return f"{reference}-{other}"
 
 
 def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:

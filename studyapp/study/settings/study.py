@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import permutations
 from typing import Annotated, Final, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -27,7 +28,10 @@ from studyapp.study.settings.conditions import (
     Catch,
     Condition,
     catch_problems,
+    comparison_name,
+    display_name,
     generated,
+    label_problems,
     source_problems,
 )
 from studyapp.study.settings.exclusions import (
@@ -280,6 +284,7 @@ class Study(Section, ABC):
         known = ", ".join(CHANNELS)
         return [
             *catch_problems(self.conditions, self.catch),
+            *label_problems(self.conditions, self.catch),
             *(p for name in self.conditions for p in source_problems(self.conditions, name)),
             *question_problems(self.questions, self.parts),
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
@@ -330,6 +335,17 @@ class Study(Section, ABC):
         return not self.has_recording and all(
             condition.generator is not None for condition in self.conditions.values()
         )
+
+    @property
+    def display_names(self) -> Mapping[str, str]:
+        """What researchers and readers of reports call each condition and each comparison."""
+        names = {name: display_name(name, made) for name, made in self.conditions.items()}
+        names.setdefault(self.catch.condition, self.catch.condition.replace("_", " "))
+        compared = {
+            comparison_name(a, b): f"{names[a]} against {names[b]}"
+            for a, b in permutations(self.conditions, 2)
+        }
+        return compared | names
 
     def is_finished(self, condition: str) -> bool:
         """Tell whether finished videos of `condition` are brought, so that it has no motion."""

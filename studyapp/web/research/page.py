@@ -188,7 +188,13 @@ def _decimal(value: float) -> str:
     return f"{value:.2f}".replace("-", "−")
 
 
+def display_name(name: str) -> str:
+    """Return what a condition, an arm or a comparison of the study is called."""
+    return running().study.display_names.get(name, name)
+
+
 WORDING: Final = {
+    "display_name": display_name,
     "moment": moment,
     "clock_time": clock_time,
     "day_or_time": day_or_time,

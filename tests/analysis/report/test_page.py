@@ -72,6 +72,25 @@ def opened(path: Path) -> BeautifulSoup:
     return BeautifulSoup(text, "html.parser")
 
 
+@pytest.mark.parametrize("protocol", TABLES)
+def test_labels_stand_for_names_of_conditions_everywhere_but_in_data(
+    protocol: str, tmp_path: Path
+) -> None:
+    table = TABLES[protocol](participants=5, segments=4)
+    columns = [name for name in ("left", "right", "condition") if name in table]
+    table[columns] = "xx_" + table[columns]
+    report = report_of(table, protocol, tmp_path)
+    labels = {name: f"Label_{name[3:]} (full)" for name in report.conditions_shown}
+
+    write_report(report, subject_of(report, labels=labels), tmp_path)
+
+    text = opened(tmp_path / "report.html").get_text(" ")
+    assert [label for label in labels.values() if label not in text] == []
+    written = [file.read_text("utf-8") for file in sorted(tmp_path.glob("tables/*.tex"))]
+    assert re.findall(r"xx.\S+", " ".join([text, *written])) == []
+    assert '"xx_' in (tmp_path / "results.json").read_text("utf-8")
+
+
 def test_the_page_needs_nothing_from_outside(page: BeautifulSoup, folder: Path) -> None:
     assert not page.find_all(["link", "iframe", "object"])
     for element in page.find_all(True):

@@ -168,7 +168,7 @@ def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
     [(50, 50, True), (64, 36, True), (66, 34, False), (0, 0, True), (3, 0, True), (20, 0, False)],
 )
 def test_sides_are_balanced_as_far_as_chance_goes(left: int, right: int, balanced: bool) -> None:
-    (found,) = sides({("ours", 1): left, ("ours", 2): right})
+    (found,) = sides({("ours", 1): left, ("ours", 2): right}, {"ours": "Ours (full)"})
 
     assert (found.left, found.right) == (left, right)
     assert found.balanced is balanced

@@ -21,7 +21,8 @@ from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
-from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.conditions import comparison_name
 from tests.studyapp.made_study import pair_plan
 
 SEGMENTS = tuple(

@@ -27,7 +27,8 @@ from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.study.folder import StudyFolder
-from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.conditions import comparison_name
 from tests.studyapp.exported import responses_table
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once

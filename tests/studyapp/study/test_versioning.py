@@ -12,7 +12,11 @@ from tests.studyapp.made_study import make_segments, make_study
 SEGMENTS = make_segments(["happiness", "anger"])
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 NETWORK = {"preset": "emage", "file": "AESKConv_240_100.bin"}
-STATIC = {"rule_based": {}, "mismatched": {}, "static": {"generative": False}}
+STATIC = {
+    "rule_based": {},
+    "mismatched": {},
+    "static": {"generative": False, "label": "Nothing moves"},
+}
 
 
 @pytest.mark.parametrize(

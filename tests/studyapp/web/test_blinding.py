@@ -22,10 +22,11 @@ from werkzeug.test import TestResponse
 from studyapp.database.tables import Trial, Video
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
 
-CONDITIONS = r"rule_based|mismatched|broken|ground_truth"
+CONDITIONS = r"rule_based|mismatched|broken|ground_truth|Ours \(full"
 SECRETS = re.compile(
     rf"{CONDITIONS}|robin|take-\d|catch|\bmain\b(?!>)|repeat|expected|\.wav|videos/", re.I
 )
@@ -42,7 +43,11 @@ def visible_secrets(text: str) -> list[str]:
     return SECRETS.findall(TOKEN.sub("", text))
 
 
-def test_no_page_or_header_tells_a_condition_segment_or_kind(app: Flask, clock: SetClock) -> None:
+LABELLED = ("[conditions.mismatched]", '[conditions.mismatched]\nlabel = "Ours (full)"')
+
+
+def test_no_page_or_header_tells_a_condition_segment_or_kind(serve: Serve, clock: SetClock) -> None:
+    app = serve(LABELLED)
     visitor = Visitor(app, clock)
     seen = [everything(visitor.client.get("/"))]
     visitor.enrol()

@@ -63,6 +63,10 @@ def test_the_template_follows_the_published_design(study_file: Path) -> None:
         ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
         ({"catch__generator": "diffsheg"}, "generator 'diffsheg' is a network"),
         ({"catch__against": "nobody"}, "catch.against 'nobody'"),
+        (
+            {"conditions__mismatched__label": "rule based"},
+            "conditions.mismatched: 'rule_based' is called 'rule based' too",
+        ),
         ({"watching__coverage": 1.5}, "watching.coverage"),
         ({"format": 2}, "format"),
         (

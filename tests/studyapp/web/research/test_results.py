@@ -65,11 +65,11 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     shown = analyst.get(RESULTS)
     analyst.get(RESULTS)
 
-    assert "rule_based" not in before.text and "False findings" in before.text
+    assert "rule based" not in before.text and "False findings" in before.text
     assert (unexplained.status_code, asked.status_code) == (422, 303)
-    assert "being computed" in waiting.text and "rule_based" not in waiting.text
+    assert "being computed" in waiting.text and "rule based" not in waiting.text
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
-    assert "rule_based against mismatched" in " ".join(shown.soup.get_text().split())
+    assert "rule based against mismatched" in " ".join(shown.soup.get_text().split())
     assert "a video <b>broke</b>" in shown.soup.get_text()
     logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(stored)]
     assert logged == [(clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
