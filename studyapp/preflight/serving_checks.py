@@ -25,9 +25,9 @@ from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import arrivals
 from studyapp.recruitment.record import places_of
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.enrolment import enrol
 from studyapp.session.intake import present_intake
-from studyapp.session.participation import begin
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version
 from studyapp.stimuli.disk_space import as_text
@@ -64,7 +64,9 @@ def token_of_a_video(database: Database, served: ServedStudy, clock: Clock) -> s
         From `for_probing`.
     """
     token = enrol(database, served, Arrival(visit=secrets.token_urlsafe()), clock)
-    begin(database, served, token, clock)
+    asked = served.study.form.comprehension
+    answers = {question.name: question.example for question in asked}
+    begin(database, served, token, clock, answers=answers)
     with database.reading() as session:
         return session.scalars(select(Video.token).order_by(Video.id).limit(1)).one()
 

@@ -47,18 +47,25 @@ def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> 
     """
     answers = []
     for stage in BEFORE_ENROLMENT:
-        answers.extend(_answers(study, stage, fields, now))
+        answers.extend(form_answers(study, stage, fields, now))
         _require_eligible(study, stage, fields)
     return answers
 
 
 def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
-    for question in study.form.asked(stage):
-        if question.eligible and fields[question.name].strip() not in question.eligible:
-            raise IneligibleError(
-                "Thank you for your interest: this study looks for other participants.",
-                "Nothing about you has been stored, and you may close this page.",
-            )
+    if not is_eligible(study, stage, fields):
+        raise IneligibleError(
+            "Thank you for your interest: this study looks for other participants.",
+            "Nothing about you has been stored, and you may close this page.",
+        )
+
+
+def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
+    """Tell whether acceptable answers to the questions of `stage` let somebody take part."""
+    return all(
+        not question.eligible or fields[question.name].strip() in question.eligible
+        for question in study.form.asked(stage)
+    )
 
 
 def answer_form(
@@ -88,7 +95,7 @@ def answer_form(
     with database.writing() as session:
         study_session = find(session, token)
         now = clock.now()
-        answers = _answers(study, stage, fields, now)
+        answers = form_answers(study, stage, fields, now)
         stored = {
             known.question: known.value
             for known in study_session.form_answers
@@ -113,10 +120,16 @@ def answer_form(
         move_on(session, study_session, study, now)
 
 
-def _answers(
+def form_answers(
     study: Study, stage: Stage, fields: Mapping[str, str], now: datetime
 ) -> list[FormAnswer]:
-    """Return an answer for each question of `stage`; one that was left open is empty."""
+    """Return an answer for each question of `stage`; one that was left open is empty.
+
+    Raises
+    ------
+    UnacceptableError
+        If an answer is missing, unknown or not one of those offered.
+    """
     _check_answers(study, stage, fields)
     return [
         FormAnswer(

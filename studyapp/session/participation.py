@@ -268,15 +268,3 @@ def leave_break(
         if break_due(study_session, served.study) == position:
             study_session.rested_at_position = position
             study_session.last_active_at = clock.now()
-
-
-def begin(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
-    """Start the trials; beginning twice changes nothing, and beginning too early neither."""
-    with database.writing() as session:
-        study_session = find(session, token)
-        waiting = (
-            sound_check_due(study_session, served)
-            or form_due(study_session, served.study) is not None
-        )
-        if state_of(study_session) == "instructed" and not waiting:
-            study_session.started_at = study_session.last_active_at = clock.now()

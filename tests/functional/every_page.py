@@ -14,9 +14,9 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.ending import move_on
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import begin
 from studyapp.session.state import current_trial, find, note
 from studyapp.web.app import create_app
 from studyapp.web.running import running

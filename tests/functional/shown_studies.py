@@ -130,6 +130,12 @@ low = 1
 high = 5
 choices = ["not at all", "very"]
 
+[[form.comprehension]]
+name = "judged"
+text = "What are you to judge?"
+choices = ["how the speaker moves", "what the speaker looks like"]
+eligible = ["how the speaker moves"]
+
 [[form.closing]]
 name = "remarks"
 text = "Is there anything you would like to tell us?"

@@ -15,8 +15,9 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import begin, look
+from studyapp.session.participation import look
 from studyapp.session.served_study import ServedStudy
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown

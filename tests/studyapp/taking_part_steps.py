@@ -9,8 +9,9 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.session.answers import answer, skip_unplayable
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import Situation, begin, look
+from studyapp.session.participation import Situation, look
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.video_access import content_to_send
@@ -49,8 +50,8 @@ class Participant:
         self.token = enrol(self.database, self.served, arrival, self.clock)
         return self
 
-    def begin(self) -> Participant:
-        begin(self.database, self.served, self.token, self.clock)
+    def begin(self, **answers: str) -> Participant:
+        begin(self.database, self.served, self.token, self.clock, answers=answers)
         return self
 
     def look(self) -> Situation:

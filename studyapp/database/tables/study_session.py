@@ -197,7 +197,7 @@ class FormAnswer(Base):
     Attributes
     ----------
     stage : str
-        ``eligibility``, ``consent``, ``demographics`` or ``closing``.
+        ``eligibility``, ``consent``, ``demographics``, ``comprehension`` or ``closing``.
     value : str
         As it was given; empty where a question that need not be answered was left open.
     """

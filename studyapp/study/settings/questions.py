@@ -8,6 +8,7 @@ from typing import Final, Literal, Self
 
 from pydantic import Field, model_validator
 
+from motion.errors import listed
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.sections import Name, Section
 
@@ -123,10 +124,17 @@ class RatingQuestion(Question):
         return min(value // BAND + 1, STEPS) if self.scale == "slider" else value
 
 
-Stage = Literal["eligibility", "consent", "demographics", "closing"]
+Stage = Literal["eligibility", "consent", "demographics", "comprehension", "closing"]
 
-STAGES: Final[tuple[Stage, ...]] = ("eligibility", "consent", "demographics", "closing")
-"""In the order in which they are asked; the trials come before `closing`."""
+STAGES: Final[tuple[Stage, ...]] = (
+    *("eligibility", "consent", "demographics", "comprehension"),
+    "closing",
+)
+"""In the order in which they are asked: `comprehension` under the instructions, `closing` after the
+trials."""
+
+DECIDING: Final[tuple[Stage, ...]] = ("eligibility", "consent", "comprehension")
+"""Those at which an answer decides who takes part."""
 
 LONGEST_TEXT: Final = 2000
 
@@ -146,8 +154,8 @@ class FormQuestion(Section):
     required : bool
         Whether it must be answered.
     eligible : tuple of str
-        Under `eligibility` and `consent`: with any other choice a person cannot take part.
-        Empty where every answer will do.
+        Under `eligibility` and `consent`: with any other choice a person cannot take part; empty
+        where every answer will do. Under `comprehension`: the right choices.
     """
 
     name: Name
@@ -235,6 +243,7 @@ class Form(Section):
     eligibility: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
     consent: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
     demographics: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
+    comprehension: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
     closing: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
 
     @model_validator(mode="after")
@@ -242,8 +251,19 @@ class Form(Section):
         names = [question.name for stage in STAGES for question in self.asked(stage)]
         if len(set(names)) != len(names):
             raise ValueError("two questions of the form have the same name")
-        if any(q.eligible for stage in STAGES[2:] for q in self.asked(stage)):
-            raise ValueError("eligible can only be stated under eligibility and consent")
+        others = (stage for stage in STAGES if stage not in DECIDING)
+        if any(question.eligible for stage in others for question in self.asked(stage)):
+            raise ValueError(f"eligible can only be stated under {listed(DECIDING)}")
+        for question in self.comprehension:
+            if not question.required or not question.eligible:
+                raise ValueError(
+                    f"comprehension question {question.name!r} needs choices, of which eligible "
+                    "names the right ones, and an answer"
+                )
+            if set(question.eligible) == set(question.choices):
+                raise ValueError(
+                    f"comprehension question {question.name!r} has no choice that is wrong"
+                )
         return self
 
     def asked(self, stage: Stage) -> tuple[FormQuestion, ...]:

@@ -14,7 +14,7 @@ from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
 from studyapp.session.arrivals import Arrival, note_screen_out, was_screened_out
-from studyapp.session.ending import leaving_at_once, way_back
+from studyapp.session.ending import way_back
 from studyapp.session.enrolment import enrol, enrolled, require_welcome
 from studyapp.session.form_answers import check_eligibility
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
@@ -22,7 +22,12 @@ from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say
-from studyapp.web.participants.participant import form_fields, problems_of, to_where_they_stand
+from studyapp.web.participants.participant import (
+    form_fields,
+    problems_of,
+    screened_out_page,
+    to_where_they_stand,
+)
 from studyapp.web.participants.sent_by import COOKIE, VISIT, arrival_of, is_preview, names_in
 from studyapp.web.running import running
 
@@ -192,14 +197,7 @@ def _screened_out(entrant: Entrant) -> ResponseReturnValue:
     named = here.study.recruitment.names_participants
     if named:
         note_screen_out(here.database, entrant.arrival, here.clock)
-    page = render_template(
-        "screened_out.html",
-        study=here.study,
-        recruiter=entrant.recruiter,
-        named=named,
-        leaving=leaving_at_once(here.study.recruitment),
-    )
-    return page, 403
+    return screened_out_page(named=named, was_sent=bool(entrant.recruiter)), 403
 
 
 def _entrant() -> Entrant:

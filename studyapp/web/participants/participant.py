@@ -10,10 +10,11 @@ from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
 from studyapp.session.answers import Fields, answer, skip_unplayable
-from studyapp.session.ending import promise_made, withdraw
+from studyapp.session.comprehension import begin
+from studyapp.session.ending import leaving_at_once, promise_made, withdraw
 from studyapp.session.form_answers import answer_form
-from studyapp.session.participation import TRIES_BEFORE_LEAVING, begin, leave_break, look
-from studyapp.session.refusal import UnacceptableError
+from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, look
+from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
 from studyapp.session.watch_reports import record_watched
@@ -50,9 +51,17 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
 
 @pages.post("/take/<token>/begin")
 def begin_trials(token: str) -> ResponseReturnValue:
-    """Leave the instructions."""
+    """Leave the instructions, if they were understood."""
     here = running()
-    begin(here.database, here.served, token, here.clock)
+    given = form_fields()
+    try:
+        begin(here.database, here.served, token, here.clock, answers=given)
+    except UnacceptableError as refusal:
+        note(refusal)
+        return where_they_stand(token, problem=told(refusal), about=given), 422
+    except IneligibleError:
+        named = here.study.recruitment.names_participants
+        return screened_out_page(named=named, was_sent=named, has_tried=True), 403
     return to_where_they_stand(token)
 
 
@@ -155,8 +164,24 @@ def to_where_they_stand(token: str) -> ResponseReturnValue:
     return redirect(address, 303)
 
 
-def where_they_stand(token: str, *, problem: str = "", given: Fields | None = None) -> str:
-    """Return the page of where the participant stands, with what cannot be accepted of it."""
+def where_they_stand(
+    token: str,
+    *,
+    problem: str = "",
+    given: Fields | None = None,
+    about: Mapping[str, str] | None = None,
+) -> str:
+    """Return the page of where the participant stands, with what cannot be accepted of it.
+
+    Parameters
+    ----------
+    problem : str, optional
+        What cannot be accepted.
+    given : mapping of field to values, optional
+        What was answered to a trial.
+    about : mapping of question name to text, optional
+        What was answered to the questions under the instructions.
+    """
     here = running()
     situation = look(here.database, here.served, token, here.clock)
     if situation.form is not None:
@@ -178,6 +203,32 @@ def where_they_stand(token: str, *, problem: str = "", given: Fields | None = No
         practice=situation.practice,
         frozen=frozen_words(here.study),
         leaving=situation.leaving,
+        questions=here.study.form.comprehension,
+        given=about or {},
+        problems=problems_of("comprehension", about) if about is not None else {},
+    )
+
+
+def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -> str:
+    """Return the page for whom the study does not look.
+
+    Parameters
+    ----------
+    named : bool
+        Whether it is stored, under their recruiter's name for them, that they were here.
+    was_sent : bool
+        Whether a recruiter sent them.
+    has_tried : bool
+        Whether they have read the instructions, and did not understand them.
+    """
+    study = running().study
+    return render_template(
+        "screened_out.html",
+        study=study,
+        named=named,
+        was_sent=was_sent,
+        has_tried=has_tried,
+        leaving=leaving_at_once(study.recruitment),
     )
 
 

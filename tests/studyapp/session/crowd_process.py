@@ -18,9 +18,10 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.session.answers import answer
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import begin, look
+from studyapp.session.participation import look
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
 from tests.studyapp.session.ledger import good_value
 from tests.studyapp.taking_part_steps import SetClock

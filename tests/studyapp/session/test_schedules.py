@@ -19,9 +19,10 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.session.answers import answer
 from studyapp.session.arrivals import Arrival
+from studyapp.session.comprehension import begin
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import begin, look
+from studyapp.session.participation import look
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study

@@ -16,6 +16,7 @@ from studyapp.session.intake import steer
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.sent_by import COOKIE
 from studyapp.web.running import running
+from tests.studyapp.session.test_comprehension import COMPREHENSION
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
@@ -229,6 +230,25 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
         assert stored.participant == "p1"
         assert session.scalars(select(StudySession)).all() == []
         assert session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all() == []
+
+
+def test_who_misunderstands_twice_is_screened_out_and_stays_so(opened: Opened) -> None:
+    app = opened(PROLIFIC + COMPREHENSION)
+    client = app.test_client()
+    begun = sent(client, PageReader(client.get(f"/{BY_PROLIFIC}").text))
+    page = PageReader(client.get(str(begun.location)).text)
+    wrong = {"form:judged": "the clothes"}
+
+    first, second = (client.post(page.action, data=wrong) for _ in range(2))
+
+    again = PageReader(first.text)
+    assert first.status_code == 422
+    assert "you have one more try" in again.one(".problem").get_text()
+    assert again.value("[name='form:judged'][checked]", "value") == "the clothes"
+    for answer in (second, client.get(f"/{BY_PROLIFIC}")):
+        assert answer.status_code == 403
+        assert shown_code(PageReader(answer.text)) == CODES["screened_out"]
+    assert PageReader(second.text).heading == "The study ends here"
 
 
 def test_the_last_form_goes_to_mechanical_turk_with_the_assignment(

@@ -75,5 +75,14 @@ def test_names_are_not_used_twice_and_only_the_entrance_turns_people_away() -> N
     yes = {"name": "q", "text": "?", "choices": ["yes", "no"]}
     with pytest.raises(ValidationError, match="the same name"):
         Form.model_validate({"eligibility": [yes], "closing": [yes]})
-    with pytest.raises(ValidationError, match="under eligibility and consent"):
+    with pytest.raises(ValidationError, match="under eligibility, consent and comprehension"):
         Form.model_validate({"closing": [{**yes, "eligible": ["yes"]}]})
+
+
+@pytest.mark.parametrize("eligible", [[], ["yes", "no"]])
+def test_a_question_about_the_instructions_can_be_answered_rightly_and_wrongly(
+    eligible: list[str],
+) -> None:
+    question = {"name": "q", "text": "?", "choices": ["yes", "no"], "eligible": eligible}
+    with pytest.raises(ValidationError, match="comprehension question 'q'"):
+        Form.model_validate({"comprehension": [question]})
