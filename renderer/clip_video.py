@@ -14,12 +14,9 @@ from PIL import Image
 from motion.audio import read_audio
 from motion.body.model import BodyModel, read_body
 from motion.body.surface import VertexNormals, surface_colours
-from motion.clip import MotionClip, freeze
-from motion.errors import InputError
+from motion.clip import MotionClip
 from motion.files import replacing
 from motion.formats.clip_npz import read_clip
-from motion.placement import stand_on_ground
-from motion.resample import resample
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
@@ -27,12 +24,10 @@ from renderer.framing import Camera
 from renderer.look import Look
 from renderer.loudness import at_common_loudness
 from renderer.picture import SUPERSAMPLING, VIDEO, Canvas
+from renderer.shown_clip import as_shown, frame_at
 
 FRAMES_AT_ONCE: Final = 16
 """Frames whose vertices are in memory together, and that are drawn in one box round all of them."""
-
-LENGTH_TOLERANCE: Final = 0.1
-"""Seconds by which motion and speech may differ; the last frame is held or left out."""
 
 
 class Stage:
@@ -128,7 +123,8 @@ def write_clip_video(
     Raises
     ------
     InputError
-        If motion or speech cannot be read, or differ in length by more than `LENGTH_TOLERANCE`.
+        If motion or speech cannot be read, or differ in length by more than
+        `renderer.shown_clip.LENGTH_TOLERANCE`.
     """
     look = stage.look
     clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
@@ -149,55 +145,6 @@ def write_clip_video(
                 writer.write(frame)
 
 
-def as_shown(
-    clip: MotionClip,
-    body: BodyModel,
-    path: Path,
-    duration: float,
-    frozen: tuple[str, ...],
-    frame_rate: float,
-) -> MotionClip:
-    """Return `clip` as participants see it.
-
-    It has the video's rate and length, frozen channels are still, and its feet stay on the ground.
-
-    Parameters
-    ----------
-    clip : MotionClip
-        The motion of one condition for one segment.
-    body : BodyModel
-        The body that stands on the ground.
-    path : Path
-        Where it comes from, for messages.
-    duration : float
-        Seconds of the segment's speech.
-    frozen : tuple of str
-        Channels to hold still, as `motion.clip.freeze` names them.
-    frame_rate : float
-        Frames per second to show it at.
-
-    Returns
-    -------
-    MotionClip
-        ``max(1, round(duration * frame_rate))`` frames.
-
-    Raises
-    ------
-    InputError
-        If motion and speech differ in length by more than `LENGTH_TOLERANCE`.
-    """
-    if abs(clip.duration - duration) > LENGTH_TOLERANCE:
-        raise InputError(
-            f"the motion lasts {clip.duration:.2f} s, its speech {duration:.2f} s",
-            where=path,
-            remedy="Cut both to the same length",
-        )
-    shown = freeze(resample(clip, frame_rate), frozen)
-    shown = stand_on_ground(shown, body.joints(clip.betas))
-    count = max(1, round(duration * frame_rate))
-    return shown.frames(np.minimum(np.arange(count), len(shown) - 1))
-
-
 def still(stage: Stage, clip: MotionClip, seconds: float) -> Image.Image:
     """Return the frame of `clip` that is shown at `seconds`, as RGB of the look's size."""
     return large_still(stage, frame_at(clip, seconds)).reduce(SUPERSAMPLING)
@@ -207,21 +154,3 @@ def large_still(stage: Stage, pose: MotionClip) -> Image.Image:
     """Return the first frame of `pose` as RGB, `SUPERSAMPLING` times the look's size."""
     picture = next(stage.pictures(pose))
     return Image.fromarray(picture[..., :3].copy())
-
-
-def frame_at(clip: MotionClip, seconds: float) -> MotionClip:
-    """Return the one frame of `clip` that is shown at `seconds`, as a clip of its own.
-
-    Raises
-    ------
-    InputError
-        If `seconds` is not within the clip.
-    """
-    if not 0 <= seconds <= clip.duration:
-        raise InputError(
-            f"there is no frame at {seconds:g} s of a motion of {clip.duration:.2f} s",
-            remedy=f"Give a time from 0 to {clip.duration:.2f} s",
-        )
-    # A moment given as the frame's own time must not fall to the frame before by rounding.
-    index = min(int(seconds * clip.frame_rate + 1e-6), len(clip) - 1)
-    return clip.frames(slice(index, index + 1))

@@ -14,10 +14,11 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
-from renderer.clip_video import Stage, as_shown
+from renderer.clip_video import Stage
 from renderer.figures.panels import Box, common_box, face_camera, faces_level
 from renderer.figures.strip import MOST_MOMENTS, Moment, loud_moments
 from renderer.framing import Camera
+from renderer.shown_clip import as_shown
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.shown_motion import licensed_hands
 from studyapp.study.folder import StudyFolder

@@ -13,12 +13,12 @@ from motion.audio import SPEECH_RATE
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.clip_video import frame_at
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
 from renderer.figures.panels import WHOLE, Box, aspect_of, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip
+from renderer.shown_clip import frame_at
 from studyapp.stimuli.figure_material import FigureMaterial, check_distinct
 from studyapp.study.folder import StudyFolder
 

@@ -12,10 +12,11 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import forward_kinematics, joint_index
-from renderer.clip_video import Stage, frame_at, still
+from renderer.clip_video import Stage, still
 from renderer.figures.skeleton_lines import joints_of
 from renderer.framing import Camera, frame_clips, project
 from renderer.look import BACKGROUND, Look
+from renderer.shown_clip import frame_at
 
 HANDS = [joint_index(f"{side}_middle3") for side in ("left", "right")]
 

@@ -10,7 +10,7 @@ from PIL import Image
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.clip_video import Stage, frame_at, still
+from renderer.clip_video import Stage, still
 from renderer.figures.panels import (
     FAR,
     CutOut,
@@ -25,6 +25,7 @@ from renderer.figures.panels import (
 from renderer.figures.skeleton_lines import joints_of
 from renderer.framing import Camera, project
 from renderer.look import BACKGROUND, Look
+from renderer.shown_clip import frame_at
 from tests.motion.random_clips import clip_of
 
 

@@ -7,9 +7,9 @@ from PIL import Image
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.clip_video import frame_at
 from renderer.figures.skeleton_lines import SIDE_COLOURS, Place, joints_of, with_skeleton
 from renderer.framing import Camera, project
+from renderer.shown_clip import frame_at
 
 SIZE = 240
 
