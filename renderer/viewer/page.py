@@ -1,0 +1,201 @@
+"""Figures of a page in which motion plays, what they need, and a page that needs no other file."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+import soundfile
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from motion.audio import Audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.files import write_text
+from renderer.framing import frame_clips
+from renderer.look import FIRST_AVATAR, Look
+from renderer.viewer.avatar import avatar_body, packed_avatar
+from renderer.viewer.tracks import track
+
+MOST_CLIPS: Final = 6
+"""Clips side by side; more of them are too small to judge."""
+
+SCRIPTS: Final = ("three.min.js", "viewer.js")
+"""What a page loads, in this order."""
+
+STYLE: Final = "viewer.css"
+
+FILES: Final = Path(str(files("renderer.viewer")))
+"""The folder of scripts and style, for servers that send them."""
+
+_COMPRESSION: Final = 0.6
+"""Of MP3, from 0 to 1: speech stays clear at about 6 kB a second."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """What plays side by side, on one clock.
+
+    Attributes
+    ----------
+    name : str
+        What stands beside the button that starts it.
+    clips : mapping of str to MotionClip
+        By what stands under them; at most `MOST_CLIPS`.
+    speech : Audio, str or None
+        What is heard, or the address at which a server has it. It is as long as the clips.
+    """
+
+    name: str
+    clips: Mapping[str, MotionClip]
+    speech: Audio | str | None = None
+
+
+class MotionFigures:
+    """Figures of one page. They share one avatar, and what several show is embedded once.
+
+    Parameters
+    ----------
+    avatar : str
+        One of `renderer.look.AVATARS`.
+    framing : str
+        What the camera sees at first, one of `renderer.look.FRAMINGS`.
+    """
+
+    def __init__(self, avatar: str = FIRST_AVATAR, framing: str = "full_body") -> None:
+        self._body = avatar_body(avatar)
+        self._look = Look(avatar=avatar, framing=framing)
+        self._embedded: dict[str, str] = {}
+        self._avatar = self._embed(packed_avatar(avatar))
+
+    def figure(self, scene: Scene, *, at_once: bool = False) -> Markup:
+        """Return the element in which a scene plays.
+
+        Parameters
+        ----------
+        scene : Scene
+            What plays.
+        at_once : bool
+            Whether it is there when the page is opened, rather than on a click; of the page's
+            first figure.
+
+        Raises
+        ------
+        InputError
+            If there is no clip, or more than `MOST_CLIPS`.
+        """
+        if not 0 < len(scene.clips) <= MOST_CLIPS:
+            raise InputError(
+                f"{len(scene.clips)} motions do not fit side by side",
+                remedy=f"Show 1 to {MOST_CLIPS} at a time",
+            )
+        speech = scene.speech
+        told = {
+            "avatar": self._avatar,
+            "speech": self._embed(_mp3(speech)) if isinstance(speech, Audio) else speech,
+            "camera": asdict(frame_clips(scene.clips.values(), self._body, self._look)),
+            "clips": [
+                {"name": name, "source": self._embed(track(clip, self._body))}
+                for name, clip in scene.clips.items()
+            ],
+        }
+        return Markup(
+            '<figure class="motion-viewer" data-scene="{}"{}>'
+            '<button type="button" class="start">Play {}</button></figure>'
+        ).format(json.dumps(told), Markup(" data-at-once") if at_once else "", scene.name)
+
+    def sources(self) -> Markup:
+        """Return the elements that hold what the figures made so far show; scripts come after."""
+        return Markup("\n").join(
+            Markup('<script type="application/octet-stream" id="{}">{}</script>').format(*each)
+            for each in self._embedded.items()
+        )
+
+    def _embed(self, data: bytes) -> str:
+        name = f"data-{hashlib.sha256(data).hexdigest()[:16]}"
+        self._embedded[name] = base64.b64encode(data).decode()
+        return f"#{name}"
+
+
+def _mp3(speech: Audio) -> bytes:
+    """Return speech as MP3, which all browsers play."""
+    data = io.BytesIO()
+    soundfile.write(
+        data,
+        speech.samples,
+        speech.sample_rate,
+        format="MP3",
+        compression_level=_COMPRESSION,
+    )
+    return data.getvalue()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inline:
+    """A script that stands in a page, and how the page's security policy knows it.
+
+    Attributes
+    ----------
+    text : Markup
+        The script.
+    hash : str
+        As ``script-src`` takes it, without quotes.
+    """
+
+    text: Markup
+    hash: str
+
+
+def inline_scripts() -> tuple[Inline, ...]:
+    """Return `SCRIPTS` for a page that needs no other file."""
+    return tuple(inline((FILES / name).read_text("utf-8")) for name in SCRIPTS)
+
+
+def inline(script: str) -> Inline:
+    """Return one of our own scripts as it stands in a page."""
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return Inline(text=Markup(script), hash=f"sha256-{digest}")  # noqa: S704 - our own file
+
+
+def write_motion_page(
+    path: Path, title: str, scenes: Sequence[Scene], *, notes: Sequence[str] = (), **look: Any
+) -> None:
+    """Write a page that shows scenes, one below the other, and needs no other file.
+
+    Parameters
+    ----------
+    path : Path
+        The page; appears whole, or not at all.
+    title : str
+        Its heading.
+    scenes : sequence of Scene
+        The first one is open.
+    notes : sequence of str
+        Sentences below.
+    **look
+        As for `MotionFigures`.
+    """
+    figures = MotionFigures(**look)
+    drawn = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]
+    environment = Environment(
+        loader=PackageLoader("renderer.viewer", "."), autoescape=True, undefined=StrictUndefined
+    )
+    write_text(
+        path,
+        environment.get_template("page.html").render(
+            title=title,
+            figures=drawn,
+            notes=notes,
+            sources=figures.sources(),
+            scripts=inline_scripts(),
+            style=Markup((FILES / STYLE).read_text("utf-8")),  # noqa: S704 - our own file
+        ),
+    )

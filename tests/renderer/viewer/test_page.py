@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import hashlib
+
+import pytest
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from renderer.viewer.page import FILES, MotionFigures, Scene
+
+
+def test_the_library_is_the_one_that_its_readme_describes() -> None:
+    library = (FILES / "three.min.js").read_bytes()
+
+    assert hashlib.sha256(library).hexdigest() in (FILES / "README.md").read_text()
+    assert b"three 0.187.0, MIT" in library[:80]
+
+
+def test_what_two_figures_share_is_embedded_once(clip: MotionClip) -> None:
+    figures = MotionFigures()
+    for name in ("first", "second"):
+        figures.figure(Scene(name=name, clips={name: clip}))
+
+    assert figures.sources().count("<script") == 2
+
+
+def test_names_are_text(clip: MotionClip) -> None:
+    drawn = MotionFigures().figure(Scene(name="<b>", clips={"'><script>": clip}))
+
+    assert "<b>" not in drawn
+    assert "<script>" not in drawn
+
+
+@pytest.mark.parametrize("count", [0, 7])
+def test_what_does_not_fit_side_by_side_is_refused(count: int, clip: MotionClip) -> None:
+    scene = Scene(name="many", clips={str(number): clip for number in range(count)})
+
+    with pytest.raises(InputError, match="do not fit side by side"):
+        MotionFigures().figure(scene)

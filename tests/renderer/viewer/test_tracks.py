@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from scipy.spatial.transform import Rotation
+
+from benchmarks.rendering.sample_motion import gesturing_clip
+from motion.body.model import BodyModel
+from motion.clip import ARKIT_COUNT, MotionClip
+from motion.skeleton import JOINT_COUNT
+from renderer.viewer.packing import LARGEST, packed, quantised
+from renderer.viewer.tracks import track
+from tests.renderer.viewer.decoding import unpacked
+
+LARGEST_ANGLE = 0.05
+"""Degrees."""
+
+
+def largest_angle(clip: MotionClip, data: bytes) -> float:
+    facts, values = unpacked(data)
+    turns = values["turns"].reshape(-1, 3) * facts["steps"]["turns"]
+    true = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float))
+    return float(np.degrees((Rotation.from_rotvec(turns).inv() * true).magnitude().max()))
+
+
+@settings(deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([1e-4, 0.1, 1.0, 3.2, 100.0]))
+def test_no_rotation_is_off_by_more_than_a_twentieth_of_a_degree(
+    seed: int, spread: float, body: BodyModel
+) -> None:
+    poses = np.random.default_rng(seed).uniform(-spread, spread, (3, JOINT_COUNT, 3))
+    clip = MotionClip(
+        poses=poses.astype(np.float32), trans=np.zeros((3, 3), np.float32), frame_rate=30
+    )
+
+    assert largest_angle(clip, track(clip, body)) < LARGEST_ANGLE
+
+
+def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyModel) -> None:
+    plain = gesturing_clip(10, 30)
+    moved = np.random.default_rng(0).normal(0, 0.05, (len(plain), ARKIT_COUNT)).cumsum(axis=0)
+    face = np.abs(np.sin(moved)).astype(np.float32)
+    shaken = np.random.default_rng(1).normal(0, 0.002, plain.poses.shape)
+    clip = MotionClip(
+        poses=plain.poses + shaken.astype(np.float32),
+        trans=plain.trans,
+        frame_rate=30,
+        arkit=face,
+    )
+
+    data = track(clip, body)
+
+    assert len(data) < 60_000
+    facts, values = unpacked(data)
+    assert values["turns"].shape == (300, 165)
+    assert values["weights"].shape == (300, ARKIT_COUNT)
+    shown = values["weights"] * facts["steps"]["weights"]
+    expected = body.expression_weights(clip)
+    assert expected is not None
+    assert np.abs(shown - expected).max() < 0.0021
+    shifts = values["shifts"] * facts["steps"]["shifts"]
+    assert np.abs(shifts - clip.trans).max() < 1e-4
+    assert largest_angle(clip, data) < LARGEST_ANGLE
+
+
+@pytest.mark.parametrize("far", [1.0, 1e6])
+def test_a_body_that_wanders_off_keeps_its_way(far: float, body: BodyModel) -> None:
+    trans = np.linspace(0, far, 6, dtype=np.float32).reshape(2, 3)
+    clip = MotionClip(poses=np.zeros((2, JOINT_COUNT, 3), np.float32), trans=trans, frame_rate=30)
+
+    facts, values = unpacked(track(clip, body))
+
+    shifts = values["shifts"] * facts["steps"]["shifts"]
+    assert np.abs(shifts - trans).max() <= max(1e-4, far / LARGEST) / 2 + 1e-9 * far
+
+
+@given(
+    values=arrays.arrays(
+        np.int16,
+        st.tuples(st.integers(0, 9), st.integers(0, 5)),
+        elements=st.integers(-LARGEST, LARGEST),
+    )
+)
+def test_what_is_packed_is_read_again(
+    values: np.ndarray[tuple[int, ...], np.dtype[np.int16]],
+) -> None:
+    facts, arrays = unpacked(packed({"rate": 30.0}, {"first": values, "second": values[::-1]}))
+
+    assert facts == {"rate": 30.0}
+    assert np.array_equal(arrays["first"], values)
+    assert np.array_equal(arrays["second"], values[::-1])
+
+
+def test_values_are_off_by_half_a_step_at_most() -> None:
+    values = np.array([-1.0, 0.3, 1.0])
+
+    numbers, step = quantised(values, 0.1)
+
+    assert step == pytest.approx(0.1)
+    assert np.abs(numbers * step - values).max() <= 0.05
