@@ -1,4 +1,4 @@
-"""Looking at motion files without a study, and taking them along to other programs."""
+"""Looking at motion files without a study, and exporting them for other programs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from motion.audio import Audio, read_audio, write_wav
 from motion.body.model import read_body
@@ -20,22 +19,19 @@ from motion.formats.glb import write_glb
 from motion.formats.joint_maps import JointMap
 from motion.placement import stand_on_ground
 from motion.resample import cut
-from renderer.clip_video import Stage, as_shown, still
+from renderer.clip_video import Stage
 from renderer.encoder import SOUND_RATE, VideoWriter
-from renderer.figures.plate import INK, font
 from renderer.framing import frame_clips
 from renderer.look import Look, default_body
 from renderer.loudness import at_common_loudness
+from renderer.shown_clip import as_shown
+from renderer.viewer.page import MOST_CLIPS, Scene, write_motion_page
 from studyapp.stimuli.recorded_beside import read_recorded
 
-_COLUMNS: Final = 4
-_FRAMES: Final = 12
-_CELL: Final = 360
-"""Pixels along each side of a frame on the sheet."""
+PAGE, VIDEO, GLB, BVH = KINDS = ("page", "video", "glb", "bvh")
+"""What can be written: one page of all motion files, or of each a video, a GLB or a BVH."""
 
-
-VIDEO, GLB, BVH = KINDS = ("video", "glb", "bvh")
-"""What can be written of a motion file."""
+_PAGE_OF_SEVERAL: Final = "motions.html"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,16 +105,62 @@ def read_previewed(
     return PreviewedMotion(path=path, name=name, clip=clip, speech=heard, notes=tuple(notes))
 
 
+def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look) -> Path:
+    """Write one page on which all motions can be played and turned around, and return it.
+
+    They stand side by side on one clock, `MOST_CLIPS` in a row.
+
+    Parameters
+    ----------
+    motions : sequence of PreviewedMotion
+        At least one; all have the same speech, if any.
+    out : Path
+        The folder.
+    look : Look
+        Body and framing.
+    """
+    body = read_body(default_body(look.avatar))
+    clips = {
+        motion.name: as_shown(
+            motion.clip, body, motion.path, motion.clip.duration, (), look.frame_rate
+        )
+        for motion in motions
+    }
+    rows = [motions[start : start + MOST_CLIPS] for start in range(0, len(motions), MOST_CLIPS)]
+    page = out / (f"{motions[0].name}.html" if len(motions) == 1 else _PAGE_OF_SEVERAL)
+    write_motion_page(
+        page,
+        ", ".join(clips),
+        [
+            Scene(
+                name=", ".join(motion.name for motion in row),
+                clips={motion.name: clips[motion.name] for motion in row},
+                speech=max(
+                    (motion.speech for motion in row if motion.speech), default=None, key=_length
+                ),
+            )
+            for row in rows
+        ],
+        avatar=look.avatar,
+        framing=look.framing,
+    )
+    return page
+
+
+def _length(speech: Audio) -> float:
+    return speech.duration
+
+
 def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> tuple[Path, ...]:
-    """Write one of `KINDS` of a motion, named after its file, and return what was written.
+    """Write a motion as one of `KINDS`, named after its file, and return what was written.
 
     Parameters
     ----------
     motion : PreviewedMotion
         The motion.
     kind : str
-        ``video``: as a study would show it, by a camera that fits this motion, and a sheet of its
-        frames. ``glb`` and ``bvh``: for other programs, on the ground at height 0; the speech
+        ``video``: as a study would show it, by a camera that fits this motion.
+        ``glb`` and ``bvh``: for other programs, on the ground at height 0; the speech
         lies beside.
     out : Path
         The folder.
@@ -150,36 +192,19 @@ def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> 
     return (target, *beside)
 
 
-def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path, ...]:
+def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path]:
     clip, body = motion.clip, default_body(look.avatar)
     model = read_body(body)
     silence = Audio(np.zeros(round(clip.duration * SOUND_RATE), np.float32), SOUND_RATE)
     shown = as_shown(clip, model, motion.path, clip.duration, (), look.frame_rate)
-    video, sheet = out / f"{motion.name}.mp4", out / f"{motion.name}.png"
-    with Stage(body, frame_clips([shown], model, look), look) as stage:
-        with (
-            replacing(video) as draft,
-            VideoWriter(
-                draft, look.size, look.size, look.frame_rate, motion.speech or silence
-            ) as writer,
-        ):
-            for frame in stage.video_frames(shown):
-                writer.write(frame)
-        with replacing(sheet) as draft:
-            _sheet(stage, shown).save(draft, format="PNG")
-    return video, sheet
-
-
-def _sheet(stage: Stage, clip: MotionClip) -> Image.Image:
-    """Return frames spread evenly over `clip`, each with its time."""
-    count = min(_FRAMES, len(clip))
-    size = min(_CELL, stage.look.size)
-    sheet = Image.new("RGB", (size * min(_COLUMNS, count), size * -(-count // _COLUMNS)), "white")
-    draw = ImageDraw.Draw(sheet)
-    for number in range(count):
-        seconds = number * len(clip) // count / clip.frame_rate
-        corner = (number % _COLUMNS * size, number // _COLUMNS * size)
-        sheet.paste(still(stage, clip, seconds).resize((size, size)), corner)
-        place = (corner[0] + size // 30, corner[1] + size // 30)
-        draw.text(place, f"{seconds:.2f} s", font=font(size / 20), fill=INK)
-    return sheet
+    video = out / f"{motion.name}.mp4"
+    with (
+        Stage(body, frame_clips([shown], model, look), look) as stage,
+        replacing(video) as draft,
+        VideoWriter(
+            draft, look.size, look.size, look.frame_rate, motion.speech or silence
+        ) as writer,
+    ):
+        for frame in stage.video_frames(shown):
+            writer.write(frame)
+    return (video,)

@@ -89,16 +89,22 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option(
     "--framing", type=click.Choice(list(FRAMINGS)), default="full_body", show_default=True
 )
-@click.option("--size", type=click.IntRange(64, 2160), default=720, show_default=True)
+@click.option(
+    "--size",
+    type=click.IntRange(64, 2160),
+    default=720,
+    show_default=True,
+    help="Pixels along each side of a video.",
+)
 @click.option(
     "--as",
     "kinds",
-    type=click.Choice(["video", "glb", "bvh"]),
+    type=click.Choice(["page", "video", "glb", "bvh"]),
     multiple=True,
-    default=["video"],
+    default=["page"],
     show_default=True,
-    help="What to write, as often as wanted: a video and a sheet of its frames, or the motion for "
-    "other programs.",
+    help="What to write, as often as wanted: one page on which the motions play side by side and "
+    "can be turned around, a video of each, or each for other programs.",
 )
 @click.option(
     "--out",
@@ -118,14 +124,30 @@ def preview_command(
     kinds: tuple[str, ...],
     out: Path,
 ) -> None:
-    """Show each motion FILE, or take it along as GLB or BVH; no study is needed."""
+    """Show each motion FILE in three dimensions, as a video, GLB or BVH; no study is needed."""
     # Imported here: drawing takes a second to load, and a wrong option should be told at once.
-    from studyapp.stimuli.motion_preview import distinct_names, read_previewed, write_preview
+    from studyapp.stimuli.motion_preview import (
+        PAGE,
+        distinct_names,
+        read_previewed,
+        write_preview,
+        write_preview_page,
+    )
 
     look = Look(size=size + size % 2, framing=framing, avatar=avatar)
+    read = []
     for path, name in zip(motions, distinct_names(motions), strict=True):
         motion = read_previewed(path, name, speech=speech, frame_rate=fps, joint_map=joint_map)
+        read.append(motion)
         for note in motion.notes:
             click.echo(f"note: {note}")
         for kind in kinds:
-            click.echo(" and ".join(map(str, write_preview(motion, kind, out, look))))
+            if kind != PAGE:
+                click.echo(" and ".join(map(str, write_preview(motion, kind, out, look))))
+    if PAGE in kinds:
+        click.echo(_with_size(write_preview_page(read, out, look)))
+
+
+def _with_size(page: Path) -> str:
+    """Return a page's path and how large it is."""
+    return f"{page}, {page.stat().st_size / 1e6:.1f} MB; open it in a browser"

@@ -1,13 +1,14 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import av
 import numpy as np
 import pytest
 import trimesh
+from bs4 import BeautifulSoup
 from click.testing import CliRunner
-from PIL import Image
 
 from motion.audio import read_audio
 from motion.errors import InputError
@@ -31,7 +32,8 @@ def unknown_skeleton(tmp_path: Path) -> Path:
 def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
     unknown_skeleton: Path, tmp_path: Path
 ) -> None:
-    arguments = ["preview", str(unknown_skeleton), "--size", "64", "--out", str(tmp_path / "out")]
+    out = ["--as", "video", "--size", "64", "--out", str(tmp_path / "out")]
+    arguments = ["preview", str(unknown_skeleton), *out]
     with pytest.raises(InputError, match="skeleton is unknown") as refusal:
         CliRunner().invoke(group, ["--debug", *arguments], catch_exceptions=False)
     assert "--joints FILE" in str(refusal.value.remedy)
@@ -43,20 +45,36 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
     assert done.exit_code == 0, done.output
     with av.open(str(tmp_path / "out" / "wave.mp4")) as video:
         assert {stream.type for stream in video.streams} == {"video", "audio"}
-    with Image.open(tmp_path / "out" / "wave.png") as sheet:
-        assert sheet.size == (256, 192)
 
 
 def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    arguments = ["preview", str(motion), "--speech", str(speech), "--size", "64"]
+    arguments = ["preview", str(motion), "--speech", str(speech), "--as", "video", "--size", "64"]
 
     done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path)])
 
     assert done.exit_code == 0, done.output
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
+
+
+def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> None:
+    motions = [write_motion(tmp_path / f"take-{k}.npz", 0.2 + k / 10) for k in range(7)]
+    speech = write_speech(tmp_path / "a.wav", 0.5)
+    arguments = ["preview", *map(str, motions), "--speech", str(speech)]
+
+    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path / "out")])
+
+    assert done.exit_code == 0, done.output
+    assert f"{tmp_path / 'out' / 'motions.html'}, " in done.output
+    page = BeautifulSoup((tmp_path / "out" / "motions.html").read_text(), "html.parser")
+    scenes = [json.loads(str(figure["data-scene"])) for figure in page.find_all("figure")]
+    assert [len(scene["clips"]) for scene in scenes] == [6, 1]
+    wanted = {clip["source"] for scene in scenes for clip in scene["clips"]}
+    wanted |= {scene[key] for scene in scenes for key in ("avatar", "speech")}
+    held = {f"#{script['id']}" for script in page.find_all("script", id=True)}
+    assert wanted == held
 
 
 def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
