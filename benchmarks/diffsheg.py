@@ -15,13 +15,14 @@ from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from statistics import median
 from typing import Final
 
 import torch
 from torch import Tensor
 
-from generators.diffsheg.config import BEAT
+from generators.diffsheg.config import BEAT, Sampling
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Sampler,
@@ -30,7 +31,6 @@ from generators.diffsheg.sampling import (
     sample_windows,
     stream,
 )
-from generators.diffsheg.settings import Sampling, evaluations
 from training.device import torch_threads
 from training.hearing.speech_frames import SpeechFrames
 
@@ -117,7 +117,11 @@ def asked(frames: int) -> int:
     """Return how often the network is asked for motion of so many frames."""
     settled = BEAT.frames - SAMPLING.overlap
     later = -(-max(frames - BEAT.frames, 0) // settled)
-    return evaluations(SAMPLING.first_walk) + later * evaluations(SAMPLING.later_walk)
+    return _steps_down(SAMPLING.first_walk) + later * _steps_down(SAMPLING.later_walk)
+
+
+def _steps_down(walk: Sequence[int]) -> int:
+    return sum(there < here for here, there in pairwise(walk))
 
 
 def compare(ways: dict[str, Sampler], speech: SpeechFrames, threads: int, rounds: int) -> None:

@@ -20,8 +20,8 @@ from generators.interface import (
     unheard,
     with_length,
 )
+from generators.learned_settings import ModelSettings
 from generators.registry import TrainedGenerator, TrainingRequest
-from generators.settings import ModelSettings
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.resample import resample

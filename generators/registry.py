@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal, cast
 from pydantic import TypeAdapter
 
 from generators.interface import Generator
-from generators.settings import ModelSettings, Settings
+from generators.learned_settings import ModelSettings
+from generators.settings import Settings
 from motion.errors import InputError
 
 if TYPE_CHECKING:
@@ -168,7 +169,7 @@ class Entry:
         Whether it starts from another condition's clips.
     settings : str or None
         Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
-        One whose weights must be given has `generators.settings.ModelSettings`.
+        One whose weights must be given has `generators.learned_settings.ModelSettings`.
     """
 
     home: str
@@ -183,15 +184,15 @@ GENERATORS: Final = {
     "broken": Entry(home="generators.controls:Broken", needs_source=True),
     "diffsheg": Entry(
         home="generators.diffsheg.generate:DiffSheg",
-        settings="generators.diffsheg.settings:DiffShegSettings",
+        settings="generators.learned_settings:DiffShegSettings",
     ),
     "amuse": Entry(
         home="generators.amuse.generate:Amuse",
-        settings="generators.amuse.settings:AmuseSettings",
+        settings="generators.learned_settings:AmuseSettings",
     ),
     "s2ue": Entry(
         home="generators.s2ue.generate:S2ue",
-        settings="generators.s2ue.settings:S2ueSettings",
+        settings="generators.learned_settings:S2ueSettings",
     ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""

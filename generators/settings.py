@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cached_property
+from functools import reduce
+from operator import or_
 from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Final, Self, get_args, get_type_hints
@@ -14,7 +15,6 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
-    Field,
     ValidationError,
     ValidationInfo,
     model_validator,
@@ -74,9 +74,7 @@ _ON_DISK: Final = {File: "{}", Folder: "folder of {}", NameOrFile: "recording of
 class Settings(BaseModel):
     """What a generator takes: its keys in a condition, and its options on the command line.
 
-    Each key has a type, what it is where nothing is said, and a description. A table of keys is
-    `Settings` of its own. Its first key, a text, can stand for the table: ``sampling = "careful"``,
-    ``--sampling careful``.
+    Each key has a type, a default unless it is required, and a description.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -87,8 +85,6 @@ class Settings(BaseModel):
         """Refuse unknown keys, each with the known one that is near it, and missing ones."""
         reader: Reader = info.context or Reader()
         known = cls.model_fields
-        if isinstance(given, str):
-            return {next(iter(known)): given}
         if not isinstance(given, Mapping):
             return given
         wrong = [(key, reader.unknown(key, list(known))) for key in given if key not in known]
@@ -125,19 +121,16 @@ class Settings(BaseModel):
             If a file or folder is not there.
         """
         values = {name: getattr(self, name) for name in type(self).model_fields}
-        types = {each.keys[0]: each.type for each in told(type(self)) if len(each.keys) == 1}
-        for key, value in values.items():
-            if isinstance(value, Settings):
-                values[key] = value.within(folder)
-            elif value is not None and types.get(key) in _ON_DISK:
-                if types[key] == NameOrFile and not Path(value).suffix:
-                    continue
-                path = values[key] = folder / value
-                if not (path.is_dir() if types[key] == Folder else path.is_file()):
-                    what = _ON_DISK[types[key]].format(key)
-                    raise InputError(
-                        f"there is no such {what}", where=path, remedy="Check the path"
-                    )
+        for setting in settings_of(type(self)):
+            value, kind = values[setting.key], setting.type
+            if value is None or kind not in _ON_DISK:
+                continue
+            if kind == NameOrFile and not Path(value).suffix:
+                continue
+            path = values[setting.key] = folder / value
+            if not (path.is_dir() if kind == Folder else path.is_file()):
+                what = _ON_DISK[kind].format(setting.key)
+                raise InputError(f"there is no such {what}", where=path, remedy="Check the path")
         return type(self).model_validate(values)
 
     def fingerprint(self) -> tuple[object, ...]:
@@ -145,34 +138,8 @@ class Settings(BaseModel):
         return tuple((name, content(getattr(self, name))) for name in type(self).model_fields)
 
 
-class ModelSettings(Settings):
-    """Settings of a learned generator.
-
-    Attributes
-    ----------
-    checkpoint : Path
-        The network's weights.
-    """
-
-    checkpoint: File = Field(description="Weights of a learned generator.")
-
-    @cached_property
-    def checkpoint_sha256(self) -> str:
-        """Hash of the checkpoint's file."""
-        return str(content(self.checkpoint))
-
-
-def names_somebody(speaker: int | str | None) -> int | str | None:
-    """Return a speaker's number, from 1, or name; nobody where none is given."""
-    if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
-        raise ValueError("give the speaker's number, from 1, or name")
-    return speaker
-
-
 def content(value: object) -> object:
     """Return what a fingerprint holds of a value: of a file its hash, of a folder each file's."""
-    if isinstance(value, Settings):
-        return value.fingerprint()
     if not isinstance(value, Path):
         return value
     if value.is_dir():
@@ -182,39 +149,35 @@ def content(value: object) -> object:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """A setting that can be told by itself.
+class Setting:
+    """One key of `Settings`.
 
     Attributes
     ----------
-    option : str
-        What it goes by where there are no tables.
-    keys : tuple of str
-        Its key, behind those of the tables that it lies in.
+    key : str
+        Its key in a condition; on the command line an option.
     type : type
         What it may be besides None.
     description : str
         For the command's help.
+    required : bool
+        Whether it must be given.
     """
 
-    option: str
-    keys: tuple[str, ...]
+    key: str
     type: Any
     description: str
+    required: bool
 
 
-def told(kind: type[Settings]) -> Iterator[Told]:
-    """Yield the settings of a generator, those of its tables one by one."""
+def settings_of(kind: type[Settings]) -> Iterator[Setting]:
+    """Yield the settings of a generator."""
     hints = get_type_hints(kind, include_extras=True)
     for key, field in kind.model_fields.items():
-        own: Any = hints[key]
-        if NoneType in get_args(own):
-            own, *others = (one for one in get_args(own) if one is not NoneType)
-            for other in others:
-                own = own | other
-        if isinstance(own, type) and issubclass(own, Settings):
-            for place, each in enumerate(told(own)):
-                option = each.option if place else key
-                yield replace(each, option=option, keys=(key, *each.keys))
-        else:
-            yield Told(option=key, keys=(key,), type=own, description=field.description or "")
+        types = [part for part in get_args(hints[key]) if part is not NoneType]
+        yield Setting(
+            key=key,
+            type=reduce(or_, types) if NoneType in get_args(hints[key]) else hints[key],
+            description=field.description or "",
+            required=field.is_required(),
+        )

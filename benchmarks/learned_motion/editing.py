@@ -25,8 +25,8 @@ from benchmarks.learned_motion.following import (
 from benchmarks.learned_motion.networks import Network
 from benchmarks.learned_motion.recordings import FRAME_RATE
 from generators.amuse.generate import Amuse
-from generators.amuse.settings import AmuseSettings
 from generators.interface import SpeechSegment
+from generators.learned_settings import AmuseSettings
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS

@@ -12,9 +12,9 @@ from torch import Tensor
 
 from generators.amuse.config import FRAME_RATE, LABELS, PARTS, STEPS
 from generators.amuse.network_file import MotionNetworks, SpeechNetwork, load_motion, load_speech
-from generators.amuse.settings import AmuseSettings
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, network_facts
+from generators.learned_settings import AmuseSettings
 from generators.settings import content
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip

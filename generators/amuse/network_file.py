@@ -14,7 +14,7 @@ from typing import Final, TypeVar
 import torch
 from torch import Tensor
 
-from generators.amuse.config import MotionConfig, SpeechConfig
+from generators.amuse.config import LABELS, MotionConfig, SpeechConfig
 from generators.amuse.model import Gaussian, MotionModel
 from generators.amuse.speech import AnySpeechModel, HeardSpeech, SpeechModel, speech_model_of
 from motion.errors import InputError, listed
@@ -76,9 +76,8 @@ def write_speech(path: Path, network: SpeechNetwork) -> None:
         for part, latents in network.latents.items()
         for label, latent in latents.items()
     }
-    labels = {part: list(latents) for part, latents in network.latents.items()}
-    told = {"labels": labels, "training": dict(network.training)}
-    _SPEECH.write(path, network.model, network.model.config, "model", latents, **told)
+    facts = dict(network.training)
+    _SPEECH.write(path, network.model, network.model.config, "model", latents, training=facts)
 
 
 def load_motion(path: Path) -> MotionNetworks:
@@ -109,10 +108,7 @@ def load_speech(path: Path) -> SpeechNetwork:
     with _SPEECH.reading(path) as file:
         return SpeechNetwork(
             model=file.loaded(speech_model_of(SpeechConfig(**file.facts["config"])), "model"),
-            latents={
-                part: {label: file.tensors[f"{part}.{label}"] for label in labels}
-                for part, labels in file.facts["labels"].items()
-            },
+            latents={part: found for part in LABELS if (found := file.part(part))},
             training=file.facts["training"],
         )
 

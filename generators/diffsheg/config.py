@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
 from motion.errors import InputError, listed
 from training.config import Preset, read_presets
+from training.diffusion import LINEAR
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """What is told to what: see `DenoiserConfig.flow`."""
@@ -18,6 +20,16 @@ FLOWS: Final[tuple[Flow, ...]] = get_args(Flow)
 
 Loudness = Literal["power", "logarithm"]
 """How mel bands are read: see `DenoiserConfig.loudness`."""
+
+CLEAN: Final = -1
+"""The place of a walk where no noise is left."""
+
+JUMP_LENGTH: Final = 3
+"""Steps that resampling goes back into the noise at once."""
+
+BLEND_BELOW: Final = 0.2
+"""Shared frames blend linearly into the new window while less noise than this is left, as a
+standard deviation; before, they are what the window before says."""
 
 JOINT_WIDENING: Final = 1.41
 """How much wider the one branch of 'joint' is, so that it costs as much as two (section 4.5)."""
@@ -125,6 +137,86 @@ class DenoiserConfig:
         """Width of the one branch of 'joint', a multiple of what its heads need."""
         step = 2 * self.heads
         return step * round(self.width * JOINT_WIDENING / step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sampling:
+    """How windows are sampled: fast outpainting-based partial autoregressive sampling.
+
+    FOPPAS (section 3.5) is DDIM in place of DDPM, and RePaint's resampling for the windows that
+    continue another one.
+
+    Attributes
+    ----------
+    steps : int
+        Steps of DDIM from pure noise to a clean window.
+    overlap : int
+        Frames that a window shares with the one before.
+    jump_count : int
+        How often each stretch of `JUMP_LENGTH` steps is walked: 1 for no resampling, 2 as the
+        release's fast setting, 5 as its careful one.
+    keeps_pose : bool
+        Whether a window that continues another one sets out from noise around the last pose it
+        knows. The release sets out from pure noise, although a twenty-fifth of the motion's
+        variance should be left by then: slow parts of the motion fade from window to window.
+    own_noise : bool
+        Whether shared frames get the noise that the network has just found in them; RePaint and
+        the release give them fresh noise at each step, with which the new frames do not agree.
+    """
+
+    steps: int = 25
+    overlap: int = 4
+    jump_count: int = 2
+    keeps_pose: bool = False
+    own_noise: bool = False
+
+    @property
+    def entry(self) -> int:
+        """Steps of a window that continues another one: 15 of the paper's 25."""
+        return max(1, round(0.6 * self.steps))
+
+    @cached_property
+    def timesteps(self) -> tuple[int, ...]:
+        """The diffusion step at each place, from the least noise to the most."""
+        return tuple(range(0, LINEAR.steps, LINEAR.steps // self.steps))
+
+    @cached_property
+    def first_walk(self) -> tuple[int, ...]:
+        """Places of a window that continues none, down to `CLEAN`."""
+        return (*range(self.steps - 1, -1, -1), CLEAN)
+
+    @cached_property
+    def later_walk(self) -> tuple[int, ...]:
+        """Places of a window that continues another one, down to `CLEAN`.
+
+        Lugmayr et al. 2022 (RePaint), Figure 9: each stretch of `JUMP_LENGTH` steps is walked
+        `jump_count` times, noise being added in between.
+        """
+        left = dict.fromkeys(range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1)
+        place, places = self.entry - 1, [self.entry - 1]
+        while place >= 0:
+            if left.get(place, 0):
+                left[place] -= 1
+                places += range(place + 1, place + JUMP_LENGTH + 1)
+                place += JUMP_LENGTH
+            place -= 1
+            places.append(place)
+        return tuple(places)
+
+
+SAMPLINGS: Final[Mapping[str, Sampling]] = MappingProxyType(
+    {
+        "smooth": Sampling(keeps_pose=True, own_noise=True),
+        "fast": Sampling(),
+        "careful": Sampling(jump_count=5),
+        "plain": Sampling(jump_count=1),
+    }
+)
+"""Settings by name: as fast as the release's fast one, but smoother where windows meet and with
+poses as varied as the network's; the release's fast one; its careful one; no resampling."""
+
+RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
+"""Frames that the windows of the released networks share."""
 
 
 def _check(fits: bool, what: str, remedy: str) -> None:

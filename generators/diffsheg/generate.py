@@ -5,17 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from generators.diffsheg.config import (
+    BLEND_BELOW,
+    JUMP_LENGTH,
+    RELEASED_OVERLAP,
+    SAMPLINGS,
+    Sampling,
+)
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
-from generators.diffsheg.settings import DiffShegSettings, Sampling
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, joined, network_facts
+from generators.learned_settings import DiffShegSettings
 from motion.body.skinning import ForearmTwists
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -29,9 +35,6 @@ from training.hearing.speech_frames import (
 )
 from training.spaces.beat import beat_clip, beat_piece
 from training.spaces.smplx_bodies import show_clip
-
-RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
-"""Frames that the windows of the released networks share."""
 
 
 class DiffSheg(NetworkGenerator[DiffShegSettings]):
@@ -207,8 +210,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "dataset": self._network.dataset,
             "speaker": name,
             "sampling": f"{sampling.steps} steps, overlap {sampling.overlap}, entry "
-            f"{sampling.entry}, jump length {sampling.jump_length}, jump count "
-            f"{sampling.jump_count}, blended below {sampling.blend_below:g}"
+            f"{sampling.entry}, jump length {JUMP_LENGTH}, jump count "
+            f"{sampling.jump_count}, blended below {BLEND_BELOW:g}"
             f"{', from the last pose' if sampling.keeps_pose else ''}"
             f"{', with its own noise' if sampling.own_noise else ''}",
             "hubert": self._hubert.description,
@@ -249,4 +252,10 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
     @cached_property
     def _walk(self) -> Sampling:
-        return self._settings.sampling.sampling(overlap=RELEASED_OVERLAP[self._network.dataset])
+        name, steps, overlap = (
+            getattr(self._settings, key) for key in ("sampling", "steps", "overlap")
+        )
+        if overlap is None:
+            shared = 1.5 if name == "smooth" else 1
+            overlap = round(shared * RELEASED_OVERLAP[self._network.dataset])
+        return replace(SAMPLINGS[name], steps=steps, overlap=overlap)

@@ -18,9 +18,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from generators.diffsheg.config import BLEND_BELOW, CLEAN, Sampling
 from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
-from generators.diffsheg.settings import CLEAN, Sampling
 from generators.interface import seeded_stream
 from motion.errors import InputError
 from training.device import side_by_side
@@ -226,7 +226,7 @@ def sample_window(
             fresh = next(later)
             shared = (found if sampling.own_noise else fresh)[0, : len(known)]
             seen = np.sqrt(kept(there)) * known + spread * shared
-            weight = _weight(known, blends=spread < sampling.blend_below)
+            weight = _weight(known, blends=spread < BLEND_BELOW)
             motion[0, : len(known)] = weight * seen + (1 - weight) * motion[0, : len(known)]
     return motion[0]
 

@@ -9,7 +9,7 @@ from typing import Any, Final, get_args
 from pydantic import ValidationError
 
 from generators.registry import generator_names, needs_source, settings_type
-from generators.settings import File, told
+from generators.settings import File, settings_of
 from motion.errors import InputError, listed
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
@@ -82,9 +82,8 @@ def read_source(text: str, folder: Path) -> Condition:
 
 def _needed_files(generator: str) -> list[str]:
     """Return the keys of the files that a generator cannot do without."""
-    kind = settings_type(generator)
-    needed = (each for each in told(kind) if each.type == File)
-    return [each.option for each in needed if kind.model_fields[each.keys[0]].is_required()]
+    settings = settings_of(settings_type(generator))
+    return [setting.key for setting in settings if setting.type == File and setting.required]
 
 
 def _weights(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
@@ -144,18 +143,15 @@ def condition_of(
     """
     values: dict[str, Any] = {"generator": generator}
     said = {name: value for name, value in given.items() if value is not None}
-    for each in () if generator is None else told(settings_type(generator)):
-        value = said.pop(each.option, None)
+    for setting in () if generator is None else settings_of(settings_type(generator)):
+        value = said.pop(setting.key, None)
         if value is None:
             continue
-        table = values
-        for key in each.keys[:-1]:
-            table = table.setdefault(key, {})
         if isinstance(value, Path):
             value = _named_from(folder, value)
         elif isinstance(value, str) and value.isdecimal():
-            value = int(value) if int in (each.type, *get_args(each.type)) else value
-        table[each.keys[-1]] = value
+            value = int(value) if int in (setting.type, *get_args(setting.type)) else value
+        values[setting.key] = value
     for option in said:
         raise InputError(
             f"--{option.replace('_', '-')} is of a learned generator, not of "
@@ -178,5 +174,5 @@ def _takers(option: str) -> list[str]:
     return [
         generator
         for generator in generator_names()
-        if option in (each.option for each in told(settings_type(generator)))
+        if option in settings_type(generator).model_fields
     ]

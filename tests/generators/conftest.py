@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import Generator, SpeechSegment
+from generators.learned_settings import DiffShegSettings, S2ueSettings
 from generators.registry import load_generator
 from generators.rule_based.generator import RuleBased
-from generators.s2ue.settings import S2ueSettings
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from generators.learned_settings import ModelSettings
 from generators.registry import generator_names, load_generator, needs_model
-from generators.settings import ModelSettings
 from motion.errors import InputError
 
 

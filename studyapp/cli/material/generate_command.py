@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, get_args, get_origin
 import click
 
 from generators.registry import Device, generator_names, settings_type
-from generators.settings import File, Folder, Told, told
+from generators.settings import File, Folder, Setting, settings_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from motion.segment import EMOTIONS
@@ -39,13 +39,13 @@ class SettingsCommand(click.Command):
 
 def _options() -> Iterator[click.Option]:
     """Yield an option for each setting of any generator, those that several have once."""
-    found: dict[str, dict[str, Told]] = {}
+    found: dict[str, dict[str, Setting]] = {}
     for generator in generator_names():
-        for each in told(settings_type(generator)):
-            found.setdefault(each.option, {})[generator] = each
+        for setting in settings_of(settings_type(generator)):
+            found.setdefault(setting.key, {})[generator] = setting
     for name, takers in found.items():
-        types = {each.type for each in takers.values()}
-        meanings = {generator: each.description for generator, each in takers.items()}
+        types = {setting.type for setting in takers.values()}
+        meanings = {generator: setting.description for generator, setting in takers.items()}
         same = len(set(meanings.values())) == 1
         yield click.Option(
             [f"--{name.replace('_', '-')}"],

@@ -47,13 +47,9 @@ class Condition(Section, extra="allow"):
 
     @model_validator(mode="after")
     def _tells_its_generator_what_it_takes(self) -> Condition:
-        """Refuse what the generator does not take, and let the rest stand as if written in full."""
+        """Refuse what the generator does not take: reading the settings checks them."""
         if self.generator is None or self.generator in generator_names():
-            settings, given = self.settings, self.model_extra or {}
-            for key in [key for key in type(settings).model_fields if key in given]:
-                value, said = getattr(settings, key), given.pop(key)
-                is_table = isinstance(value, Settings)
-                given[key] = value.model_dump(exclude_defaults=True) if is_table else said
+            _ = self.settings
         return self
 
 

@@ -15,8 +15,8 @@ from generators.amuse.network_file import (
     write_motion,
     write_speech,
 )
-from generators.amuse.settings import AmuseSettings
 from generators.amuse.speech import SpeechModel
+from generators.learned_settings import AmuseSettings
 
 MOTION: Final = MotionConfig(
     width=16, feed_forward=24, heads=2, layers=3, condition_width=8, longest=302

@@ -19,9 +19,9 @@ from generators.amuse.network_file import (
     write_motion,
     write_speech,
 )
-from generators.amuse.settings import AmuseSettings
 from generators.amuse.speech import SpeechAutoencoder
 from generators.interface import SpeechSegment
+from generators.learned_settings import AmuseSettings
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError

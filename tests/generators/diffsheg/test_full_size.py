@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
-from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import SpeechSegment
+from generators.learned_settings import DiffShegSettings
 from generators.registry import load_generator
 from motion.audio import read_audio
 from motion.segment import Segment

@@ -13,8 +13,8 @@ import torch
 
 from generators.diffsheg.generate import DiffSheg
 from generators.diffsheg.network_file import write_network
-from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from generators.interface import SpeechSegment
+from generators.learned_settings import DiffShegSettings
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.generators.diffsheg.small_network import small, small_network, written_network
@@ -79,8 +79,8 @@ def test_the_speech_decides_the_motion(model: DiffShegSettings, speak: Speak) ->
 
 
 def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Speak) -> None:
-    sampling = SamplingSettings(preset="plain", steps=10, overlap=2)
-    clip = DiffSheg(model.model_copy(update={"sampling": sampling})).generate(
+    chosen = {"sampling": "plain", "steps": 10, "overlap": 2}
+    clip = DiffSheg(model.model_copy(update=chosen)).generate(
         speak("one", 1.0), seed=3, frame_rate=15
     )
     assert clip.provenance["sampling"].startswith("10 steps, overlap 2, entry 6")

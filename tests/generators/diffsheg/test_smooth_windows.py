@@ -7,6 +7,7 @@ not among each other; so whatever shows at the borders is the sampling's own doi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Literal
 
@@ -16,10 +17,10 @@ import torch
 from torch import Tensor
 
 from benchmarks.seams import Windows, seam_acceleration
+from generators.diffsheg.config import SAMPLINGS, Sampling
 from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
-from generators.diffsheg.settings import Sampling, SamplingSettings
+from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
-from training.noise_schedule import LINEAR_NOISE
 
 FRAMES, OVERLAP, VALUES, LENGTH = 34, 4, 32, 900
 RELATED_OVER = 0.2
@@ -37,7 +38,7 @@ def perfect_network(sampling: Sampling) -> Sampler:
 
     @cache
     def answers(place: int, frames: int) -> Tensor:
-        kept = float(LINEAR_NOISE.alpha_bar[sampling.timesteps[place]])
+        kept = float(LINEAR.alpha_bar[sampling.timesteps[place]])
         noisy = kept * law[:frames, :frames] + (1 - kept) * torch.eye(frames)
         deviation: float = (1 - kept) ** 0.5
         answer: Tensor = deviation * torch.linalg.inv(noisy)
@@ -57,7 +58,7 @@ def perfect_network(sampling: Sampling) -> Sampler:
 
 
 def moved(preset: Literal["smooth", "fast"]) -> np.ndarray:
-    sampling = SamplingSettings(preset=preset, overlap=OVERLAP).sampling(overlap=OVERLAP)
+    sampling = replace(SAMPLINGS[preset], overlap=OVERLAP)
     nothing = torch.zeros(LENGTH, 1)
     parts = stream(
         [SpeechFrames(nothing, nothing)],

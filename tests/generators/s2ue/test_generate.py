@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.seams import Windows, seam_acceleration
 from generators.interface import SpeechSegment
+from generators.learned_settings import S2ueSettings
 from generators.s2ue.generate import S2ue
-from generators.s2ue.settings import S2ueSettings
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import written_network as other_network
 from tests.generators.s2ue.small_network import FACE, written_network

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 from click.testing import CliRunner, Result
 
-from generators.settings import ModelSettings
+from generators.learned_settings import ModelSettings
 from studyapp.cli.main import group
 from studyapp.preflight.check import check
 from studyapp.study.folder import StudyFolder

@@ -1,0 +1,164 @@
+"""What a condition can set of each learned generator. Loads no torch."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Final, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from generators.settings import File, Folder, NameOrFile, Settings, content
+
+ANYBODY: Final = "anybody"
+"""In place of a speaker of S2UE: a mixture of those it learned from, which the seed draws."""
+
+
+def _check_speaker(speaker: int | str | None) -> int | str | None:
+    if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
+        raise ValueError("give the speaker's number, from 1, or name")
+    return speaker
+
+
+class ModelSettings(Settings):
+    """Settings of a learned generator.
+
+    Attributes
+    ----------
+    checkpoint : Path
+        The network's weights.
+    """
+
+    checkpoint: File = Field(description="Weights of a learned generator.")
+
+    @cached_property
+    def checkpoint_sha256(self) -> str:
+        """Hash of the checkpoint's file."""
+        return str(content(self.checkpoint))
+
+
+class DiffShegSettings(ModelSettings):
+    """Which network moves, and as whom.
+
+    Attributes
+    ----------
+    dataset : {'beat', 'show'}
+        What a released checkpoint was trained on; files trained here know it themselves.
+    stats : Path or None
+        Folder of means and standard deviations, which a released checkpoint needs.
+    hubert : Path or None
+        Folder of HuBERT's weights; None for a stand-in that hears no words.
+    speaker : int, str or None
+        Number of the speaker in the data set, from 1, or the name where the checkpoint knows names.
+        None for who speaks in the segment, as far as the checkpoint knows names; else the first.
+    sampling : {'smooth', 'fast', 'careful', 'plain'}
+        How windows are sampled, one of `generators.diffsheg.config.SAMPLINGS`.
+    steps : int
+        Steps from noise to motion: a number that divides 1000.
+    overlap : int or None
+        Frames that windows share; None for the release's number, half as much again in ``smooth``.
+    """
+
+    dataset: Literal["beat", "show"] = Field("beat", description="What a release learned: beat.")
+    stats: Folder | None = Field(None, description="Means and deviations of a release.")
+    hubert: Folder | None = Field(None, description="HuBERT's weights; else a stand-in hears.")
+    speaker: int | str | None = Field(
+        None, description="As which of its speakers it moves: number or name."
+    )
+    sampling: Literal["smooth", "fast", "careful", "plain"] = Field(
+        "smooth", description="How windows are sampled; fast and careful as released: smooth."
+    )
+    steps: int = Field(25, ge=1, description="Steps from noise to motion: 25.")
+    overlap: int | None = Field(
+        None, ge=0, description="Frames that windows share: 4 of BEAT, 10 of SHOW."
+    )
+
+    _speaker = field_validator("speaker")(_check_speaker)
+
+    @model_validator(mode="after")
+    def _divides_the_training(self) -> Self:
+        if 1000 % self.steps:
+            raise ValueError(
+                f"{self.steps} steps do not divide the 1000 of the training. Give 10, 20, 25, 40, "
+                "50 or 100 steps"
+            )
+        return self
+
+
+class AmuseSettings(ModelSettings):
+    """Which networks move, and what replaces parts of the speech.
+
+    A part that is not named is the speech's own. Naming one edits the motion: with `emotion`, the
+    same words by the same person in another emotion.
+
+    Attributes
+    ----------
+    checkpoint : Path
+        The motion prior and the denoiser.
+    speech_model : Path
+        The speech disentanglement model.
+    content : Path or None
+        Recording whose words are moved to.
+    emotion, style : str, Path or None
+        An emotion or a speaker that the speech model learned, or a recording to hear it from;
+        `within` tells the two apart.
+    from_emotion, from_style : str, Path or None
+        The same, in place of the speech's own where `strength` is 0.
+    strength : float
+        Where between the speech's own emotion and style, 0, and those that are named, 1, it moves.
+    """
+
+    speech_model: File = Field(description="Weights of the speech model.")
+    content: File | None = Field(None, description="Recording whose words it moves to.")
+    emotion: NameOrFile | None = Field(
+        None, description="Emotion that it moves in: one it learned, or a recording."
+    )
+    style: NameOrFile | None = Field(
+        None, description="As whom it moves: a speaker it learned from, or a recording."
+    )
+    from_emotion: NameOrFile | None = Field(
+        None, description="Emotion that strength goes from, in place of the speech's own."
+    )
+    from_style: NameOrFile | None = Field(
+        None, description="Style that strength goes from, in place of the speech's own."
+    )
+    strength: float = Field(
+        1.0, ge=0, le=1, description="How far emotion and style go from the speech's own: 1."
+    )
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> Self:
+        """Refuse a beginning without an end."""
+        for part in ("emotion", "style"):
+            if getattr(self, f"from_{part}") is not None and getattr(self, part) is None:
+                raise ValueError(f"from_{part} needs the {part} that it goes to")
+        return self
+
+
+class S2ueSettings(ModelSettings):
+    """Which network moves, as whom, and what is said.
+
+    Attributes
+    ----------
+    transcripts : Path or None
+        Folder of transcripts, named as the segments; see `motion.formats.transcript`. None for the
+        segments' own, spread over the speech.
+    vectors : Path or None
+        FastText's vectors of words, the same that the network learned from; None for a stand-in.
+    speaker : int, str or None
+        Number or name of one it learned from, or ``anybody``; None for who speaks in the segment.
+    variation : float
+        How far the speaker's latent is drawn from its mean: 0 not at all, 1 as in training.
+    """
+
+    transcripts: Folder | None = Field(
+        None, description="Transcripts, named as the speech: .TextGrid, .csv, .lab or .txt."
+    )
+    vectors: File | None = Field(None, description="FastText's vectors; else a stand-in.")
+    speaker: int | str | None = Field(
+        None, description=f"As which of its speakers it moves: number, name or {ANYBODY}."
+    )
+    variation: float = Field(
+        1.0, ge=0, le=3, description="How far from the speaker's mean it moves: 1."
+    )
+
+    _speaker = field_validator("speaker")(_check_speaker)
