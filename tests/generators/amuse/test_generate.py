@@ -164,7 +164,7 @@ def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> No
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"emotion": "disgust"}, r"no emotion 'disgust': it knows happiness and fear"),
+        ({"emotion": "disgust"}, r"no emotion 'disgust': it knows fear and happiness"),
         ({"style": "berta"}, r"no style 'berta': it knows anna"),
         ({"from_emotion": "disgust", "emotion": "fear"}, r"no emotion 'disgust'"),
     ],
