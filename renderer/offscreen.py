@@ -223,10 +223,6 @@ class OffscreenContext:
         data = attributes.ctypes.data_as(ctypes.c_void_p)
         gl.glBufferSubData(gl.GL_ARRAY_BUFFER, 0, attributes.nbytes, data)
 
-    def compiled_shaders(self) -> int:
-        """Return how many shader programs this context has compiled so far."""
-        return len(self._renderer._program_cache._program_cache)
-
     def close(self) -> None:
         """Free what OpenGL holds."""
         self._platform.make_current()

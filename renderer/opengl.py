@@ -104,9 +104,3 @@ if PLATFORM == "osmesa":
     _mend_osmesa()
 pyrender: Final = _import_pyrender()
 """The mended pyrender package."""
-
-
-def renderer_name() -> str:
-    """Return what draws in the current context, as OpenGL names it (``llvmpipe (LLVM …)``)."""
-    gl = importlib.import_module("OpenGL.GL")
-    return str(gl.glGetString(gl.GL_RENDERER).decode())

@@ -24,7 +24,7 @@ LARGEST_TURN = {
 """Degrees by which a standing speaker may turn each kind of joint away from the T-pose."""
 
 
-@pytest.fixture(params=generator_names())
+@pytest.fixture(scope="module", params=generator_names())
 def generator(request: pytest.FixtureRequest, load: Load) -> Generator:
     return load(request.param)
 
@@ -40,17 +40,21 @@ def make(
     return generator.generate(speech, source=study, seed=seed, frame_rate=frame_rate)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def speech(study: StudyClips, speak: Speak) -> SpeechSegment:
     return speak(study.segments[1].name, 5.0, "happiness", 1)
+
+
+@pytest.fixture(scope="module")
+def clip(generator: Generator, study: StudyClips, speech: SpeechSegment) -> MotionClip:
+    return make(generator, study, speech)
 
 
 def test_it_is_registered_under_its_own_name(load: Load) -> None:
     assert [load(name).name for name in generator_names()] == list(generator_names())
 
 
-@pytest.mark.parametrize("frame_rate", [15.0, 24.0, 29.97, 60.0])
-@pytest.mark.parametrize("seconds", [5.0, 3.217])
+@pytest.mark.parametrize(("frame_rate", "seconds"), [(15.0, 2.0), (29.97, 3.217), (60.0, 7.5)])
 def test_the_clip_has_as_many_frames_as_the_speech(
     generator: Generator, study: StudyClips, speak: Speak, frame_rate: float, seconds: float
 ) -> None:
@@ -60,17 +64,10 @@ def test_the_clip_has_as_many_frames_as_the_speech(
     assert clip.frame_rate == frame_rate
 
 
-def test_speech_longer_than_any_source_clip_is_filled(
-    generator: Generator, study: StudyClips, speak: Speak
-) -> None:
-    clip = make(generator, study, speak(study.segments[1].name, 17.0))
-    assert len(clip) == 17 * 30
-
-
 def test_the_same_seed_gives_the_same_bytes(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
+    generator: Generator, study: StudyClips, speech: SpeechSegment, clip: MotionClip
 ) -> None:
-    first, second = (make(generator, study, speech) for _ in range(2))
+    first, second = clip, make(generator, study, speech)
     assert first.poses.tobytes() == second.poses.tobytes()
     assert first.trans.tobytes() == second.trans.tobytes()
     assert (first.arkit is None) == (second.arkit is None)
@@ -80,16 +77,14 @@ def test_the_same_seed_gives_the_same_bytes(
 
 
 def test_another_seed_gives_another_clip_where_chance_plays(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
+    generator: Generator, study: StudyClips, speech: SpeechSegment, clip: MotionClip
 ) -> None:
-    clips = [make(generator, study, speech, seed=seed).poses.tobytes() for seed in range(8)]
-    assert (len(set(clips)) > 1) == (generator.name != "static")
+    others = (make(generator, study, speech, seed=seed).poses for seed in range(2, 9))
+    differ = any(poses.tobytes() != clip.poses.tobytes() for poses in others)
+    assert differ == (generator.name != "static")
 
 
-def test_facial_actions_are_weights(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
-) -> None:
-    clip = make(generator, study, speech)
+def test_facial_actions_are_weights(generator: Generator, clip: MotionClip) -> None:
     if generator.name == "amuse":
         assert clip.arkit is None  # It moves no face.
         return
@@ -99,11 +94,11 @@ def test_facial_actions_are_weights(
 
 
 def test_the_clip_says_where_it_comes_from(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
+    generator: Generator, speech: SpeechSegment, clip: MotionClip
 ) -> None:
-    facts = make(generator, study, speech, seed=7).provenance
+    facts = clip.provenance
     assert facts["generator"] == generator.name
-    assert facts["seed"] == "7"
+    assert facts["seed"] == "1"
     assert facts["segment"] == speech.segment.name
 
 
@@ -111,9 +106,9 @@ def test_the_clip_says_where_it_comes_from(
     "generator", [name for name in generator_names() if not needs_model(name)], indirect=True
 )
 def test_joints_stay_within_what_a_body_can_do_unless_it_is_broken(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
+    generator: Generator, clip: MotionClip
 ) -> None:
-    turns = np.degrees(np.linalg.norm(make(generator, study, speech).poses, axis=2).max(axis=0))
+    turns = np.degrees(np.linalg.norm(clip.poses, axis=2).max(axis=0))
     kinds = [next(kind for kind in LARGEST_TURN if kind in name) for name in JOINT_NAMES]
     within = turns <= [LARGEST_TURN[kind] for kind in kinds]
     assert within.all() == (generator.name != "broken")

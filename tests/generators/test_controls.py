@@ -107,7 +107,7 @@ def jerk(clip: MotionClip) -> np.ndarray:
     return np.asarray(np.linalg.norm(third, axis=2))
 
 
-@pytest.fixture(params=range(4))
+@pytest.fixture(params=range(2))
 def pair(
     request: pytest.FixtureRequest, study: StudyClips, speak: Speak
 ) -> tuple[MotionClip, MotionClip]:

@@ -48,8 +48,7 @@ def test_a_missing_source_is_named_with_its_generator() -> None:
         required_source(None, "broken")
 
 
-@pytest.mark.parametrize("samples", [600, 1500, 5000])
-@pytest.mark.parametrize("rate", [8000, 16000, 48000])
+@pytest.mark.parametrize(("samples", "rate"), [(600, 8000), (1500, 48000), (5000, 16000)])
 def test_even_a_blink_of_speech_gets_its_motion(speak: Speak, samples: int, rate: int) -> None:
     noise = np.random.default_rng(0).normal(0, 0.1, samples).clip(-1, 1)
     speech = SpeechSegment(

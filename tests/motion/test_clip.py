@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from motion.clip import CHANNELS, MotionClip, freeze, moving_channels
 from motion.errors import InputError
-from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import JOINT_NAMES, joint_index
 from tests.motion.random_clips import assert_same_clip, random_clip
 
 
@@ -31,10 +31,6 @@ def test_a_clip_keeps_read_only_float32_copies() -> None:
     assert not made.poses.any()
     with pytest.raises(ValueError, match="read-only"):
         made.poses[0] = 1
-
-
-def test_duration_counts_each_frame_as_one_interval() -> None:
-    assert clip(frames=45, frame_rate=30).duration == 1.5
 
 
 @pytest.mark.parametrize(
@@ -124,19 +120,6 @@ def test_what_differs_in_frozen_channels_alone_becomes_equal() -> None:
     np.testing.assert_array_equal(frozen[0].poses[:, hand], frozen[1].poses[:, hand])
 
 
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_frozen_fingers_curl_towards_the_palm(side: str) -> None:
-    clip = random_clip()
-    still = freeze(clip, ["hands"])
-    poses = np.zeros_like(still.poses)
-    fingers = [joint_index(name) for name in JOINTS["hands"]]
-    poses[:, fingers] = still.poses[:, fingers]
-    bent, _ = forward_kinematics(poses, np.zeros((len(clip), 3)), REST_JOINTS)
-    tip = joint_index(f"{side}_middle3")
-    assert bent[0, tip, 1] < REST_JOINTS[tip, 1] - 0.01
-    assert abs(bent[0, tip, 2] - REST_JOINTS[tip, 2]) < 0.01
-
-
 def test_clip_without_a_face_stays_without() -> None:
     frozen = freeze(random_clip(face=False), ["face"])
     assert frozen.expressions is None
@@ -167,10 +150,3 @@ def test_a_channel_moves_when_anything_of_it_changes_over_time() -> None:
     arkit = np.zeros((5, 52), np.float32)
     arkit[4, 0] = 0.5
     assert moving_channels(replace(still, arkit=arkit)) == {"face"}
-
-
-@pytest.mark.parametrize("channel", CHANNELS)
-def test_a_frozen_channel_moves_no_more(channel: str) -> None:
-    clip = random_clip(frames=4)
-    assert channel in moving_channels(clip)
-    assert channel not in moving_channels(freeze(clip, [channel]))

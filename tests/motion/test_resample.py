@@ -36,14 +36,6 @@ def test_frames_that_fall_on_given_ones_are_kept(seed: int, factor: int) -> None
     assert_same_clip(resample(finer, 30), clip)
 
 
-@given(old=RATES, new=RATES)
-def test_steady_turn_stays_steady(old: float, new: float) -> None:
-    clip = turning(40, old, round(2 * old))
-    angles = np.degrees(resample(clip, new).poses[:, 12, 1])
-    times = np.minimum(np.arange(len(angles)) / new, (len(clip) - 1) / old)
-    np.testing.assert_allclose(angles, 40 * times, atol=1e-3)
-
-
 def test_rotations_follow_the_sphere() -> None:
     clip = random_clip(6, 10)
     times = np.arange(15) / 25

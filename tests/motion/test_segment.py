@@ -31,32 +31,6 @@ def segment(**changes: Any) -> Segment:
     return Segment(**{**fields, **changes})
 
 
-def test_there_are_eight_emotions() -> None:
-    assert len(set(EMOTIONS)) == 8
-
-
-def test_duration_is_the_length_of_the_excerpt() -> None:
-    assert segment(start=2.5, end=10.0).duration == 7.5
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"name": "../a"}, "segment name"),
-        ({"name": ""}, "segment name"),
-        ({"wav": "folder/a.wav"}, "plain file name"),
-        ({"start": 3.0, "end": 3.0}, "no excerpt"),
-        ({"start": -1.0}, "no excerpt"),
-        ({"end": float("nan")}, "no excerpt"),
-        ({"end": float("inf")}, "no excerpt"),
-        ({"emotion": "boredom"}, "unknown emotion 'boredom'"),
-    ],
-)
-def test_a_segment_refuses_what_it_cannot_be(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        segment(**changes)
-
-
 @given(
     speech_rate=st.sampled_from([16000, 22050, 48000]),
     frame_rate=st.sampled_from([15.0, 25.0, 29.97, 30.0]),

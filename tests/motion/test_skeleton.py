@@ -17,17 +17,6 @@ from motion.skeleton import (
 )
 
 
-def test_every_joint_but_the_pelvis_comes_after_its_parent() -> None:
-    assert PARENTS[0] == -1
-    assert all(0 <= parent < joint for joint, parent in enumerate(PARENTS) if joint)
-
-
-def test_hands_hang_on_their_own_wrists() -> None:
-    for joint, name in enumerate(JOINT_NAMES):
-        if name[-1] == "1" and "spine" not in name:
-            assert JOINT_NAMES[PARENTS[joint]] == name.split("_")[0] + "_wrist"
-
-
 def test_an_unposed_body_stands_where_its_rest_joints_are() -> None:
     positions, rotations = forward_kinematics(
         np.zeros((2, JOINT_COUNT, 3)), np.array([[0, 0, 0], [1, 2, 3]]), REST_JOINTS
@@ -58,11 +47,6 @@ def test_no_pose_changes_the_length_of_a_bone(poses: np.ndarray) -> None:
     lengths = np.linalg.norm(positions[0, 1:] - positions[0, parents], axis=1)
     rest = np.linalg.norm(REST_JOINTS[1:] - REST_JOINTS[parents], axis=1)
     np.testing.assert_allclose(lengths, rest, atol=1e-9)
-
-
-def test_fingers_are_the_joints_below_the_wrists() -> None:
-    assert all("_" in name and name[-1] in "123" for name in JOINT_NAMES[FINGERS])
-    assert len(JOINT_NAMES[FINGERS]) == len(RELAXED_HANDS) == 30
 
 
 def test_relaxed_hands_are_mirror_images_with_fingers_towards_the_palm() -> None:

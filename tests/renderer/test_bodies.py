@@ -14,7 +14,7 @@ from motion.body.model import BodyModel, read_body
 from motion.clip import ARKIT_NAMES, MotionClip, arkit_index
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.look import AVATARS, BODIES, FIRST_AVATAR, avatar_named, default_body
+from renderer.look import AVATARS, BODIES, avatar_named, default_body
 from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
@@ -146,18 +146,18 @@ def test_a_blink_hides_iris_and_pupil(person: BodyModel) -> None:
         assert (_visible_in_front(person, at, marked) == 0) == expected
 
 
-@pytest.mark.parametrize("left", [name for name in ARKIT_NAMES if name.endswith("Left")])
-def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel, left: str) -> None:
-    right = f"{left.removesuffix('Left')}Right"
-    if right not in ARKIT_NAMES:
-        pytest.skip("it has no other side")
-    moved = [
-        np.linalg.norm(person.expression_directions[..., arkit_index(name)], axis=1)
-        for name in (left, right)
-    ]
-    assert moved[0].max() == pytest.approx(moved[1].max(), rel=0.15)
-    centres = [np.average(person.template, axis=0, weights=each) for each in moved]
-    np.testing.assert_allclose(centres[0] * [-1, 1, 1], centres[1], atol=0.004)
+def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel) -> None:
+    for left in (name for name in ARKIT_NAMES if name.endswith("Left")):
+        right = f"{left.removesuffix('Left')}Right"
+        if right not in ARKIT_NAMES:
+            continue
+        moved = [
+            np.linalg.norm(person.expression_directions[..., arkit_index(name)], axis=1)
+            for name in (left, right)
+        ]
+        assert moved[0].max() == pytest.approx(moved[1].max(), rel=0.15), left
+        centres = [np.average(person.template, axis=0, weights=each) for each in moved]
+        np.testing.assert_allclose(centres[0] * [-1, 1, 1], centres[1], atol=0.004, err_msg=left)
 
 
 def test_a_mannequin_has_no_face_to_move() -> None:
@@ -167,22 +167,6 @@ def test_a_mannequin_has_no_face_to_move() -> None:
     assert not _of(body, "sclera", "lips", "brow", "hair", "mouth").any()
     jaw = body.weights[:, [joint_index("jaw")]].toarray()
     assert jaw.max() == 0
-
-
-def test_there_are_four_people_to_choose_from_and_a_mannequin_without_a_face() -> None:
-    faces = [avatar for avatar in AVATARS.values() if avatar.has_face]
-    assert len(faces) >= 4
-    assert not AVATARS["mannequin"].has_face
-
-
-def test_the_first_avatar_is_the_one_shown_where_none_is_chosen() -> None:
-    assert next(iter(AVATARS)) == FIRST_AVATAR
-
-
-def test_each_avatar_is_listed_by_its_name_and_described() -> None:
-    for name, avatar in AVATARS.items():
-        assert avatar.name == name
-        assert avatar.description
 
 
 def test_each_avatar_has_its_body_in_the_package_and_no_other_is_there() -> None:

@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from renderer.opengl import PLATFORM
-
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -70,7 +68,3 @@ def test_both_platforms_draw_the_same_the_right_way_up(platform: str) -> None:
     red, green, _ = (int(value) for value in middle.strip("[]").split(","))
     assert red > 150 > 50 > green
     assert corner.strip("[]") == "236, 236, 238"
-
-
-def test_a_platform_was_chosen() -> None:
-    assert PLATFORM in ("osmesa", "egl")

@@ -37,12 +37,6 @@ def test_use_makes_frames_young_again(folder: Path) -> None:
     assert (old.exists(), new.exists()) == (True, False)
 
 
-def test_needed_frames_stay_whatever_the_limit(folder: Path) -> None:
-    needed, other = write(folder, "a", 10, 1), write(folder, "b", 10, 2)
-    FrameCache(folder, 0).shrink(needed={needed})
-    assert (needed.exists(), other.exists()) == (True, False)
-
-
 def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> None:
     mine, stale, draft = (write(folder, name, 1, 1) for name in ("mine", "stale", ".draft"))
     FrameCache(folder, 100).keep_only({mine})

@@ -28,10 +28,6 @@ def test_an_unknown_speaker_is_always_the_same_known_one_and_not_all_are_one() -
     assert set(found) == {1, 2, 3}
 
 
-def test_a_known_speaker_stands_in_for_nobody() -> None:
-    assert [KNOWN.stand_in(name) for name in KNOWN.names] == [1, 2, 3]
-
-
 def test_vectors_have_the_networks_width() -> None:
     np.testing.assert_array_equal(KNOWN.one_hot(["4"]), [[0, 1, 0, 0, 0]])
 

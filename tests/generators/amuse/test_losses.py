@@ -11,7 +11,6 @@ import torch
 
 from generators.amuse.losses import (
     MOTION_LOSSES,
-    OF_ALIGNMENT,
     OTHER_CONTENT,
     OTHER_STYLE,
     SPEECH_LOSSES,
@@ -99,14 +98,6 @@ def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> 
     )
 
 
-def test_losses_that_count_nothing_are_not_computed(model: MotionModel) -> None:
-    weights = {**MOTION_LOSSES, "velocity": 0.1}
-    prior = {"loss", "kl", "rec", "vrec", "velocity"}
-    assert set(_losses(model, without(weights, "without_alignment"))) == {*prior, "ld"}
-    assert set(_losses(model, without(weights, "ld", *OF_ALIGNMENT))) == prior
-    assert set(_losses(model, DENOISER_ALONE)) == {"loss", "ld"}
-
-
 @pytest.mark.parametrize("predicts", ["eps", "v"])
 @torch.inference_mode()
 def test_each_draw_of_noise_counts_alike(predicts: Literal["eps", "v"]) -> None:
@@ -138,17 +129,6 @@ def test_the_loss_of_speech_is_the_sum_of_seven() -> None:
     parts = {name: value for name, value in losses.items() if name != "loss"}
     assert set(parts) == {"self", "con", "xcon", "emo", "xemo", "sty", "xsty"}
     assert losses["loss"] == pytest.approx(sum(parts.values()), rel=1e-5)
-
-
-@pytest.mark.parametrize(
-    ("ablation", "left_out"), [("emotion_only", {"sty", "xsty"}), ("style_only", {"emo", "xemo"})]
-)
-def test_an_ablation_drops_two_speech_losses(ablation: str, left_out: set[str]) -> None:
-    full, fewer = (
-        _speech_losses(weights, _four())
-        for weights in (SPEECH_LOSSES, without(SPEECH_LOSSES, ablation))
-    )
-    assert set(full) - set(fewer) == left_out
 
 
 def test_swapping_parts_of_equal_speech_costs_nothing() -> None:

@@ -75,8 +75,3 @@ def test_errors_in_meaningful_frames_count_more_where_the_weights_say_so() -> No
     plain, counted = LOSSES["paper"], replace(LOSSES["paper"], semantic=True)
     assert reconstruction(1, plain) == reconstruction(2, plain)
     assert reconstruction(1, counted) == pytest.approx(2 * reconstruction(2, counted), rel=0.01)
-
-
-def test_nothing_is_lost_where_the_noise_is_found() -> None:
-    noise = torch.randn(3, 5, 2, generator=torch.Generator().manual_seed(1))
-    assert set(told(noise, noise).values()) == {0.0}

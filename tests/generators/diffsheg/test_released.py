@@ -13,7 +13,7 @@ from safetensors.torch import save_file
 from torch import Tensor
 
 from generators.diffsheg import load_released
-from generators.diffsheg.network_file import read_weights
+from generators.diffsheg.network_file import load_network, read_weights
 from motion.errors import InputError
 from tests.generators.reference_weights import REFERENCE, reference_weights
 
@@ -28,6 +28,10 @@ def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path
     weights = reference_weights(shapes)
     torch.save({"encoder": weights}, tmp_path / "released.pt")
     denoiser = load_released(tmp_path / "released.pt", dataset=dataset)
+    if dataset == "beat":
+        stats = REFERENCE.parent / "data" / "diffsheg_stats"
+        network = load_network(tmp_path / "released.pt", dataset, stats)
+        assert network.normalisation.mean.shape == (denoiser.config.motion_width,)
     with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as known, torch.inference_mode():
         noisy, timestep, mel, hubert, person, expected = (
             torch.from_numpy(known[name])

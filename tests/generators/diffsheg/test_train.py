@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -31,7 +29,6 @@ from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.diffusion import LINEAR
-from training.run.loop import TrainingStopped
 from training.speakers import Speakers
 
 SMALL = replace(
@@ -127,21 +124,6 @@ def test_the_file_says_what_it_was_made_of(learn: Train, tmp_path: Path) -> None
     assert network.training["versions"]["torch"] == torch.__version__
 
 
-def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Train, tmp_path: Path) -> None:
-    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
-
-    def stop(done: int, total: int, detail: str) -> None:
-        if done == 2:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    learn(5, whole)
-    with pytest.raises(TrainingStopped):
-        learn(5, parts, stop)
-    assert not parts.exists()
-    learn(5, parts)
-    assert parts.read_bytes() == whole.read_bytes()
-
-
 def test_another_ablation_does_not_go_on_with_a_run(learn: Train, tmp_path: Path) -> None:
     out = tmp_path / "small.safetensors"
     learn(1, out)
@@ -234,15 +216,6 @@ def test_every_ablation_learns(name: str, takes: PreparedTakes) -> None:
     losses = task.losses(network, np.arange(4))
     torch.autograd.backward(losses["loss"])
     assert any(one.grad is not None and one.grad.abs().max() > 0 for one in network.parameters())
-
-
-def test_full_sizes_are_trained_by_the_papers_numbers() -> None:
-    beat = preset_of("beat", "beat").trained_on(25_000, {})
-    assert (beat.optimizer, beat.learning_rate, beat.gradient_clip) == ("adam", 2e-4, 0.5)
-    assert (beat.batch_size, beat.steps) == (2500, 10_000)
-    show = preset_of("show", "show").trained_on(1_900, {})
-    assert (show.batch_size, show.steps) == (950, 3_200)
-    assert preset_of("beat", "beat").trained_on(25_000, {"steps": 7, "seed": 3}).steps == 7
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])

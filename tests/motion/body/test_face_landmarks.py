@@ -71,12 +71,6 @@ def test_head_body_and_shape_do_not_count(landmarks: FaceLandmarks) -> None:
     np.testing.assert_array_equal(landmarks.positions(clip), landmarks.positions(face_alone(clip)))
 
 
-def test_a_neutral_face_has_no_shifts(landmarks: FaceLandmarks) -> None:
-    clip = random_clip(4)
-    still = replace(clip, poses=np.zeros_like(clip.poses), arkit=np.zeros((4, 52), np.float32))
-    np.testing.assert_allclose(landmarks.shifts(still), 0, atol=1e-6)
-
-
 def test_arrays_make_the_same_landmarks_again(landmarks: FaceLandmarks) -> None:
     clip = random_clip(4)
     again = FaceLandmarks.from_arrays(landmarks.arrays())

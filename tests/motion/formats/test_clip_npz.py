@@ -144,12 +144,6 @@ def test_fewer_expression_coefficients_are_filled_with_zero(tmp_path: Path, key:
     assert not clip.expressions[:, 50:].any()
 
 
-def test_given_rate_overrides_the_file(tmp_path: Path) -> None:
-    assert read_clip(save(tmp_path / "a.npz"), frame_rate=15).frame_rate == 15
-    path = save(tmp_path / "b.npz", mocap_frame_rate=None)
-    assert read_clip(path, frame_rate=15).frame_rate == 15
-
-
 BAD_POSES = np.zeros((4, 165))
 BAD_POSES[2, 7] = np.nan
 

@@ -162,20 +162,6 @@ def test_the_skeleton_is_drawn_beside_every_body(
         assert blue.sum() > 20 and vermilion.sum() > 20
 
 
-def test_the_same_grid_has_the_same_bytes(
-    grid: Path, write: Write, clips: Clips, tmp_path: Path
-) -> None:
-    again = write(clips, tmp_path / "again.mp4")
-    assert grid.read_bytes() == again.read_bytes()
-
-
-def test_frames_done_are_counted(write: Write, clips: Clips, tmp_path: Path) -> None:
-    steps: list[tuple[int, int]] = []
-    short = (clips[0].frames(slice(0, 3)),)
-    write(short, tmp_path / "one.mp4", on_frame=lambda *step: steps.append(step))
-    assert steps == [(1, 3), (2, 3), (3, 3)]
-
-
 def test_speeds_have_names() -> None:
     assert speed_name(0.25) == "quarter speed"
     assert speed_name(0.3) == "0.3 × speed"

@@ -32,11 +32,6 @@ def test_older_moments_are_fainter_and_the_newest_is_whole() -> None:
     assert at(trail, 12)[3] == 0
 
 
-def test_one_moment_is_left_as_it_is() -> None:
-    alone = square(RED, 0, 3.0)
-    np.testing.assert_array_equal(np.asarray(faded([alone]).picture), np.asarray(alone.picture))
-
-
 def test_a_hand_before_the_body_leaves_its_trail_on_it() -> None:
     body, hand = square(GREEN, 10, 3.0), square(RED, 10, 2.6)
     assert at(faded([hand, body]), 15)[0] > 40

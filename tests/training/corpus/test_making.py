@@ -14,9 +14,9 @@ from motion.formats import read_motion
 from motion.formats.beat_tracks import read_semantic_scores
 from motion.formats.bvh import read_bvh
 from motion.formats.transcript import read_transcript
-from training.corpus.__main__ import tables
+from tools.corpus_page.__main__ import tables
+from tools.corpus_page.measuring import BEAT, FRAME_RATE, decided, minutes, paces, read_measured
 from training.corpus.making import make_corpus
-from training.corpus.measuring import BEAT, FRAME_RATE, decided, minutes, paces, read_measured
 from training.corpus.motion_curves import wrist_positions
 from training.corpus.plan import planned_takes
 from training.corpus.process import drive

@@ -113,13 +113,6 @@ def test_damaged_files_of_the_cache_are_made_again(takes: TakeFolder, tmp_path: 
     assert again.sha256 == first.sha256
 
 
-def test_the_hash_follows_what_is_known_of_takes(takes: TakeFolder, tmp_path: Path) -> None:
-    feature, _ = counting("digit", digit)
-    first = prepared(takes, tmp_path / "cache", feature)
-    fewer = TakeFolder(kind="beat", takes=takes.takes[1:], speakers=("scott",))
-    assert prepared(fewer, tmp_path / "cache", feature).sha256 != first.sha256
-
-
 def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> None:
     def compute(take: Take) -> np.ndarray:
         values = digit(take)

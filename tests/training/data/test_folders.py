@@ -265,12 +265,6 @@ def take(**changes: object) -> Take:
     return Take(**{**facts, **changes})  # type: ignore[arg-type]  # of any field
 
 
-def test_its_files_are_those_it_has() -> None:
-    assert take().files == (Path("a.wav"), Path("a.bvh"))
-    face = take(face=Path("a.json"), semantic=Path("a.txt"))
-    assert face.files[2:] == (Path("a.json"), Path("a.txt"))
-
-
 @pytest.mark.parametrize("changes", [{"name": "a/b"}, {"name": ""}, {"emotion": "boredom"}])
 def test_unusable_names_and_emotions_are_refused(changes: dict[str, str]) -> None:
     with pytest.raises(InputError, match=r"not a usable take name|unknown emotion 'boredom'"):

@@ -71,18 +71,6 @@ def test_what_was_measured_at_the_lowered_rate_moved_the_weights_less() -> None:
 NORMED = replace(CONFIG, batch_size=12, gradient_clip=None)
 
 
-def test_batch_statistics_are_those_of_the_whole_step_however_it_is_cut() -> None:
-    task, found = PlainLine(chance=False, normed=True), []
-    for accumulate in (1, 2, 4):
-        torch.manual_seed(0)
-        config = replace(NORMED, accumulate=accumulate, ema_decay=0.9)
-        learner = Learner(task, config, Group("cpu"))
-        losses = [learner.learn(step)["loss"] for step in range(8)]
-        found.append((*losses, task.validation_of(learner.network)["loss"]))
-    assert found[1] == pytest.approx(found[0], rel=2e-5)
-    assert found[2] == pytest.approx(found[0], rel=2e-5)
-
-
 def test_gradients_of_a_step_in_parts_are_those_of_one_part() -> None:
     grads = []
     for accumulate in (1, 5):

@@ -97,7 +97,7 @@ class MeasuredTake:
     pose, sound : ndarray
         Mean and deviation of each value of the motion (384,), and of what is heard (10,).
     wrists : ndarray, shape (T, 2, 3)
-        Where they are, in metres, at `training.corpus.measuring.FRAME_RATE`.
+        Where they are, in metres, at `tools.corpus_page.measuring.FRAME_RATE`.
     """
 
     plan: PlannedTake

@@ -1,4 +1,4 @@
-"""``python -m training.corpus FOLDER [--write FILE]``: measure a corpus.
+"""``python -m tools.corpus_page FOLDER [--write FILE]``: measure a corpus.
 
 Prints the tables of docs/corpus.md, or puts them between the marks in FILE.
 """
@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from motion.files import write_text
-from training.corpus.measuring import (
+from tools.corpus_page.measuring import (
     BEAT,
     MeasuredTake,
     decided,
