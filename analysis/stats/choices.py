@@ -145,8 +145,6 @@ class ChoiceFit:
         Maximum-likelihood estimates.
     by_model : ndarray, shape (parameters, parameters)
         Covariance if the model were true and all choices independent (inverse Hessian).
-    robust : ndarray
-        Covariance that doubts the model but not the independence (sandwich, HC0).
     clustered : ndarray
         Covariance that lets the choices of one cluster depend on one another (sandwich, CR0).
     influences : ndarray, shape (kinds, parameters)
@@ -155,7 +153,7 @@ class ChoiceFit:
         What each kind is an answer to.
     log_likelihood : float
         At the estimates.
-    choices, clusters : int
+    choices : int
         How many there were.
     converged : bool
         Whether the maximum was found.
@@ -163,13 +161,11 @@ class ChoiceFit:
 
     estimates: Floats
     by_model: Floats
-    robust: Floats
     clustered: Floats
     influences: Floats
     situation: Codes
     log_likelihood: float
     choices: int
-    clusters: int
     converged: bool
 
 
@@ -244,25 +240,20 @@ def _with_errors(
             for situation, mean in zip(data.situations, means, strict=True)
         ]
     )
-    robust, clustered = sandwiches(bread, scores, data.kind, data.cluster, data.times)
     return ChoiceFit(
         estimates=parameters,
         by_model=bread,
-        robust=robust,
-        clustered=clustered,
+        clustered=clustered_covariance(bread, scores, data),
         influences=scores @ bread,
         situation=np.repeat(np.arange(len(data.situations)), np.diff(data.starts)),
         log_likelihood=float(table.votes @ logs),
         choices=len(data.way) if data.times is None else int(data.times.sum()),
-        clusters=int(data.cluster.max(initial=-1)) + 1,
         converged=converged,
     )
 
 
-def sandwiches(
-    bread: Floats, scores: Floats, kind: Codes, cluster: Codes, times: Codes | None = None
-) -> tuple[Floats, Floats]:
-    """Return the covariance robust to a wrong model (HC0), and the clustered one (CR0).
+def clustered_covariance(bread: Floats, scores: Floats, data: Choices) -> Floats:
+    """Return the covariance clustered by who chose (CR0); NaN where there is one cluster.
 
     Parameters
     ----------
@@ -270,17 +261,13 @@ def sandwiches(
         Inverse of minus the log-likelihood's second derivatives.
     scores : ndarray, shape (kinds, k)
         Gradient of the log-likelihood of each kind of answer.
-    kind, cluster : ndarray of int, shape (N,)
-        Each answer's kind, and whose it is; from 0.
-    times : ndarray of int, shape (N,), optional
-        How many answers each row stands for; one each unless given.
-
-    Returns
-    -------
-    tuple of ndarray, shape (k, k)
-        The clustered one is NaN where there is one cluster: nothing tells how clusters differ.
+    data : Choices
+        Who chose what.
     """
-    weights = np.ones(len(kind)) if times is None else times.astype(np.float64)
+    kind, cluster = data.kind, data.cluster
+    if not (cluster != cluster[:1]).any():
+        return np.full_like(bread, np.nan)
+    weights = np.ones(len(kind)) if data.times is None else data.times.astype(np.float64)
     clusters, kinds = int(cluster.max(initial=-1)) + 1, len(scores)
     if clusters * kinds <= ROOM * len(kind):
         cells = cluster * kinds + kind
@@ -289,8 +276,4 @@ def sandwiches(
     else:
         table = sparse.coo_matrix((weights, (cluster, kind)), shape=(clusters, kinds))
         by_cluster = np.asarray(table.tocsr() @ scores, np.float64)
-    counts = np.bincount(kind, weights=weights, minlength=len(scores))[:, None]
-    robust = bread @ (scores.T @ (counts * scores)) @ bread
-    if not (cluster != cluster[:1]).any():
-        return robust, np.full_like(bread, np.nan)
-    return robust, bread @ (by_cluster.T @ by_cluster) @ bread
+    return np.asarray(bread @ (by_cluster.T @ by_cluster) @ bread)

@@ -7,7 +7,6 @@ more than the sums of each participant-item cell, so that drawing costs two matr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -80,51 +79,10 @@ def tied_ranks(values: Floats) -> Floats:
 
 Table = Floats | sparse.csr_array
 
-BLOCK: Final = 500
-"""Resamples drawn at a time: bounds the memory."""
 
 FULL: Final = 0.05
 """Share of the cells that have answers from which on empty ones are kept too: products of whole
 tables are so much faster."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cells:
-    """Sums and counts of answers by participant and item.
-
-    Attributes
-    ----------
-    sums : array or sparse array, shape (participants, items), for each column of values
-        Sum of the values.
-    counts : array or sparse array, shape (participants, items)
-        Number of answers.
-    """
-
-    sums: tuple[Table, ...]
-    counts: Table
-
-
-def cells_of(
-    values: Floats, participants: NDArray[np.generic], items: NDArray[np.generic]
-) -> Cells:
-    """Tabulate answers.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,) or (N, k)
-        What was answered, in one or more columns.
-    participants, items : ndarray, shape (N,)
-        Who answered about what.
-    """
-    columns = np.atleast_2d(np.asarray(values, np.float64).T)
-    people, who = np.unique(participants, return_inverse=True)
-    things, what = np.unique(items, return_inverse=True)
-    shape = (len(people), len(things))
-
-    return Cells(
-        sums=tuple(table_of(column, who, what, shape) for column in columns),
-        counts=table_of(np.ones(len(who)), who, what, shape),
-    )
 
 
 def table_of(
@@ -133,38 +91,6 @@ def table_of(
     """Return the sums of `values` by row and column; sparse where most cells are empty."""
     found = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
     return found if found.nnz < FULL * shape[0] * shape[1] else found.toarray()
-
-
-def bootstrap_means(cells: Cells, *, resamples: int = 10_000, seed: int = 0) -> Floats:
-    """Return the means of resampled studies.
-
-    Parameters
-    ----------
-    cells : Cells
-        See `cells_of`.
-    resamples : int
-        How many to draw.
-    seed : int
-        The same seed gives the same resamples.
-
-    Returns
-    -------
-    ndarray, shape (resamples, k)
-        NaN where no answer belongs to a drawn participant and a drawn item.
-    """
-    chance = np.random.default_rng(seed)
-    people, things = cells.counts.shape
-    found = []
-    for start in range(0, resamples, BLOCK):
-        size = min(BLOCK, resamples - start)
-        who = times_drawn(chance, size, people)
-        what = times_drawn(chance, size, things)
-        totals = _drawn_sums(cells.counts, who, what)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found.append(
-                np.column_stack([_drawn_sums(table, who, what) / totals for table in cells.sums])
-            )
-    return np.concatenate(found)
 
 
 def percentile_interval(draws: Floats) -> tuple[float, float]:
@@ -185,11 +111,6 @@ def times_drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
     drawn += count * np.arange(size)[:, None]
     counted = np.bincount(drawn.ravel(), minlength=size * count)
     return counted.reshape(size, count).astype(np.float64)
-
-
-def _drawn_sums(table: Table, who: Floats, what: Floats) -> Floats:
-    """Return the sum of `table` over drawn rows and columns, for each resample."""
-    return np.asarray(np.einsum("bi,bi->b", drawn_rows(table, who), what), np.float64)
 
 
 def drawn_rows(table: Table, who: Floats) -> Floats:

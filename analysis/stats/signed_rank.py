@@ -78,8 +78,6 @@ def sign_test(values: Floats) -> SignTest:
 EXACT: Final = 300
 """Up to so many values the distribution is counted out; beyond, it is taken for normal."""
 
-TAIL: Final = (1 - 0.95) / 2
-"""Chance on either side of an interval."""
 
 BY_COUNTING: Final = "exact"
 BY_NORMAL: Final = "normal approximation with tie correction"
@@ -99,15 +97,6 @@ class SignedRank:
 
     Attributes
     ----------
-    estimate : float
-        Pseudo-median (Hodges & Lehmann 1963): the median of all pairs' means. Of all values,
-        those of zero included; NaN without any.
-    low, high : float
-        Ends of its 95 % interval; wider than that with ties, never narrower. NaN where no
-        interval of that level exists.
-    rank_biserial : float
-        Share of the ranks above zero minus that below, in [-1, 1] (Kerby 2014); NaN where there
-        is not a test.
     statistic : float
         Sum of the ranks of positive values; NaN where there is no test.
     p_value : float
@@ -117,29 +106,19 @@ class SignedRank:
         other software gives it; NaN where there is no test.
     n, zeros : int
         Number of values, and how many of them are zero.
-    tied : bool
-        Whether values differing from zero are equally large.
     method : str
         How `p_value` was found, and what was done with zeros; empty where there is no test.
     reason : str
         Why there is no test; empty where there is one.
-    remark : str
-        Why there is no interval; empty where there is one, or where there is no test.
     """
 
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
-    rank_biserial: float = math.nan
     statistic: float = math.nan
     p_value: float = math.nan
     normal_p: float = math.nan
     n: int
     zeros: int
-    tied: bool = False
     method: str = ""
     reason: str = ""
-    remark: str = ""
 
 
 def signed_rank(values: Floats) -> SignedRank:
@@ -160,9 +139,6 @@ def signed_rank(values: Floats) -> SignedRank:
     unknown = SignedRank(n=len(values), zeros=int((~nonzero).sum()))
     if not len(values):
         return replace(unknown, reason="no values")
-    estimate, low, high = pseudo_median(values)
-    remark = "too few values for an interval at 95 %" if math.isnan(low) else ""
-    unknown = replace(unknown, estimate=estimate, low=low, high=high, remark=remark)
     if not nonzero.any():
         return replace(unknown, reason="all values are zero")
     ranks = tied_ranks(size[nonzero])
@@ -174,57 +150,11 @@ def signed_rank(values: Floats) -> SignedRank:
     treatment = "no zeros" if nonzero.all() else "zeros dropped"
     return replace(
         unknown,
-        rank_biserial=float((2 * above - total) / total),
         statistic=float(above),
         p_value=_by_counting(ranks, positive) if counted else normal,
         normal_p=normal,
-        tied=len(np.unique(ranks)) < len(ranks),
         method=f"{BY_COUNTING if counted else BY_NORMAL}, {treatment}",
     )
-
-
-def pseudo_median(values: Floats) -> tuple[float, float, float]:
-    """Return the median of all pairs' means with its 95 % interval.
-
-    The memory it takes grows with the square of the number of different values.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        At least one.
-
-    Returns
-    -------
-    tuple of float
-        Estimate, low and high end; NaN ends where N is too small for one.
-    """
-    apart, counts = np.unique(values, return_counts=True)
-    first, second = np.triu_indices(len(apart))
-    pairs = np.where(first == second, counts[first] * (counts[first] + 1) // 2, 0)
-    pairs += np.where(first != second, counts[first] * counts[second], 0)
-    means = (apart[first] + apart[second]) / 2
-    order = np.argsort(means, kind="stable")
-    means, reached = means[order], np.cumsum(pairs[order])
-    total = int(reached[-1])
-
-    def smallest(place: int) -> float:
-        """Return the mean at `place`, from 1, when all are sorted."""
-        return float(means[np.searchsorted(reached, place)])
-
-    estimate = (smallest((total + 1) // 2) + smallest(total // 2 + 1)) / 2
-    place = _interval_place(len(values))
-    if place < 1:
-        return estimate, math.nan, math.nan
-    return estimate, smallest(place), smallest(total + 1 - place)
-
-
-def _interval_place(n: int) -> int:
-    """Return which of the sorted pairs' means is the interval's low end; 0 where none is."""
-    if n > EXACT:
-        deviation = math.sqrt(n * (n + 1) * (2 * n + 1) / 24)
-        return max(0, math.floor(n * (n + 1) / 4 + stats.norm.ppf(TAIL) * deviation))
-    chances = sign_distribution(np.arange(1, n + 1))
-    return int(np.searchsorted(np.cumsum(chances), TAIL, side="right"))
 
 
 def sign_distribution(weights: NDArray[np.int64]) -> Floats:

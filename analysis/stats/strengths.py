@@ -84,8 +84,8 @@ class Strengths:
         Log strengths; NaN where they are not identified.
     covariance : ndarray, shape (conditions, conditions)
         Of the strengths, clustered by participant (CR0).
-    errors, errors_by_model, errors_robust : ndarray, shape (conditions,)
-        Standard errors: clustered by participant; of the model; robust but not clustered.
+    errors, errors_by_model : ndarray, shape (conditions,)
+        Standard errors: clustered by participant; of the model.
     two_way : TwoWayErrors or None
         Errors clustered by participant and segment; None where segments are not known, or there
         is one of either.
@@ -106,7 +106,6 @@ class Strengths:
     covariance: Floats
     errors: Floats
     errors_by_model: Floats
-    errors_robust: Floats
     two_way: TwoWayErrors | None = None
     log_likelihood: float = math.nan
     n: int
@@ -149,8 +148,8 @@ def fitted(
     """
     free = len(linked.tiers) - 1
     turn = centring(free + 1)
-    clustered, by_model, robust = (
-        turn @ part[:free, :free] @ turn.T for part in (fit.clustered, fit.by_model, fit.robust)
+    clustered, by_model = (
+        turn @ part[:free, :free] @ turn.T for part in (fit.clustered, fit.by_model)
     )
     influences = fit.influences[:, :free] @ turn.T
     return {
@@ -158,7 +157,6 @@ def fitted(
         "covariance": clustered,
         "errors": deviations(clustered),
         "errors_by_model": deviations(by_model),
-        "errors_robust": deviations(robust),
         "two_way": None
         if kind is None or segments is None
         else TwoWayErrors.of(influences, fit.situation, kind, participants, segments),
@@ -171,7 +169,7 @@ def fitted(
 def unknown(count: int) -> dict[str, Any]:
     """Return the fields of `Strengths` of so many conditions whose strengths are not known."""
     none = np.full(count, math.nan)
-    errors = dict.fromkeys(("strengths", "errors", "errors_by_model", "errors_robust"), none)
+    errors = dict.fromkeys(("strengths", "errors", "errors_by_model"), none)
     return errors | {
         "covariance": np.full((count, count), math.nan),
         "tiers": np.zeros(count, np.intp),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
 from analysis.metrics.joint_motion import WRISTS, joint_motion, select
-from analysis.stats.samples import bootstrap_means, cells_of, percentile_interval
+from analysis.stats.samples import percentile_interval, times_drawn
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
 from training.corpus.motion_curves import follow as follow_curve
@@ -22,6 +22,7 @@ from training.corpus.motion_curves import mean_speed
 
 FloatArray = NDArray[np.float64]
 
+RESAMPLES: Final = 10_000
 BEATS: Final[BeatSettings] = AMUSE
 JAW: Final = ARKIT_NAMES.index("jawOpen")
 EDGE: Final = 1.0
@@ -143,6 +144,8 @@ def mean_followed(
     if not found:
         return MeanFollowed(mean=np.nan, low=np.nan, high=np.nan, clips=0)
     values = np.array(list(found.values()))
-    cells = cells_of(values, np.zeros(len(values)), np.array([groups[take] for take in found]))
-    low, high = percentile_interval(bootstrap_means(cells))
+    group = np.unique([groups[take] for take in found], return_inverse=True)[1]
+    sums, counts = np.bincount(group, weights=values), np.bincount(group)
+    times = times_drawn(np.random.default_rng(0), RESAMPLES, len(counts))
+    low, high = percentile_interval(times @ sums / (times @ counts))
     return MeanFollowed(mean=float(values.mean()), low=low, high=high, clips=len(found))

@@ -13,8 +13,8 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.results.drawn_preferences import Tallies, drawn_preferences
 from analysis.stats.bradley_terry import Votes, bradley_terry
-from analysis.stats.samples import bootstrap_means, cells_of
 
 Found = TypeVar("Found")
 
@@ -139,10 +139,16 @@ def beside_gather(
     chance = np.random.default_rng(0)
     table = chance.normal(0, 0.6, (participants, 1)) + chance.normal(0, 0.45, items)
     table = table + chance.normal(size=table.shape)
-    who, what = np.divmod(np.arange(table.size), items)
+    answers = Tallies(
+        conditions=("ours",),
+        segments=tuple(map(str, range(items))),
+        groups=np.zeros((1, 1), np.intp),
+        sums=table,
+        counts=np.ones_like(table),
+    )
 
     def ours() -> Floats:
-        return bootstrap_means(cells_of(table.ravel(), who, what), resamples=resamples)[:, 0]
+        return drawn_preferences(answers, resamples=resamples, seed=0).draws[:, 0]
 
     means, seconds = timed(ours, turns=turns)
     gathered, seconds_gather = timed(partial(by_gather, table, resamples))

@@ -17,7 +17,6 @@ from analysis.results.drawn_preferences import (
     drawn_strengths,
     tallies,
 )
-from analysis.stats.samples import bootstrap_means, cells_of
 from tests.analysis.results.made_tables import TABLES
 from tests.analysis.results.simulated_studies import AgreeingStudy
 
@@ -35,10 +34,10 @@ def test_estimates_are_the_means(answers: pd.DataFrame) -> None:
 
 def test_resamples_are_those_of_the_two_way_bootstrap(answers: pd.DataFrame) -> None:
     one = answers[answers["condition"] == "c01"]
-    cells = cells_of(
-        one["value"].to_numpy(), one["participant"].to_numpy(), one["segment"].to_numpy()
-    )
-    expected = bootstrap_means(cells, resamples=500, seed=4)[:, 0]
+    table = one.pivot(index="participant", columns="segment", values="value").to_numpy()
+    chance = np.random.default_rng(4)
+    people, things = chance.integers(20, size=(500, 20)), chance.integers(12, size=(500, 12))
+    expected = [table[np.ix_(p, t)].mean() for p, t in zip(people, things, strict=True)]
     found = drawn_preferences(tallies("rating", answers), resamples=500, seed=4)
     assert found.draws[:, 1] == pytest.approx(expected)
     assert found.segments.sum(axis=1) == pytest.approx(12)

@@ -54,16 +54,6 @@ def by_matrices(
     return by_people[0] + by_items[0] - by_cell, min(by_people[1], by_items[1])
 
 
-def test_a_table_worked_by_hand() -> None:
-    # Residuals .25 .25 / -.75 .25: each of the three variances is .0625.
-    found = means([[1, 1], [0, 1]])
-    assert found.estimate == 0.75
-    assert found.standard_error == pytest.approx(0.25)
-    assert found.method == TWO_WAY
-    assert found.p_value == pytest.approx(2 * stats.t(1).sf(1.0))
-    assert (found.low, found.high) == (0.0, 1.0)
-
-
 def test_an_unbalanced_sample_agrees_with_the_formula() -> None:
     generator = np.random.default_rng(5)
     people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)

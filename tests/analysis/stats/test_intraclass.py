@@ -69,25 +69,6 @@ def test_intervals_of_incomplete_tables_hold() -> None:
     assert np.mean([f.low <= truth <= f.high for f in found]) > 0.92
 
 
-def test_a_single_missing_answer_hardly_matters() -> None:
-    table = np.array(SHROUT_AND_FLEISS, float)
-    table[2, 1] = np.nan
-    assert of(table).single.estimate == pytest.approx(
-        of(SHROUT_AND_FLEISS).single.estimate, abs=0.05
-    )
-
-
-def test_judges_who_use_the_scale_differently_disagree() -> None:
-    shifted = np.array(SHROUT_AND_FLEISS) + np.array([0, 5, 0, 5])
-    assert of(shifted).single.estimate < of(SHROUT_AND_FLEISS).single.estimate
-
-
-def test_perfect_agreement_is_one() -> None:
-    found = of([[1, 1, 1], [2, 2, 2], [5, 5, 5]])
-    assert (found.single.estimate, found.single.low, found.single.high) == (1, 1, 1)
-    assert found.average.estimate == 1
-
-
 def test_items_alike_give_a_number_below_zero_and_no_error() -> None:
     found = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
     assert found.single.estimate < 0

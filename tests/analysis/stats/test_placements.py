@@ -49,11 +49,6 @@ def test_every_ranking_is_a_row_whatever_the_order_of_the_table() -> None:
     assert named(found) == named(shuffled)
 
 
-def test_conditions_that_are_not_asked_for_do_not_count() -> None:
-    found = placements(ranking({"a": 1, "reference": 1, "b": 2, "c": 3}), ABC)
-    assert found.ranks.tolist() == [[1, 2, 3]]
-
-
 def test_a_condition_placed_twice_is_refused() -> None:
     table = pd.concat([ranking({"a": 1, "b": 2}), ranking({"a": 2})])
     with pytest.raises(InputError, match="placed a condition twice"):
@@ -68,14 +63,6 @@ def test_shares_of_places_worked_by_hand() -> None:
     assert tuple(c.rank_percent.values()) == pytest.approx((0, 100 / 6, 250 / 3))
     assert [s.mean_rank.estimate for s in (a, b, c)] == pytest.approx([5 / 3, 4.5 / 3, 8.5 / 3])
     assert a.first_share.estimate == pytest.approx(0.5)
-
-
-def test_places_and_conditions_both_add_up_to_a_hundred() -> None:
-    found = rank_summaries(placements(made_rankings(), CONDITIONS))
-    table = np.array([list(summary.rank_percent.values()) for summary in found])
-    assert table.sum(axis=0) == pytest.approx([100] * 4)
-    assert table.sum(axis=1) == pytest.approx([100] * 4)
-    assert sum(s.first_share.estimate for s in found) == pytest.approx(1)
 
 
 def test_a_mean_rank_has_the_two_way_interval_within_the_places() -> None:

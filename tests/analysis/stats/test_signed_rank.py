@@ -12,7 +12,6 @@ from scipy import stats
 
 from analysis.stats.signed_rank import (
     pooled_tests,
-    pseudo_median,
     sign_distribution,
     sign_test,
     signed_rank,
@@ -69,30 +68,6 @@ def test_rounding_of_means_breaks_no_tie() -> None:
     # 1 - 0.9 and 0.1 differ in their last digits only.
     means = np.array([1 - 0.9, -0.1, 0.1, 0.4, 0.3, 0.2])
     assert signed_rank(means) == signed_rank(np.round(means, 6))
-    assert signed_rank(means).tied
-
-
-def test_the_pseudo_median_is_the_median_of_all_pairs_means() -> None:
-    values = np.random.default_rng(3).integers(-2, 3, 15) / 4
-    pairs = [(values[i] + values[j]) / 2 for i in range(15) for j in range(i, 15)]
-    assert pseudo_median(values)[0] == pytest.approx(np.median(pairs))
-
-
-def test_the_interval_and_the_test_say_the_same() -> None:
-    values = np.random.default_rng(4).normal(0.5, 1, 20)
-    found = signed_rank(values)
-    for end, outwards in ((found.low, -1e-6), (found.high, 1e-6)):
-        assert signed_rank(values - end - outwards).p_value <= 0.05
-        assert signed_rank(values - end + outwards).p_value > 0.05
-
-
-def test_five_values_have_no_interval_at_95_percent() -> None:
-    estimate, low, high = pseudo_median(np.array([1.0, 2, 3, 4, 5]))
-    assert estimate == 3
-    assert math.isnan(low)
-    assert math.isnan(high)
-    assert not math.isnan(pseudo_median(np.arange(6.0))[1])
-    assert signed_rank(np.arange(1.0, 6)).remark == "too few values for an interval at 95 %"
 
 
 @pytest.mark.parametrize(
@@ -113,11 +88,9 @@ def test_the_counted_distribution_is_one_and_symmetric(weights: list[int]) -> No
 
 
 @given(small)
-def test_turning_all_signs_turns_the_estimate_only(values: list[float]) -> None:
+def test_turning_all_signs_changes_no_p_value(values: list[float]) -> None:
     found, turned = signed_rank(np.array(values)), signed_rank(-np.array(values))
     assert turned.p_value == pytest.approx(found.p_value)
-    assert turned.estimate == pytest.approx(-found.estimate)
-    assert turned.rank_biserial == pytest.approx(-found.rank_biserial)
 
 
 def test_it_is_what_the_plain_tests_give() -> None:
@@ -132,31 +105,6 @@ def test_it_is_what_the_plain_tests_give() -> None:
 def test_it_says_what_it_ignores() -> None:
     ignored = " ".join(pooled_tests(np.array([1, -1])).ignores)
     assert all(word in ignored for word in ("participant", "segment", "several tests", "no diff"))
-
-
-def test_it_finds_what_is_not_there_where_participants_differ() -> None:
-    generator = np.random.default_rng(2)
-
-    def study() -> np.ndarray:
-        latent = (
-            generator.normal(0, 0.6, (22, 1))
-            + generator.normal(0, 0.45, (1, 24))
-            + generator.logistic(size=(22, 24))
-        )
-        return (np.sign(latent) * np.digitize(np.abs(latent), [0.45, 1.6])).ravel()
-
-    found = [pooled_tests(study()).wilcoxon_p for _ in range(100)]
-    assert np.mean(np.array(found) < 0.05) > 0.15
-
-
-@pytest.mark.parametrize(
-    ("answers", "reason"), [([], "no values"), ([0, 0], "all values are zero")]
-)
-def test_no_pooled_test_comes_with_its_reason(answers: list[int], reason: str) -> None:
-    found = pooled_tests(np.array(answers))
-    assert found.reason == reason
-    assert math.isnan(found.binomial_p)
-    assert math.isnan(found.wilcoxon_p)
 
 
 def test_six_above_and_one_below_worked_by_hand() -> None:

@@ -86,16 +86,6 @@ def test_of_one_segment_they_are_those_of_participants() -> None:
     assert found.errors_two_way == pytest.approx(found.errors, rel=0.03)
 
 
-def test_there_are_none_with_one_participant_or_unknown_segments() -> None:
-    votes = made_votes()
-
-    found = bradley_terry(replace(votes, participant=np.zeros_like(votes.left)))
-
-    assert found.two_way is None
-    assert np.isnan(found.errors_two_way).all()
-    assert bradley_terry(replace(votes, segment=None)).two_way is None
-
-
 def test_rankings_of_two_conditions_are_votes() -> None:
     votes = made_votes()
     two = (votes.left < 2) & (votes.right < 2)
@@ -176,16 +166,6 @@ def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_
     squared = 15 * means @ np.linalg.solve(spread, means)
     assert (found.df, found.df_rest) == pytest.approx((2, 13))
     assert found.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
-
-
-def test_strengths_that_differ_are_found_by_one_test_and_by_contrasts() -> None:
-    votes = made_votes()
-    found = bradley_terry(votes)
-    assert found.two_way is not None
-    together = omnibus(found.strengths, found.two_way)
-    assert together.df == 3
-    assert together.df_rest == pytest.approx(found.two_way.freedom - 2)
-    assert 0 < together.p_value <= 1
 
 
 def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
