@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Final
 
 from motion.errors import InputError, listed
@@ -20,6 +21,7 @@ from studyapp.recruitment.payment import (
 from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 from studyapp.recruitment.record import places_of, read_made_there, require_public, write_made_there
 from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
 
 PLACEHOLDERS: Final = (
@@ -33,6 +35,11 @@ CODE_TYPES: Final = {
     "failed_attention": ("FAILED_ATTENTION_CHECK",),
 }
 """What Prolific calls each of the study's codes; the screened out are paid, or not."""
+
+DEVICES: Final[Mapping[Device, str]] = MappingProxyType(
+    {"computer": "desktop", "tablet": "tablet", "phone": "mobile"}
+)
+"""What Prolific calls each kind of device."""
 
 RETURN_REASON: Final = "The study looks for other participants."
 
@@ -72,7 +79,6 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         ]
     paid, unpaid = CODE_TYPES["screened_out"]
     finished = "AUTOMATICALLY_APPROVE" if recruited.automatic else "MANUALLY_REVIEW"
-    phones = study.page.phones == "usable"
     heard = any(
         shown.speech is not None for content in study.contents(segments) for shown in content
     )
@@ -98,7 +104,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "total_available_places": recruited.places or places_of(study),
         "estimated_completion_time": study.page.minutes,
         "reward": recruited.reward,
-        "device_compatibility": ["desktop", *(("tablet", "mobile") if phones else ())],
+        "device_compatibility": [DEVICES[device] for device in study.page.devices],
         "peripheral_requirements": ["audio"] if heard else [],
         "filters": [],
     }

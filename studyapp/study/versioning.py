@@ -18,7 +18,7 @@ OPERATION: Final[dict[str, Any]] = {
     "lease_minutes": True,
     "participants": True,
     "participants_per_comparison": True,
-    "page": {"organisation", "contact", "minutes", "payment", "ethics", "phones"},
+    "page": {"organisation", "contact", "minutes", "payment", "ethics", "devices"},
     "watching": {"megabytes_per_page"},
     "recruitment": {"channel", "unpaid_failed_checks"},
 }

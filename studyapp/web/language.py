@@ -68,6 +68,10 @@ class Language:
         """Return ``a, b and c``."""
         return format_list(words, locale=self.locale)
 
+    def either(self, words: Sequence[str]) -> str:
+        """Return ``a, b or c``."""
+        return format_list(words, style="or", locale=self.locale)
+
     def say(self, message: Message) -> str:
         """Return `message` in this language."""
         return message.said(self.texts.gettext, self.listed)

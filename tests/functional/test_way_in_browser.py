@@ -203,7 +203,7 @@ def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: 
     expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
 
 
-def test_a_phone_is_asked_to_come_back_as_a_computer(browser: Browser, address: str) -> None:
+def test_a_phone_is_asked_to_come_back_on_another_device(browser: Browser, address: str) -> None:
     link = f"{address}/?PROLIFIC_PID=p2"
     context = browser.new_context(
         viewport=PHONE, screen={"width": 390, "height": 844}, has_touch=True, is_mobile=True
@@ -212,7 +212,7 @@ def test_a_phone_is_asked_to_come_back_as_a_computer(browser: Browser, address: 
     phone = context.new_page()
     phone.goto(link)
 
-    heading(phone, "Please open this link on a computer")
+    heading(phone, "Please open this link on another device")
     expect(phone.get_by_role("button", name="Next")).to_have_count(0)
     press(phone, "Copy the link")
     expect(phone.get_by_role("status")).to_have_text("Copied ✓")

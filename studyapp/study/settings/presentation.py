@@ -11,6 +11,8 @@ from pydantic import Field
 from motion.errors import listed
 from studyapp.study.settings.sections import Section
 
+Device = Literal["computer", "tablet", "phone"]
+
 Language = Literal["en", "de", "ja"]
 
 _REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
@@ -33,8 +35,8 @@ class Page(Section):
         How long it takes; None where participants are not told.
     language : {'en', 'de', 'ja'}
         The language of the pages' own words; what the study file says is shown as it is.
-    phones : {'refused', 'usable'}
-        Whether who comes with a phone is asked to open the study on a computer instead.
+    devices : tuple of {'computer', 'tablet', 'phone'}
+        What one may take part on; whoever comes with another is asked to open the study there.
     sound_check : bool
         Whether spoken digits must be typed before the instructions. A study that is all without
         sound has no such check.
@@ -51,7 +53,7 @@ class Page(Section):
     payment: str = Field("", max_length=200)
     ethics: str = Field("", max_length=300)
     consent: str = Field(min_length=1, max_length=4000)
-    phones: Literal["refused", "usable"] = "refused"
+    devices: tuple[Device, ...] = Field(("computer", "tablet"), min_length=1, strict=False)
     sound_check: bool = False
     break_every: int = Field(0, ge=0, le=500)
     withdrawn: Literal["deleted", "kept"] = "deleted"

@@ -9,6 +9,8 @@ from __future__ import annotations
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
 
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
@@ -18,10 +20,11 @@ from studyapp.session.ending import way_back
 from studyapp.session.enrolment import enrol, enrolled, require_welcome
 from studyapp.session.form_answers import check_eligibility
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
+from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 from studyapp.web.errors import STATUS, told
-from studyapp.web.language import say
+from studyapp.web.language import say, spoken
 from studyapp.web.participants.participant import (
     form_fields,
     problems_of,
@@ -71,7 +74,8 @@ class Entrant:
             given=self.given,
             problem=problem,
             problems=problems_of(stage, self.given) if problem else {},
-            phone=study.page.phones == "refused" and _calls_itself_phone(),
+            devices=_devices_needed(study),
+            refused=_calls_itself() not in study.page.devices,
         )
 
     def first_page(self) -> str:
@@ -86,6 +90,7 @@ class Entrant:
             study=here.study,
             sound=here.served.has_sound,
             paragraphs=_paragraphs(here.study),
+            devices=_devices_needed(here.study),
         )
 
 
@@ -215,7 +220,27 @@ def _paragraphs(study: Study) -> list[str]:
     return [text for text in study.page.consent.split("\n\n") if text.strip()]
 
 
-def _calls_itself_phone() -> bool:
-    """Tell whether the browser says so: a first guess, until the page's script has measured."""
-    hint = request.headers.get("Sec-CH-UA-Mobile")
-    return hint == "?1" if hint else "Mobi" in request.headers.get("User-Agent", "")
+DEVICES: Final[Mapping[Device, Message]] = MappingProxyType(
+    {
+        "computer": Message("a computer"),
+        "tablet": Message("a tablet"),
+        "phone": Message("a phone"),
+    }
+)
+"""What one needs, of every kind of device."""
+
+
+def _devices_needed(study: Study) -> str:
+    """Return on which devices one can take part, in words; empty where any will do."""
+    allowed = [device for device in DEVICES if device in study.page.devices]
+    if len(allowed) == len(DEVICES):
+        return ""
+    return spoken().either([say(DEVICES[device]) for device in allowed])
+
+
+def _calls_itself() -> Device:
+    """Return what the browser says it runs on: a first guess, until the script has measured."""
+    agent, hint = request.headers.get("User-Agent", ""), request.headers.get("Sec-CH-UA-Mobile")
+    if hint == "?1" or (hint is None and "Mobi" in agent and "iPad" not in agent):
+        return "phone"
+    return "tablet" if "iPad" in agent or "Android" in agent else "computer"

@@ -1,10 +1,10 @@
 // Before enrolment: the same window always starts the same study session, also after going back;
-// and a phone is told to come back as a computer, where the study wants that.
+// and whoever comes with another device than the study wants is told so.
 
 import { recall, remember } from "./storage.js";
 import { say } from "./words.js";
 
-const SMALLEST_SIDE = 600; // CSS pixels; on less, videos are too small to be judged
+const SMALLEST_SIDE = 600; // CSS pixels of a tablet
 
 const entrance = document.getElementById("entrance");
 const visit = entrance.querySelector("[name=visit]");
@@ -12,16 +12,16 @@ const stored = recall("visit");
 if (stored) visit.value = stored;
 else remember("visit", visit.value);
 
-// What is touched and small. What the browser calls itself was only the server's first guess.
-function isPhone() {
-  const side = Math.min(screen.width, screen.height);
-  return side < SMALLEST_SIDE && matchMedia("(pointer: coarse)").matches;
+// What is touched, and how large it is. What the browser calls itself was the server's first guess.
+function kindOfDevice() {
+  if (!matchMedia("(pointer: coarse)").matches) return "computer";
+  return Math.min(screen.width, screen.height) < SMALLEST_SIDE ? "phone" : "tablet";
 }
 
-const phone = document.getElementById("phone");
-if (phone) {
-  phone.hidden = !isPhone();
-  entrance.hidden = !phone.hidden;
+const other = document.getElementById("other-device");
+if (other) {
+  other.hidden = other.dataset.devices.split(" ").includes(kindOfDevice());
+  entrance.hidden = !other.hidden;
   const link = document.getElementById("link");
   const copied = document.getElementById("link-copied");
   link.value = location.href;

@@ -48,7 +48,7 @@ def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
     assert sent["total_available_places"] == 50  # two comparisons of 25
     assert draft(places=7)["total_available_places"] == 7
     assert sent["peripheral_requirements"] == ["audio"]
-    assert sent["device_compatibility"] == ["desktop"]
+    assert sent["device_compatibility"] == ["desktop", "tablet"]
 
 
 def test_prolific_signs_who_comes_only_where_it_is_asked_to() -> None:

@@ -24,8 +24,8 @@ STATIC = {
     [
         ({"participants_per_comparison": 30}, ["participants_per_comparison: 25 -> 30"]),
         (
-            {"page": {"consent": "You agree.", "phones": "usable"}},
-            ["page.phones: 'refused' -> 'usable'"],
+            {"page": {"consent": "You agree.", "devices": ["phone"]}},
+            ["page.devices: ['computer', 'tablet'] -> ['phone']"],
         ),
         (
             {"recruitment": {"channel": "prolific", "prolific": CODES}},

@@ -1,4 +1,4 @@
-"""The pages before enrolment: eligibility, consent, and phones that are sent away."""
+"""The pages before enrolment: eligibility, consent, and devices that are sent away."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ name = "read"
 text = "I have read this."
 choices = ["yes"]
 """
+IPAD = "Mozilla/5.0 (iPad; CPU OS 16_5 like Mac OS X) Version/16.5 Mobile/15E148 Safari/604.1"
 ANDROID = "Mozilla/5.0 (Linux; Android 14; Pixel 8) Chrome/126.0 Mobile Safari/537.36"
 
 
@@ -236,6 +237,7 @@ def test_every_field_about_the_participant_has_a_name(asking: Flask) -> None:
         ({"User-Agent": "Mozilla/5.0 (Windows NT 10.0) Chrome/126.0"}, False),
         ({"User-Agent": ANDROID, "Sec-CH-UA-Mobile": "?0"}, False),
         ({"Sec-CH-UA-Mobile": "?1"}, True),
+        ({"User-Agent": IPAD}, False),
     ],
 )
 def test_a_phone_is_guessed_from_what_it_calls_itself_until_the_script_has_measured(
@@ -243,15 +245,28 @@ def test_a_phone_is_guessed_from_what_it_calls_itself_until_the_script_has_measu
 ) -> None:
     page = PageReader(app.test_client().get("/", headers=headers).text)
 
-    assert page.one("#phone").has_attr("hidden") is not guessed
+    assert page.one("#other-device").has_attr("hidden") is not guessed
     assert page.one("#entrance").has_attr("hidden") is guessed
 
 
+@pytest.mark.parametrize(
+    ("agent", "refused"), [(ANDROID, True), (IPAD, True), ("Mozilla/5.0 (X11; Linux)", False)]
+)
+def test_a_study_for_computers_alone_refuses_tablets_too(
+    serve: Serve, agent: str, refused: bool
+) -> None:
+    app = serve(("[page]\n", '[page]\ndevices = ["computer"]\n'))
+    page = PageReader(app.test_client().get("/", headers={"User-Agent": agent}).text)
+
+    assert page.one("#entrance").has_attr("hidden") is refused
+    assert "you need a computer." in page.one("#other-device").get_text()
+
+
 def test_a_study_for_phones_too_asks_nobody_to_leave(serve: Serve) -> None:
-    app = serve(("[page]\n", '[page]\nphones = "usable"\n'))
+    app = serve(("[page]\n", '[page]\ndevices = ["computer", "tablet", "phone"]\n'))
     page = PageReader(app.test_client().get("/", headers={"User-Agent": ANDROID}).text)
 
-    assert page.soup.select("#phone") == []
+    assert page.soup.select("#other-device") == []
     assert not page.one("#entrance").has_attr("hidden")
     assert "a computer" not in page.text
 

@@ -20,7 +20,7 @@ def line_with(text: str, words: str) -> int:
     ("before", "after"),
     [
         ("\ntrials = 24", "\ntrials = -24"),
-        ('phones = "refused"', 'phones = "perhaps"'),
+        ('devices = ["computer", "tablet"]', 'devices = ["watch"]'),
         ('title = "Expression of the emotion"', "title = 3"),
         ("sound_check = true", 'thanks = """\nbreak_every = 3\n[video]\n"""\nsound_check = 7'),
     ],

@@ -36,7 +36,7 @@ def test_breaks_come_after_so_many_trials_but_not_shortly_before_the_end(
 
 @pytest.mark.parametrize(
     "keys",
-    [{"language": "fr"}, {"phones": "yes"}, {"withdrawn": "sold"}, {"break_every": -1}],
+    [{"language": "fr"}, {"devices": []}, {"withdrawn": "sold"}, {"break_every": -1}],
 )
 def test_a_page_key_that_means_nothing_is_refused(keys: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
