@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import cast, get_args
 
 import click
 
@@ -15,26 +15,14 @@ from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
 
-FORMATS: Final[dict[str, tuple[Format, ...]]] = {
-    "csv": ("csv",),
-    "parquet": ("parquet",),
-    "both": ("csv", "parquet"),
-}
-
 
 @click.command("export")
 @study_folder
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="The main table; responses.csv in the study folder by default. The others lie beside it.",
-)
-@click.option(
-    "--format",
-    "written_as",
-    type=click.Choice(list(FORMATS)),
-    default=None,
-    help="What to write.  [default: what --out ends in, else csv]",
+    help="The main table, .csv or .parquet; responses.csv in the study folder by default. The "
+    "others lie beside it.",
 )
 @click.option(
     "--folder",
@@ -68,7 +56,6 @@ FORMATS: Final[dict[str, tuple[Format, ...]]] = {
 def command(
     folder: StudyFolder,
     out: Path | None,
-    written_as: str | None,
     shared: Path | None,
     with_videos: bool,
     with_free_text: bool,
@@ -94,7 +81,6 @@ def command(
         refuse_beside(
             {
                 "--out": out,
-                "--format": written_as,
                 "--withdrawn": withdrawn,
                 "--with-recruiter-ids": with_recruiter_ids,
             },
@@ -117,18 +103,17 @@ def command(
         )
     kinds = ("rehearsal_" if rehearsal else "") + ("withdrawn_" if withdrawn else "")
     path = out or folder.root / f"{kinds}responses.csv"
-    if written_as is None:
-        written_as = path.suffix.lstrip(".")
-    if written_as not in FORMATS:
+    kind = path.suffix.lstrip(".")
+    if kind not in get_args(Format):
         raise InputError(
             f"{path.name} ends neither in .csv nor in .parquet",
             where="--out",
-            remedy="Give it one of these endings, or say --format",
+            remedy="Give it one of these endings",
         )
     written = export(
         folder,
         path,
-        formats=FORMATS[written_as],
+        formats=(cast(Format, kind),),
         rehearsal=rehearsal,
         withdrawn=withdrawn,
         with_recruiter_ids=with_recruiter_ids,

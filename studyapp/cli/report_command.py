@@ -45,16 +45,16 @@ from studyapp.study.settings.sections import explain
 @click.option(
     "--margin",
     type=click.FloatRange(0, min_open=True),
-    help="The largest difference that does not matter, stated before the answers were seen; of a "
-    "win share from one half (such as 0.05), of two mean ratings in scores. A study states its "
-    "own as 'margin' in study.toml; one given here is marked as exploratory.",
+    help="Of a table: the largest difference that does not matter, stated before the answers were "
+    "seen; of a win share from one half (such as 0.05), of two mean ratings in scores. A study "
+    "states its own as 'margin' in study.toml.",
 )
 @click.option(
     "--family",
     metavar="FAMILY",
-    help="Which tests decide, and are corrected together: all (unless told otherwise), by "
-    "question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]. A study states its own "
-    "as 'family' in study.toml; one given here is marked as exploratory.",
+    help="Of a table: which tests decide, and are corrected together: all (unless told otherwise), "
+    "by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]. A study states its "
+    "own as 'family' in study.toml.",
 )
 @click.option(
     "--scale",
@@ -67,9 +67,9 @@ from studyapp.study.settings.sections import explain
     "exclude",
     multiple=True,
     metavar="RULE",
-    help="Leave out more participants, marked as exploratory: incomplete, catch>N, attention>N, "
+    help="Of a table: leave out more participants, marked as exploratory: catch>N, attention>N, "
     "coverage<SHARE, time<SECONDS[,share=SHARE], straight_lining>=SHARE[,trials=N]. Can be "
-    "repeated; planned rules stand in study.toml.",
+    "repeated; the rules of a study stand in study.toml.",
 )
 @click.option(
     "--rehearsal",
@@ -103,16 +103,15 @@ def command(
         "--protocol": protocol,
         "--out": out,
         "--max-catch-failures": max_catch_failures,
+        "--margin": margin,
+        "--family": family,
         "--scale": scale,
+        "--exclude": exclude or None,
     }
-    added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
         refuse_beside(of_table, "a study folder, which states all that itself")
         page = report(
             folder,
-            exclude=added,
-            margin=margin,
-            family=family,
             reason="" if reason is None else reason_given(reason),
             rehearsal=rehearsal,
             warn=click.echo,
@@ -134,7 +133,7 @@ def command(
             margin=margin,
             family="all" if family is None else family,
             scale=None if scale is None else _scale(scale, protocol),
-            exclude=[section.made() for section in added],
+            exclude=[read_exclusion(text, where="--exclude").made() for text in exclude],
         )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 

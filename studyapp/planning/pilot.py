@@ -12,7 +12,7 @@ from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.participants import LeftOut, leave_out, table_rules
 from motion.errors import InputError
-from studyapp.results.analysed_tasks import analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import analysed_tasks
 from studyapp.results.answers import answers_to_report
 from studyapp.study.folder import StudyFolder
 
@@ -104,7 +104,7 @@ def _of_study(folder: StudyFolder, protocol: str) -> tuple[AnswerTable, LeftOut,
             where=folder.root,
             remedy="Name a study that was answered, or leave --pilot away",
         )
-    tasks = analysed_tasks(study, answers, rules_of(study, answers))
+    tasks = analysed_tasks(study, answers)
     task = next((task for task in tasks if task.protocol == protocol), None)
     if task is None:
         raise InputError(

@@ -20,7 +20,7 @@ from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.rehearsal.bookkeeping import Check, Ledger, Person, checks, people
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.simulation.population import KINDS, UNSOUND, Kind
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.report import task_report
 from studyapp.session.served_study import ServedStudy
@@ -173,7 +173,7 @@ def recover(folder: StudyFolder) -> Recovery:
                 remedy="Run 'motionjury rehearse'",
             )
         answers = answers_in(session, "rehearsal")
-        tasks = analysed_tasks(study, answers, rules_of(study, answers))
+        tasks = analysed_tasks(study, answers)
         # Without margins of equivalence or metrics.
         settings = Settings(max_catch_failures=None, margin=None)
         reports = [task_report(study, task, answers, settings=settings) for task in tasks]

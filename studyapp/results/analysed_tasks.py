@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -19,7 +18,6 @@ from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand,
 from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.study import Study
 
 ANSWERS: Final = "answers.csv"
@@ -49,24 +47,21 @@ class AnalysedTask:
     left_out: LeftOut
 
 
-def rules_of(
-    study: Study, answers: Answers, added: Sequence[ExclusionSection] = ()
-) -> StudyExclusions:
-    """Return the rules of `study`, and `added` ones, which are exploratory.
+def rules_of(study: Study, answers: Answers) -> StudyExclusions:
+    """Return the rules of `study`, and what researchers decided by hand.
 
-    So are rules that the study file did not state when the first participant came, and what
-    researchers decided by hand.
+    Exploratory are the latter, and rules that the study file did not state when the first
+    participant came.
     """
     before = answers.stated if answers.origin == "participants" else None
     return study_exclusions(
         study.settled_exclusions,
         None if before is None else before.settled_exclusions,
-        added,
         by_hand=None if answers.stored is None else decided_by_hand(answers.stored.study_sessions),
     )
 
 
-def analysed_tasks(study: Study, answers: Answers, rules: StudyExclusions) -> list[AnalysedTask]:
+def analysed_tasks(study: Study, answers: Answers) -> list[AnalysedTask]:
     """Return the tasks of `study`, the one that it is named after first.
 
     Raises
@@ -74,7 +69,7 @@ def analysed_tasks(study: Study, answers: Answers, rules: StudyExclusions) -> li
     InputError
         If the answers contradict the study.
     """
-    stored = answers.stored
+    rules, stored = rules_of(study, answers), answers.stored
     given = (
         empty_answers(study)
         if stored is None

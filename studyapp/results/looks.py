@@ -23,7 +23,7 @@ from studyapp.database.engine import Database, database_url_of
 from studyapp.desk.jobs import RESEARCHER
 from studyapp.researchers.audit import StudyState, note_look
 from studyapp.researchers.interim_figures import Basis, Document
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import of_present_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.study.folder import StudyFolder
@@ -156,7 +156,7 @@ def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
     if answers.stored is None or answers.origin == "none":
         planned = sum(arm.places for arm in study.arms)
         return Basis(finished=0, planned=planned, answers=0, answered=0, analysed=0), ()
-    tasks = analysed_tasks(study, answers, rules_of(study, answers))
+    tasks = analysed_tasks(study, answers)
     state = study_state(study, answers.stored)
     basis = Basis(
         finished=state.finished,

@@ -28,19 +28,15 @@ from studyapp.results.answers import (
 )
 from studyapp.results.looks import earlier_looks, note_way_out
 from studyapp.results.report_subject import study_subject
-from studyapp.results.stated_beforehand import agreed_on
+from studyapp.results.stated_beforehand import notes_on
 from studyapp.results.stored_answers import Answers
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.study import Study
 
 
 def report(
     folder: StudyFolder,
     *,
-    exclude: Sequence[ExclusionSection] = (),
-    margin: float | None = None,
-    family: str | None = None,
     reason: str = "",
     rehearsal: bool = False,
     warn: Callable[[str], None] | None = None,
@@ -54,12 +50,6 @@ def report(
     ----------
     folder : StudyFolder
         The study.
-    exclude : sequence of ExclusionSection
-        Exploratory rules, applied after those of the study file.
-    margin : float, optional
-        Margin of equivalence, where the study file states none; it is exploratory.
-    family : str, optional
-        Which tests decide, where the study file does not say; it is exploratory.
     reason : str
         Why results are looked at, for the log of looks.
     rehearsal : bool
@@ -75,25 +65,22 @@ def report(
     study = folder.study()
     segments = _segments(folder, study)
     answers = read_rehearsal(folder) if rehearsal else answers_to_report(folder)
-    rules = rules_of(study, answers, exclude)
     before = answers.stated
-    agreed = agreed_on(
-        "margin", study.margin, None if before is None else before.margin, margin, known=before
-    )
-    tested = agreed_on(
-        "family", study.family, None if before is None else before.family, family, known=before
-    )
     subject = study_subject(
         folder,
         study,
         segments,
         origin=answers.origin,
-        notes=(*rules.notes, *agreed.notes, *tested.notes),
+        notes=(
+            *rules_of(study, answers).notes,
+            *notes_on("margin", study, before),
+            *notes_on("family", study, before),
+        ),
     )
     looks = earlier_looks(study, answers)
     tables: list[bytes] = []
     reports: list[TableReport] = []
-    for task in analysed_tasks(study, answers, rules):
+    for task in analysed_tasks(study, answers):
         tables.append(_with_exclusions(task.rows, task.left_out))
         reports.append(
             task_report(
@@ -102,7 +89,7 @@ def report(
                 answers,
                 sha256=hashlib.sha256(tables[-1]).hexdigest(),
                 settings=Settings(
-                    max_catch_failures=None, margin=agreed.value, family=tested.value or "all"
+                    max_catch_failures=None, margin=study.margin, family=study.family or "all"
                 ),
                 metrics=subject.metrics,
                 recorded=subject.recorded,

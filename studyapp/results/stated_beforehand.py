@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
 
 import pandas as pd
 from sqlalchemy import select
@@ -47,9 +46,8 @@ class StudyExclusions:
     Attributes
     ----------
     rules : tuple of ExclusionRule
-        In order: of the study file, of researchers who exclude by hand, of the command line.
-        Exploratory are the latter two, and those that the study file did not state before the
-        first participant came.
+        In order: of the study file, then of researchers who exclude by hand. Exploratory are the
+        latter, and those that the study file did not state before the first participant came.
     planned : tuple of ExclusionRule
         Those that it did state then.
     notes : tuple of str
@@ -80,7 +78,6 @@ class ByHand:
 def study_exclusions(
     stated: Sequence[ExclusionSection],
     before: Sequence[ExclusionSection] | None = None,
-    added: Sequence[ExclusionSection] = (),
     by_hand: ByHand | None = None,
 ) -> StudyExclusions:
     """Return the exclusion rules of a study, and which of them are exploratory.
@@ -92,8 +89,6 @@ def study_exclusions(
     before : sequence of ExclusionSection, optional
         What it said before the first participant came (see `stated_study`); without it, as in a
         rehearsal, everything stated counts as settled then.
-    added : sequence of ExclusionSection
-        Rules that were added afterwards; applied after all others.
     by_hand : ByHand, optional
         Whom researchers have excluded one by one.
     """
@@ -106,7 +101,6 @@ def study_exclusions(
                 for each in stated
             ),
             *((excluded_by_hand(),) if by_hand else ()),
-            *(each.made().as_exploratory() for each in added),
         ),
         planned=tuple(each.made() for each in planned),
         notes=(*_changes(planned, stated), *_decisions(by_hand)),
@@ -158,64 +152,21 @@ def _changes(
     return tuple(notes)
 
 
-Value = TypeVar("Value", float, str)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Agreed(Generic[Value]):
-    """A setting of the report.
-
-    Attributes
-    ----------
-    value : float, str or None
-        The margin of equivalence or the family of tests; None where nothing is stated.
-    notes : tuple of str
-        Where it was not stated beforehand, in sentences.
-    """
-
-    value: Value | None
-    notes: tuple[str, ...] = ()
-
-
-def agreed_on(
-    key: str,
-    stated: Value | None,
-    stated_before: Value | None,
-    given: Value | None,
-    *,
-    known: Study | None,
-) -> Agreed[Value]:
-    """Return a setting of a study's report.
+def notes_on(key: str, study: Study, before: Study | None) -> tuple[str, ...]:
+    """Say where a setting of the report was not stated beforehand, in sentences.
 
     Parameters
     ----------
     key : str
-        Its name in the study file and on the command line.
-    stated, stated_before, given
-        What the study file says, what it said when the first participant came, and what the
-        command line says.
-    known : Study or None
+        Its name in the study file: ``margin`` or ``family``.
+    before : Study or None
         The study as it was when its first participant came; None where that is not known.
-
-    Raises
-    ------
-    InputError
-        If the study file and the command line contradict each other.
     """
-    if stated is not None and given is not None and stated != given:
-        raise InputError(
-            f"--{key} {given} contradicts the study file, which states {stated}",
-            where=f"--{key}",
-            remedy="Leave the option out",
-        )
-    value = given if stated is None else stated
-    if value is None:
-        return Agreed(value=None)
-    name = f"The margin of {value:g}" if isinstance(value, float) else f"The {key} “{value}”"
-    if stated is None:
-        note = f"{name} was given with the report, not in the study file"
-    elif known is not None and stated_before != stated:
-        note = f"{name} was not in the study file when the first participant came"
-    else:
-        return Agreed(value=value)
-    return Agreed(value=value, notes=(f"{note}: its tests are exploratory.",))
+    value = getattr(study, key)
+    if value is None or before is None or getattr(before, key) == value:
+        return ()
+    name = f"The margin of {value:g}" if key == "margin" else f"The {key} “{value}”"
+    return (
+        f"{name} was not in the study file when the first participant came: its tests are "
+        "exploratory.",
+    )

@@ -6,28 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.answers import answer
-from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
-from studyapp.session.versions import open_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.taking_part_steps import Participant, taking_part
 
 
 def answer_study(
     folder: Path, *, people: int, seed: int = 1, stop_after: int | None = None
 ) -> None:
     """Let `people` take part in the study in `folder`; the last one stops after some trials."""
-    database = Database.open(sqlite_url(folder / "responses.db"))
-    served = ServedStudy.read(folder)
-    clock = SetClock()
-    open_study(database, served, clock)
     chance = np.random.default_rng(seed)
-    for number in range(people):
-        participant = Participant(database, served, clock).enrol(f"visit{number}").begin()
-        trials = stop_after if number == people - 1 else None
-        _take(participant, chance, trials)
-    database.close()
+    with taking_part(folder) as first:
+        for number in range(people):
+            trials = stop_after if number == people - 1 else None
+            _take(first.another().enrol(f"visit{number}").begin(), chance, trials)
 
 
 def _take(participant: Participant, chance: np.random.Generator, trials: int | None) -> None:

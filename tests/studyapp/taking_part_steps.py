@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
@@ -14,9 +17,11 @@ from studyapp.session.enrolment import enrol
 from studyapp.session.participation import Situation, look
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.versions import open_study
 from studyapp.session.video_access import content_to_send
 from studyapp.session.watch_evidence import Playback, Report, Watched
 from studyapp.session.watch_reports import record_watched
+from tests.support.stored import opened
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
 
@@ -45,8 +50,14 @@ class Participant:
     clock: SetClock
     token: str = ""
 
+    def another(self) -> Participant:
+        """Return somebody who has not come yet."""
+        return Participant(self.database, self.served, self.clock)
+
     def enrol(self, name: str = "visit") -> Participant:
-        arrival = Arrival(visit=name)
+        return self.arrive(Arrival(visit=name))
+
+    def arrive(self, arrival: Arrival) -> Participant:
         self.token = enrol(self.database, self.served, arrival, self.clock)
         return self
 
@@ -121,3 +132,12 @@ class Participant:
         code = self.look().completion_code
         assert code is not None
         return code
+
+
+@contextmanager
+def taking_part(folder: Path, file: str = "responses.db") -> Iterator[Participant]:
+    """Give somebody who has not come yet to the study in `folder`, whose answers go to `file`."""
+    with opened(folder / file) as database:
+        participant = Participant(database, ServedStudy.read(folder), SetClock())
+        open_study(database, participant.served, participant.clock)
+        yield participant

@@ -16,7 +16,7 @@ from motion.errors import InputError
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import told_detail
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answer_table import PARTS_OF
 from studyapp.results.export.columns import (
     ANSWERS,
@@ -208,9 +208,8 @@ class Judged:
 
 def judge(study: Study, answers: Answers) -> Judged:
     """Apply the rules of `study`; what cannot be judged is exported all the same."""
-    rules = rules_of(study, answers)
     try:
-        tasks = analysed_tasks(study, answers, rules)
+        tasks = analysed_tasks(study, answers)
     except InputError as error:
         return Judged(remark=f"The exclusion rules could not be applied: {error}")
     if len(tasks) == 1:

@@ -29,14 +29,6 @@ def test_the_demo_speaks_one_sentence_of_four_seconds_or_more_per_emotion(
     assert all(segment.duration >= 4 and segment.transcript for segment in segments)
 
 
-def test_the_demo_compares_three_conditions_without_a_recording(demo: StudyFolder) -> None:
-    study = demo.study()
-    assert list(study.conditions) == ["rule_based", "mismatched", "static"]
-    assert not study.has_recording
-    assert (study.catch_against, study.catch.condition) == ("rule_based", "broken")
-    assert study.arms[0].places == 25
-
-
 def test_a_demo_that_is_there_is_kept_and_an_interrupted_one_goes_on(
     demo: StudyFolder, tmp_path: Path
 ) -> None:

@@ -1,78 +1,174 @@
+"""Whom a researcher excludes: what reports, exports and shared folders make of it."""
+
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
+from typing import Any
 
+import pandas as pd
 import pytest
-from click.testing import CliRunner, Result
 
-from motion.errors import InputError
-from studyapp.cli.exclude_command import command
+from analysis.results.participants import LeftOut
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.results.analysed_tasks import analysed_tasks
+from studyapp.results.answers import read_answers
+from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import pseudonyms
+from studyapp.results.export.writing import export
+from studyapp.results.report import report
 from studyapp.results.stored_answers import stored_answers
+from studyapp.session.intake import extend
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
+from tests.finished_study import write_finished_study, write_short_video
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.command_line import run
 from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.taking_part_steps import SetClock
+from tests.support.stored import opened
+
+REASON = '=cmd; wrote to us, "fell asleep"'
+
+
+@pytest.fixture(scope="module")
+def answered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study that four participants answered by chance, the last one in part."""
+    folder = tmp_path_factory.mktemp("mismatch")
+    write_short_video(folder / "short.mp4")
+    write_finished_study(folder, "mismatch", folder / "short.mp4")
+    definition = StudyFolder(folder).definition
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("participants = 3", "participants = 4"), "utf-8")
+    answer_study(folder, people=4, stop_after=2)
+    return folder
 
 
 @pytest.fixture
-def database(tiny_study: Path, empty_sqlite: Path, monkeypatch: pytest.MonkeyPatch) -> Database:
-    """Return the database of a study in which two have begun."""
+def folder(answered: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    file = shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
-    made = Database.open(sqlite_url(file))
-    served, clock = ServedStudy.read(tiny_study), SetClock()
-    open_study(made, served, clock)
-    for name in ("one", "two"):
-        Participant(made, served, clock).enrol(name).begin()
-    return made
+    return StudyFolder(shutil.copytree(answered, tmp_path / "study"))
 
 
-def exclude(*arguments: object) -> Result:
-    return CliRunner().invoke(command, [*map(str, arguments)], catch_exceptions=False)
+def exclude(folder: StudyFolder, name: str, *options: str, reason: str = REASON) -> str:
+    return run("exclude", folder.root, name, "--reason", reason, *options)
 
 
-def reasons(database: Database) -> list[str]:
-    found: list[str] = (
-        read_once(database, stored_answers).study_sessions["excluded_because"].tolist()
-    )
+def results(folder: StudyFolder) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(report(folder).with_name("results.json").read_text("utf-8"))
     return found
 
 
-def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
-    tiny_study: Path, database: Database
-) -> None:
-    key = PseudonymKey.read_or_make(StudyFolder(tiny_study).pseudonym_key)
-    name = read_once(database, pseudonyms, key)["2"]
+def left_out(folder: StudyFolder) -> LeftOut:
+    return analysed_tasks(folder.study(), read_answers(folder, "participants"))[0].left_out
 
-    done = exclude(tiny_study, "1", "--reason", "asleep")
-    assert (done.exit_code, reasons(database)) == (0, ["asleep", ""])
-    assert "left out of the analysis" in done.output
-    exclude(tiny_study, name, "--reason", "played at double speed")
-    assert reasons(database) == ["asleep", "played at double speed"]
-    back = exclude(tiny_study, name, "--reinstate", "--reason", "that was another one")
-    assert reasons(database) == ["asleep", ""]
-    assert "rules of the study file hold as before" in back.output
-    assert [(line.researcher, line.event) for line in logged_changes(database)[:2]] == [
-        ("", "participant reinstated"),
-        ("", "participant excluded"),
-    ]
+
+def reasons(database: Database) -> list[str]:
+    found = read_once(database, stored_answers).study_sessions["excluded_because"]
+    return [str(reason) for reason in found]
+
+
+def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
+    folder: StudyFolder,
+) -> None:
+    key = PseudonymKey.read_or_make(folder.pseudonym_key)
+    with opened(folder.responses) as database:
+        name = read_once(database, pseudonyms, key)["2"]
+
+        assert "left out of the analysis" in exclude(folder, "1", reason="asleep")
+        assert reasons(database) == ["asleep", "", "", ""]
+        exclude(folder, name, reason="played at double speed")
+        assert reasons(database) == ["asleep", "played at double speed", "", ""]
+        back = exclude(folder, name, "--reinstate", reason="that was somebody else")
+        assert reasons(database) == ["asleep", "", "", ""]
+        assert "rules of the study file hold as before" in back
+        assert [(line.researcher, line.event) for line in logged_changes(database)[:2]] == [
+            ("", "participant reinstated"),
+            ("", "participant excluded"),
+        ]
 
 
 def test_nobody_is_excluded_without_a_reason_or_by_a_name_that_nobody_has(
-    tiny_study: Path, database: Database
+    folder: StudyFolder,
 ) -> None:
-    assert exclude(tiny_study, "1").exit_code == 2
+    run("exclude", folder.root, "1", status=2)
+    unknown = "no study session is called"
     for name in ("77", "p" * 17, "-", ""):
-        with pytest.raises(InputError, match="no study session is called"):
-            exclude(tiny_study, "--reason", "asleep", "--", name)
-    (tiny_study / "responses.db").rename(tiny_study / "elsewhere.db")
-    with pytest.raises(InputError, match="no study session is called"):
-        exclude(tiny_study, "1", "--reason", "asleep")
+        given = ("exclude", folder.root, "--reason", "asleep", "--", name)
+        assert unknown in run(*given, status=1)
+    folder.responses.rename(folder.root / "elsewhere.db")
+    assert unknown in run("exclude", folder.root, "1", "--reason", "asleep", status=1)
 
-    assert not (tiny_study / "responses.db").exists()
+    assert not folder.responses.exists()
+
+
+def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    for name in ("2", "4"):
+        exclude(folder, name)
+    database = Database.open(sqlite_url(folder.responses))
+    extend(database, ServedStudy.read(folder.root), SetClock(), 3, by="Ada", reason="more")
+    database.close()
+    places = sum(arm.places for arm in folder.study().arms)
+
+    found = results(folder)
+
+    rule = found["rules"][-1]
+    assert (rule["rule"], rule["removed"], rule["exploratory"]) == ("researcher", 1, True)
+    # Whom a rule of the study leaves out counts under the rule.
+    assert list(found["exclusions"]) == ["4", "2"]
+    assert found["exclusions"]["4"].endswith("trials answered")
+    assert found["exclusions"]["2"] == REASON
+    assert found["participants"] == {"recruited": 4, "attentive": 2}
+    first = found["sensitivity"][0]
+    assert first["as_planned"]["participants"] == first["analysed"]["participants"] + 1
+    assert sum(flow["places"] for flow in found["flow"]) == places + 3
+    page = (folder.report / "report.html").read_text("utf-8")
+    assert "1 participant whom the rules before would have kept was excluded by hand" in page
+    assert "excluded by a researcher (exploratory)" in page
+    here = (folder.report / "results.json").read_bytes()
+    shared = share(folder, tmp_path / "out")
+    shutil.rmtree(folder.root)
+    assert report(StudyFolder(shared.study)).with_name("results.json").read_bytes() == here
+    passed_on = run("exclude", shared.study, "1", "--reason", "asleep", status=1)
+    assert "has been passed on" in passed_on
+
+
+def test_once_every_decision_is_taken_back_the_rules_alone_decide(folder: StudyFolder) -> None:
+    before = left_out(folder)
+    assert [rule.rule for rule in before.rules] == ["incomplete", "attention"]
+    for name in ("2", "4"):
+        exclude(folder, name)
+        exclude(folder, name, "--reinstate")
+
+    # Reinstating does not overrule a rule of the study.
+    after = left_out(folder)
+    assert list(after.exclusions) == ["4"]
+    assert (after.exclusions, after.rules) == (before.exclusions, before.rules)
+
+
+def test_the_export_says_of_each_answer_that_a_researcher_decided(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    exclude(folder, "2")
+
+    export(folder, tmp_path / "answers.csv")
+
+    people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
+    columns = ["excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason"]
+    found = [people.loc[2, name] for name in columns]
+    assert found == [True, "researcher", "by hand", f"'{REASON}"]
+    assert not people.loc[1, "excluded"]
+    answers = pd.read_csv(tmp_path / "answers.csv")
+    assert not answers.loc[answers["study_session"] == 2, "analysed"].any()
+    assert (answers["study_session"] == 2).sum() == (answers["study_session"] == 1).sum()
+    log = pd.read_csv(tmp_path / "answers_log.csv")
+    assert log[["event", "detail", "reason"]].iloc[-1].tolist() == [
+        "participant_excluded",
+        "study session 2",
+        f"'{REASON}",
+    ]

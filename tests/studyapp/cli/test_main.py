@@ -33,17 +33,6 @@ def _refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
     return run
 
 
-def test_help_lists_every_command_with_one_sentence() -> None:
-    program = "from studyapp.cli.main import main; main()"
-    shown = subprocess.run(
-        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=True
-    )
-    assert shown.stderr == ""
-    context = click.Context(group)
-    for name in group.list_commands(context):
-        assert name in shown.stdout
-
-
 def test_every_listed_command_is_there_under_its_name() -> None:
     context = click.Context(group)
     for name in group.list_commands(context):
@@ -51,10 +40,6 @@ def test_every_listed_command_is_there_under_its_name() -> None:
         assert command is not None
         assert command.name == name
         assert command.help
-
-
-def test_an_unknown_command_is_refused(refused: Refused) -> None:
-    assert refused("dance")[0] == 2
 
 
 def test_a_misspelt_command_is_told_the_nearest(refused: Refused) -> None:

@@ -57,12 +57,6 @@ def test_how_far_the_first_one_is_is_said_before_it_is_done(
     assert capsys.readouterr().err.splitlines() == ["generate: 0 of 2 clips, one: 50 %"]
 
 
-def test_nothing_to_do_says_nothing(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
-    with progress("render", "frame") as show:
-        show(0, 0)
-    assert capsys.readouterr().err == ""
-
-
 def test_a_terminal_gets_a_bar_with_rate_and_time_left(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -8,24 +8,18 @@ import re
 import shutil
 import tomllib
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from motion.errors import InputError
-from studyapp.cli.main import group
-from studyapp.database.engine import Database, database_url_of
 from studyapp.preflight.recruiting_checks import made_findings
 from studyapp.recruitment.record import draw_codes, read_made_there
 from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
+from tests.studyapp.command_line import run
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.taking_part_steps import taking_part
 
 ADDRESS = "https://study.example.org/"
 
@@ -57,15 +51,10 @@ def folder(tiny_study: Path) -> Path:
     return tiny_study
 
 
-def run(folder: Path, *arguments: str) -> Result:
-    return CliRunner().invoke(group, ["recruit", str(folder), *arguments])
-
-
-def said(folder: Path, *arguments: str) -> str:
-    result = run(folder, *arguments)
-    assert result.exit_code == 0, result.output
-    assert TOKEN not in result.output
-    return result.output
+def said(folder: Path, *arguments: str, status: int = 0) -> str:
+    found = run("recruit", folder, *arguments, status=status)
+    assert TOKEN not in found
+    return found
 
 
 def test_codes_are_drawn_into_the_study_file_and_kept(folder: Path) -> None:
@@ -149,21 +138,12 @@ def test_a_study_is_made_once_and_published_paused_and_stopped(
     assert "awaiting review" in said(folder, "stop")
 
 
-def test_who_is_paid_is_shown_before_anybody_is(
-    folder: Path, stand_in: StandIn, clock: SetClock
-) -> None:
+def test_who_is_paid_is_shown_before_anybody_is(folder: Path, stand_in: StandIn) -> None:
     said(folder, "create", "--address", ADDRESS, "--yes")
     code = StudyFolder(folder).study().recruitment.prolific.completed
-    study = ServedStudy.read(folder)
-    database = Database.open(database_url_of(folder))
-    try:
-        open_study(database, study, clock)
-        for name in ("ann", "bob"):
-            token = enrol(database, study, Arrival(recruiter_participant=name), clock)
-            if name == "ann":
-                Participant(database, study, clock, token).begin().take_all()
-    finally:
-        database.close()
+    with taking_part(folder) as ann:
+        ann.another().arrive(Arrival(recruiter_participant="bob"))
+        ann.arrive(Arrival(recruiter_participant="ann")).begin().take_all()
     stand_in.add_submission("ann", "AWAITING REVIEW", code)
     stand_in.add_submission("bob", "AWAITING REVIEW", code)
     stand_in.add_submission("eve", "TIMED-OUT", None)
@@ -174,7 +154,7 @@ def test_who_is_paid_is_shown_before_anybody_is(
     assert "did not finish here, but entered the code of those who do" in shown
     assert "Nothing was paid" in shown
     assert not any("bulk-approve" in each for each in stand_in.asked)
-    assert run(folder, "approve", "--also", "unknown", "--yes").exit_code != 0
+    said(folder, "approve", "--also", "unknown", "--yes", status=1)
     assert "Approved 1 " in said(folder, "approve", "--yes")
     assert [each["status"] for each in stand_in.submissions] == [
         "APPROVED",
@@ -190,16 +170,13 @@ def test_who_is_paid_is_shown_before_anybody_is(
 
 
 def test_a_second_submission_of_somebody_who_finished_is_not_paid(
-    folder: Path, stand_in: StandIn, clock: SetClock
+    folder: Path, stand_in: StandIn
 ) -> None:
     said(folder, "create", "--address", ADDRESS, "--yes")
     code = StudyFolder(folder).study().recruitment.prolific.completed
-    study = ServedStudy.read(folder)
-    arrival = Arrival(recruiter_participant="ann", recruiter_session="submission-ann")
-    with closing(Database.open(database_url_of(folder))) as database:
-        open_study(database, study, clock)
-        token = enrol(database, study, arrival, clock)
-        Participant(database, study, clock, token).begin().take_all()
+    with taking_part(folder) as ann:
+        arrival = Arrival(recruiter_participant="ann", recruiter_session="submission-ann")
+        ann.arrive(arrival).begin().take_all()
     stand_in.add_submission("ann", "APPROVED", code)
     stand_in.add_submission("ann", "AWAITING REVIEW", code, id="submission-again")
 
@@ -214,64 +191,50 @@ def test_codes_are_not_drawn_anew_once_prolific_knows_them(folder: Path, stand_i
     said(folder, "create", "--address", ADDRESS, "--yes")
     text = path.read_text("utf-8")
 
-    refused = run(folder, "codes", "--again")
-
-    assert refused.exit_code != 0
-    assert "on Prolific already" in str(refused.exception) + refused.output
+    assert "on Prolific already" in said(folder, "codes", "--again", status=1)
     assert path.read_text("utf-8") == text
     assert "already" in said(folder, "codes")
     assert stand_in.studies
 
 
-def test_without_a_token_nothing_is_asked(
-    folder: Path, stand_in: StandIn, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("PROLIFIC_TOKEN")
-
-    refused = run(folder, "create", "--address", ADDRESS, "--yes")
-
-    assert "PROLIFIC_TOKEN is not set" in refused.output
-    assert stand_in.asked == []
-
-
 def test_a_command_of_another_channel_says_so(folder: Path) -> None:
-    refused = run(folder, "invite", "--count", "3", "--address", ADDRESS)
+    refused = said(folder, "invite", "--count", "3", "--address", ADDRESS, status=1)
+    assert "'prolific', and this command is for 'invitations'" in refused
 
-    assert refused.exit_code != 0
-    assert "'prolific', and this command is for 'invitations'" in refused.output
+
+@pytest.fixture
+def by_invitation(tiny_study: Path) -> Path:
+    with (tiny_study / "study.toml").open("a") as file:
+        file.write('[recruitment]\nchannel = "invitations"\n')
+    return tiny_study
 
 
 def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_table(
-    tiny_study: Path, tmp_path: Path
+    by_invitation: Path, tmp_path: Path
 ) -> None:
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "invitations"\n', "utf-8")
     people = tmp_path / "people.csv"
     people.write_text("who,note\nann@x.org,a\nbob@x.org,b\n\nann@x.org,again\n", "utf-8")
     address = ("--address", ADDRESS)
 
-    assert "Added 2 links" in said(tiny_study, "invite", "--list", str(people), *address)
-    assert "Added 0 links" in said(tiny_study, "invite", "--list", str(people), *address)
-    assert "Added 3 links" in said(tiny_study, "invite", "--count", "3", *address)
+    assert "Added 2 links" in said(by_invitation, "invite", "--list", str(people), *address)
+    assert "Added 0 links" in said(by_invitation, "invite", "--list", str(people), *address)
+    assert "Added 3 links" in said(by_invitation, "invite", "--count", "3", *address)
 
-    assert (tiny_study / "invitations.csv").stat().st_mode & 0o777 == 0o600
-    with (tiny_study / "invitations.csv").open(encoding="utf-8") as file:
+    assert (by_invitation / "invitations.csv").stat().st_mode & 0o777 == 0o600
+    with (by_invitation / "invitations.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["for"] for row in rows][:3] == ["ann@x.org", "bob@x.org", "invitation 3"]
     assert len({row["link"] for row in rows}) == 5
     assert all(row["link"].startswith(f"{ADDRESS}?invitation=") for row in rows)
-    assert "5 invitations: 0 have begun" in said(tiny_study, "status")
+    assert "5 invitations: 0 have begun" in said(by_invitation, "status")
 
 
-def test_a_table_of_something_else_is_not_written_over(tiny_study: Path) -> None:
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "invitations"\n', "utf-8")
-    other = tiny_study / "answers.csv"
+def test_a_table_of_something_else_is_not_written_over(by_invitation: Path) -> None:
+    other = by_invitation / "answers.csv"
     other.write_text("a,b\n1,2\n", "utf-8")
 
-    refused = run(tiny_study, "invite", "--count", "1", "--address", ADDRESS, "--out", str(other))
-
-    assert "not a table of invitations" in refused.output
+    given = ("--count", "1", "--address", ADDRESS, "--out", str(other))
+    assert "not a table of invitations" in said(by_invitation, "invite", *given, status=1)
     assert other.read_text("utf-8") == "a,b\n1,2\n"
 
 

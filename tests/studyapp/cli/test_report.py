@@ -2,83 +2,53 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from motion.errors import InputError
-from studyapp.cli.report_command import command
-from tests.analysis.results.made_tables import (
-    catch_rows,
-    pairwise_table,
-    ranking_table,
-    rating_table,
-)
+from tests.analysis.results.made_tables import pairwise_table, ranking_table, rating_table
+from tests.studyapp.command_line import run
+
+MADE = {"pairwise": pairwise_table, "ranking": ranking_table, "rating": rating_table}
 
 
-def run(*arguments: str) -> str:
-    found = CliRunner().invoke(command, arguments, catch_exceptions=False)
-    assert found.exit_code == 0, found.output
-    return found.output
+def report(folder: Path, protocol: str, *options: str, status: int = 0) -> str:
+    """Report a table of four participants, of whom p02 watched half of the videos."""
+    table = MADE[protocol](participants=4, segments=3)
+    table = table.assign(watched=np.where(table["participant"] == "p02", 0.5, 1))
+    table.to_csv(folder / "answers.csv", index=False)
+    given = ("--responses", folder / "answers.csv", "--protocol", protocol)
+    return run("report", *given, "--out", folder / "out", *options, status=status)
 
 
-def test_a_table_is_reported_without_a_study(tmp_path: Path) -> None:
-    table = tmp_path / "answers.csv"
-    ranking_table(participants=4, segments=3).to_csv(table, index=False)
-    out = tmp_path / "out"
-    said = run("--responses", str(table), "--protocol", "ranking", "--out", str(out))
-    assert str(out / "report.html") in said
-    assert json.loads((out / "results.json").read_text("utf-8"))["protocol"] == "ranking"
-    assert (out / "report.html").exists()
-    assert (out / "tables" / "conditions.csv").exists()
+def results(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "out" / "results.json").read_text("utf-8"))
+    return found
 
 
-@pytest.mark.parametrize(
-    ("allowed", "excluded"), [([], True), (["--max-catch-failures", "2"], False)]
-)
-def test_the_rule_of_catch_trials_can_be_changed(
-    allowed: list[str], excluded: bool, tmp_path: Path
-) -> None:
-    table = tmp_path / "answers.csv"
-    catch_rows("p01", "lr", (3, 3)).to_csv(table, index=False)
-    out = tmp_path / "out"
-    run("--responses", str(table), "--protocol", "pairwise", "--out", str(out), *allowed)
-    found = json.loads((out / "results.json").read_text("utf-8"))
-    assert ("p01" in found["exclusions"]) == excluded
+def test_a_table_is_reported_with_rules_that_are_marked_exploratory(tmp_path: Path) -> None:
+    said = report(tmp_path, "ranking", "--exclude", "coverage<0.9", "--exclude", "time<3")
 
-
-def test_rules_of_the_command_line_are_applied_last_and_marked_exploratory(tmp_path: Path) -> None:
-    table = tmp_path / "answers.csv"
-    answers = ranking_table(participants=4, segments=3)
-    answers.assign(watched=np.where(answers["participant"] == "p02", 0.5, 1)).to_csv(
-        table, index=False
-    )
-    out = tmp_path / "out"
-    run(
-        *("--responses", str(table), "--protocol", "ranking", "--out", str(out)),
-        *("--exclude", "coverage<0.9", "--exclude", "time<3"),
-    )
-    found = json.loads((out / "results.json").read_text("utf-8"))
+    assert str(tmp_path / "out" / "report.html") in said
+    assert (tmp_path / "out" / "tables" / "conditions.csv").exists()
+    found = results(tmp_path)
+    assert found["protocol"] == "ranking"
     assert found["exclusions"] == {"p02": "50 % of the videos watched"}
-    assert [(one["rule"], one["reached"], one["removed"]) for one in found["rules"]] == [
-        ("coverage", 4, 1),
-        ("time", 3, 0),
+    assert [(rule["rule"], rule["removed"], rule["exploratory"]) for rule in found["rules"]] == [
+        ("coverage", 1, True),
+        ("time", 0, True),
     ]
-    assert all(one["exploratory"] for one in found["rules"])
     assert found["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
 
 
-def test_the_command_line_can_name_the_family_of_tests(tmp_path: Path) -> None:
-    table, out = tmp_path / "answers.csv", tmp_path / "out"
-    pairwise_table(participants=6, segments=4).to_csv(table, index=False)
-    run(
-        *("--responses", str(table), "--protocol", "pairwise", "--out", str(out)),
-        *("--family", "primary=ours,other"),
-    )
-    found = json.loads((out / "results.json").read_text("utf-8"))
-    corrected = [one["decision"]["p_holm"] is not None for one in found["comparisons"]]
+def test_margin_and_family_of_a_table_are_named_on_the_command_line(tmp_path: Path) -> None:
+    report(tmp_path, "pairwise", "--family", "primary=ours,other", "--margin", "0.1")
+
+    found = results(tmp_path)
+    corrected = [each["decision"]["p_holm"] is not None for each in found["comparisons"]]
     assert sorted(corrected) == [False, False, True]
+    assert len(found["equivalence"]) == len(found["comparisons"])
 
 
 @pytest.mark.parametrize(
@@ -93,16 +63,8 @@ def test_the_command_line_can_name_the_family_of_tests(tmp_path: Path) -> None:
 def test_a_family_or_scale_that_does_not_fit_is_refused(
     protocol: str, arguments: tuple[str, str], said: str, tmp_path: Path
 ) -> None:
-    table, out = tmp_path / "answers.csv", tmp_path / "out"
-    made = pairwise_table if protocol == "pairwise" else rating_table
-    made(participants=4, segments=3).to_csv(table, index=False)
-    with pytest.raises(InputError, match=said):
-        CliRunner().invoke(
-            command,
-            ["--responses", str(table), "--protocol", protocol, "--out", str(out), *arguments],
-            catch_exceptions=False,
-        )
-    assert not out.exists()
+    assert said in report(tmp_path, protocol, *arguments, status=1)
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
@@ -111,14 +73,17 @@ def test_a_family_or_scale_that_does_not_fit_is_refused(
         ([], "there is nothing to report"),
         (["--responses", "a.csv", "--out", "out"], "--protocol is missing"),
         (["--responses", "a.csv", "--out", "o", "--protocol", "rating"], "no such file"),
+        (
+            ["{study}", "--out", "o", "--margin", "1"],
+            "--out, --margin cannot be given with a study",
+        ),
     ],
 )
-def test_what_is_missing_is_said(arguments: list[str], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        CliRunner().invoke(command, arguments, catch_exceptions=False)
+def test_what_is_missing_or_does_not_go_together_is_said(
+    arguments: list[str], said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "study.toml").touch()
 
+    given = [each.replace("{study}", str(tmp_path)) for each in arguments]
 
-def test_a_study_and_a_table_at_once_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text("", "utf-8")
-    with pytest.raises(InputError, match="--out cannot be given with a study folder"):
-        CliRunner().invoke(command, [str(tmp_path), "--out", "o"], catch_exceptions=False)
+    assert said in run("report", *given, status=1)

@@ -1,3 +1,5 @@
+"""`motionjury serve` and `motionjury deploy`: where links begin, and what a server needs."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -5,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
 from studyapp.cli import serve_command
-from studyapp.cli.main import group
+from tests.studyapp.command_line import run
 
 
 @pytest.fixture
@@ -16,11 +17,12 @@ def started(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """Return what a server would be started with; it says that it listens, and ends."""
     given: dict[str, Any] = {}
 
-    def run(*_places: object, on_ready: Callable[[], None], **options: object) -> None:
+    def start(*_places: object, on_ready: Callable[[], None], **options: object) -> None:
         given.update(options)
         on_ready()
 
-    monkeypatch.setattr(serve_command, "run_server", run)
+    monkeypatch.setattr(serve_command, "run_server", start)
+    monkeypatch.delenv("DISPLAY", raising=False)
     return given
 
 
@@ -30,30 +32,19 @@ def test_links_begin_where_a_proxy_serves_the_study(
     monkeypatch.setenv("MOTIONJURY_PREFIX", "/studies/one/")
     monkeypatch.setenv("MOTIONJURY_ADDRESS", "https://study.example.org/studies/one")
 
-    done = CliRunner().invoke(group, ["serve", str(tiny_study)])
+    said = run("serve", tiny_study)
 
-    assert done.exit_code == 0
     assert started["prefix"] == "/studies/one/"
-    assert "at https://study.example.org/studies/one/ (" in done.output
-    assert "at https://study.example.org/studies/one/research/join/" in done.output
+    assert "at https://study.example.org/studies/one/ (" in said
+    assert "at https://study.example.org/studies/one/research/join/" in said
 
 
-def test_without_a_proxy_links_begin_where_the_server_listens(
-    tiny_study: Path, started: dict[str, Any]
-) -> None:
-    done = CliRunner().invoke(group, ["serve", str(tiny_study), "--prefix", "/one"])
+@pytest.mark.usefixtures("started")
+def test_without_a_proxy_links_begin_where_the_server_listens(tiny_study: Path) -> None:
+    said = run("serve", tiny_study, "--prefix", "/one", "--try")
 
-    assert "at http://127.0.0.1:8000/one/ (" in done.output
-
-
-def test_trying_prints_a_link_for_one_test(
-    tiny_study: Path, started: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("DISPLAY", raising=False)
-
-    done = CliRunner().invoke(group, ["serve", str(tiny_study), "--prefix", "/one", "--try"])
-
-    assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in done.output
+    assert "at http://127.0.0.1:8000/one/ (" in said
+    assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in said
 
 
 @pytest.mark.parametrize(
@@ -68,10 +59,31 @@ def test_trying_prints_a_link_for_one_test(
 def test_an_address_that_nobody_would_find_is_refused(
     tiny_study: Path, started: dict[str, Any], address: str, said: str
 ) -> None:
-    arguments = ["serve", str(tiny_study), "--prefix", "/one", "--address", address]
-
-    done = CliRunner().invoke(group, arguments)
-
-    assert done.exit_code == 1
-    assert said in done.output
+    given = ("--prefix", "/one", "--address", address)
+    assert said in run("serve", tiny_study, *given, status=1)
     assert not started
+
+
+def test_files_of_a_server_are_written_and_their_places_said(
+    tiny_study: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "server"
+    given = ("--host", "study.example.org", "--prefix", "/one", "--proxy", "nginx")
+    there = ("--folder-there", "/srv/motionjury/gestures")
+
+    said = run("deploy", tiny_study, *given, *there, "--all", "--out", out)
+
+    assert f"{out}/environment: /etc/motionjury/gestures.env (mode 600)" in said
+    assert "MOTIONJURY_PREFIX=/one" in (out / "environment").read_text("utf-8")
+    assert {path.name for path in out.iterdir()} >= {"install", "host.nginx", "Containerfile"}
+    printed = run("deploy", tiny_study, *given, "--print", "serve.service")
+    assert f'serve "{tiny_study.resolve()}" --port 8000' in printed
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["--all"], ["--out", "server"], ["--print", "install", "--all", "--out", "server"]],
+)
+def test_it_must_be_said_which_files_are_wanted(tiny_study: Path, arguments: list[str]) -> None:
+    said = run("deploy", tiny_study, "--host", "study.example.org", *arguments, status=2)
+    assert "either --print NAME, or --all with --out FOLDER" in said

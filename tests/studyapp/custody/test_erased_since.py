@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select, update
+from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
@@ -17,7 +17,6 @@ from studyapp.database.tables import AuditLine, Event, Response, ScreenOut, Stud
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.arrivals import Arrival, note_screen_out
 from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -33,10 +32,9 @@ def people(opened: Database, served: ServedStudy, clock: SetClock) -> dict[str, 
     """Return three participants who have answered a trial each; a fourth was screened out."""
     made = {}
     for name in PEOPLE:
-        made[name] = Participant(opened, served, clock)
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
-        made[name].token = enrol(opened, served, arrival, clock)
-        made[name].begin().take_trial()
+        made[name] = Participant(opened, served, clock).arrive(arrival).begin()
+        made[name].take_trial()
     note_screen_out(opened, Arrival(recruiter_participant="screened-out"), clock)
     return made
 
@@ -86,18 +84,6 @@ def test_who_was_forgotten_withdrew_or_was_screened_out_is_erased_again(
         assert [line.event for line in session.scalars(select(AuditLine))] == [Event.FORGOTTEN]
     # The place is free again, as it is in the later state.
     assert Participant(restored, people[PEOPLE[0]].served, clock).enrol("newcomer").token
-
-
-def test_who_was_forgotten_is_erased_again_however_the_log_words_it(
-    people: dict[str, Participant], restored: Database, clock: SetClock
-) -> None:
-    later = people[PEOPLE[0]].database
-    clock.advance(minutes=1)
-    forget(later, PEOPLE[1], KEY, clock)
-    with later.writing() as session:
-        session.execute(update(AuditLine).values(detail="Teilnahme 2 wurde gelöscht"))
-
-    assert erase_again(restored, later, KEY, clock).forgotten == 1
 
 
 def test_who_was_forgotten_before_the_backup_is_left_as_they_are(

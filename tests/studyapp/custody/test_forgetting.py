@@ -19,7 +19,6 @@ from studyapp.researchers.audit import log_change, logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival, note_screen_out
-from studyapp.session.enrolment import enrol
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -60,16 +59,14 @@ def arrive(participant: Participant, name: str, study: str = "one") -> Participa
         visit=f"visit-of-{name}-{study}",
         form=ADULT,
     )
-    participant.token = enrol(participant.database, participant.served, arrival, participant.clock)
-    participant.begin().take_trial()
+    participant.arrive(arrival).begin().take_trial()
     refusal = ConflictError("Wrong page.", "Go on.")
     note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
     return participant
 
 
 def other(participant: Participant, name: str = "somebody-else", **keys: str) -> Participant:
-    made = Participant(participant.database, participant.served, participant.clock)
-    return arrive(made, name, **keys)
+    return arrive(participant.another(), name, **keys)
 
 
 def rows(database: Database) -> dict[str, int]:

@@ -108,15 +108,6 @@ def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
         assert "exit status" not in said_by("systemd-analyze", "security", *strict, service)
 
 
-@needs("systemd-analyze")
-def test_systemd_would_say_it(tmp_path: Path) -> None:
-    unit = tmp_path / "wrong.service"
-    text = deployed_file(deployment(), "serve.service").text
-    unit.write_text(text.replace("Restart=always", "Restart=alwayz"), "utf-8")
-
-    assert str(unit) in said_by("systemd-analyze", "verify", "--man=no", unit)
-
-
 def test_the_unit_names_the_folder_as_one_word() -> None:
     line = next(
         line
@@ -127,54 +118,6 @@ def test_the_unit_names_the_folder_as_one_word() -> None:
     words = [word.replace("%%", "%") for word in shlex.split(line.removeprefix("ExecStart="))]
 
     assert words[1:] == ["serve", str(HOSTILE), "--port", "8000"]
-
-
-@needs("nginx")
-@needs("openssl")
-@pytest.mark.parametrize("prefix", ["", "/studies/one"])
-def test_nginx_takes_its_files(tmp_path: Path, prefix: str) -> None:
-    openssl = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"]
-    openssl += ["-nodes", "-subj", "/CN=a", "-keyout", "privkey.pem", "-out", "fullchain.pem"]
-    subprocess.run(openssl, cwd=tmp_path, check=True, capture_output=True)
-    study = deployment(prefix=prefix)
-    host = deployed_file(study, "host.nginx").text
-    for place in (
-        "/etc/nginx/motionjury/study.example.org",
-        "/etc/letsencrypt/live/study.example.org",
-    ):
-        assert place in host
-        host = host.replace(place, str(tmp_path))
-    (tmp_path / "study.conf").write_text(deployed_file(study, "study.nginx").text, "utf-8")
-    (tmp_path / "host.nginx").write_text(host.replace("/var/log/nginx", str(tmp_path)), "utf-8")
-    (tmp_path / "all").write_text(
-        f"pid {tmp_path}/pid;\nevents {{ }}\nhttp {{ include {tmp_path}/host.nginx; }}\n", "utf-8"
-    )
-
-    said = said_by("nginx", "-t", "-e", tmp_path / "error.log", "-c", tmp_path / "all")
-
-    assert "syntax is ok" in said
-    assert "test is successful" in said
-    assert "warn" not in said
-
-
-@needs("caddy")
-@pytest.mark.parametrize("prefix", ["", "/studies/one"])
-def test_caddy_takes_its_files(tmp_path: Path, prefix: str) -> None:
-    study = deployment("caddy", prefix=prefix)
-    host = deployed_file(study, "Caddyfile").text
-    assert "/etc/caddy/motionjury/" in host
-    host = host.replace("/etc/caddy/motionjury", str(tmp_path))
-    (tmp_path / "Caddyfile").write_text(host, "utf-8")
-    (tmp_path / "my-study.caddy").write_text(deployed_file(study, "study.caddy").text, "utf-8")
-
-    said = said_by("caddy", "adapt", "--validate", "--config", tmp_path / "Caddyfile")
-
-    assert "exit status" not in said
-    assert '"dial":"127.0.0.1:8000"' in said
-    assert said_by("caddy", "fmt", tmp_path / "Caddyfile") == host
-    assert said_by("caddy", "fmt", tmp_path / "my-study.caddy") == (
-        tmp_path / "my-study.caddy"
-    ).read_text("utf-8")
 
 
 @pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")

@@ -26,7 +26,7 @@ from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import answering, browser
-from tests.support.stored import opened, reading
+from tests.support.stored import reading
 
 Written = Callable[[str], StudyFolder]
 
@@ -113,17 +113,6 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
     with browser(app) as client:
         assert participant.take_part(client)
     require_stored_as_said(eyes.database, participant)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("folder", ["rankings with ties"], indirect=True)
-def test_a_rehearsal_stores_what_its_raters_say(
-    folder: StudyFolder, participant: Participant
-) -> None:
-    result = rehearse(folder, participants=2, seed=1, workers=2, population=participant.population)
-    assert (result.completed, result.kept) == (2, 0)
-    with opened(folder.rehearsal) as database:
-        require_stored_as_said(database, participant)
 
 
 @pytest.mark.slow

@@ -32,15 +32,6 @@ def tokens(eyes: Eyes) -> list[str]:
         return list(session.scalars(select(Video.token).join(Video.trial).order_by(Trial.position)))
 
 
-def test_a_pair_is_seen_as_its_trial_was_planned(first_page: Page, eyes: Eyes) -> None:
-    sight = eyes.look(first_page)
-    with eyes.database.reading() as session:
-        trial = session.scalars(select(Trial).where(Trial.position == 1)).one()
-        assert sight.rater == f"{trial.study_session.arm} {trial.study_session.number}"
-        assert sight.trial.conditions == trial.conditions
-        assert (sight.trial.kind, sight.trial.segment) == (trial.kind, trial.segment)
-
-
 @pytest.mark.usefixtures("first_page")
 def test_videos_of_several_trials_on_one_page_are_found_out(eyes: Eyes) -> None:
     with pytest.raises(BrokenPageError, match="videos of several trials"):

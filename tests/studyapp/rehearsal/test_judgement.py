@@ -71,12 +71,6 @@ def test_every_answer_is_one_that_the_study_takes(study: Study, kind: Kind) -> N
 
 
 @each_study
-def test_the_same_rater_answers_the_same_trial_alike(study: Study) -> None:
-    first = [judgement.fields() for _, _, judgement in judged(study)]
-    assert first == [judgement.fields() for _, _, judgement in judged(study)]
-
-
-@each_study
 def test_attentive_raters_do_what_attention_checks_ask(study: Study) -> None:
     checks = [
         study.failed(trial, judgement.values)

@@ -16,25 +16,6 @@ from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from tests.studyapp.rehearsal.steps import answering, browser
 
 
-@pytest.mark.parametrize(
-    ("lost", "named"),
-    [
-        ('name="emotion"', "does not ask the question 'emotion'"),
-        ('method="post"', "no form that leads on"),
-        ('type="submit" class="primary" id="next"', "no button"),
-    ],
-)
-def test_a_page_that_lacks_something_stops_the_participant_and_is_named(
-    app: Flask, participant: Participant, lost: str, named: str
-) -> None:
-    spoilt = 'type="button"' if "submit" in lost else ""
-    with (
-        browser(app, lambda html: html.replace(lost, spoilt)) as client,
-        pytest.raises(BrokenPageError, match=named),
-    ):
-        participant.take_part(client)
-
-
 def test_a_page_that_fails_stops_the_participant_with_its_status(
     app: Flask, participant: Participant
 ) -> None:

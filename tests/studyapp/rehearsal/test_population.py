@@ -29,12 +29,6 @@ def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Po
     assert rhythm["rule_based"] > rhythm["mismatched"] > rhythm["static"] > rhythm["broken"]
 
 
-def test_a_recording_beats_every_generator(study: PairwiseStudy) -> None:
-    conditions = {**study.conditions, "ground_truth": study.conditions["brought"]}
-    quality = default_population(study.model_copy(update={"conditions": conditions})).quality
-    assert max(quality, key=lambda name: quality[name]["rhythm"]) == "ground_truth"
-
-
 def test_unknown_conditions_are_ordered_by_the_file(study: PairwiseStudy) -> None:
     brought = {f"mine{index}": study.conditions["brought"] for index in range(5)}
     conditions = {"rule_based": study.conditions["rule_based"], **brought}
@@ -46,15 +40,6 @@ def test_a_condition_of_another_name_is_as_good_as_its_generator(study: Pairwise
     conditions = {**study.conditions, "frozen": study.conditions["static"]}
     quality = default_population(study.model_copy(update={"conditions": conditions})).quality
     assert quality["frozen"] == quality["static"]
-
-
-def test_questions_differ_in_how_far_they_tell_conditions_apart(population: Population) -> None:
-    gaps = {
-        question: population.quality["rule_based"][question]
-        - population.quality["static"][question]
-        for question in ("rhythm", "emotion")
-    }
-    assert 0 < gaps["emotion"] < gaps["rhythm"]
 
 
 def test_only_motion_that_is_better_than_mismatched_suits_its_own_speech_better(

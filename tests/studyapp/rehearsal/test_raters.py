@@ -94,13 +94,6 @@ def test_an_attentive_rater_sees_a_visible_flaw_on_either_side() -> None:
     assert np.mean(np.array(answers(FAIR, 300, left="flaw", right="a")) > 0) > 0.98
 
 
-def test_a_careless_rater_answers_at_random_even_where_a_flaw_is_visible() -> None:
-    population = replace(FAIR, kinds={"careless": 1.0})
-    counts = Counter(answers(population, 500, left="a", right="flaw"))
-    assert set(counts) == {-2, -1, 0, 1, 2}
-    assert all(count == pytest.approx(400, rel=0.2) for count in counts.values())
-
-
 def test_raters_and_segments_differ_by_the_stated_standard_deviations() -> None:
     population = replace(FAIR, item_sd=0.45)
 

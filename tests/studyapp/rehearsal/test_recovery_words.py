@@ -76,11 +76,6 @@ def test_a_design_that_cannot_answer_is_told_from_bad_luck() -> None:
     assert "cannot answer" not in unlucky
 
 
-def test_ranks_that_have_no_interval_say_why() -> None:
-    ranks = replace(UNDECIDED, found=Estimate(estimate=0.1, reason="tested otherwise"))
-    assert "(tested otherwise)" in difference_in_words(ranks)
-
-
 def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
     found = {kind.kind: kind for kind in kinds()}
     attentive, careless, left = (found[kind] for kind in ("attentive", "careless", "dropping_out"))
@@ -155,14 +150,6 @@ def test_of_many_comparisons_without_an_answer_the_wrong_ones_and_a_few_are_told
 def test_the_chance_of_so_many_misses_is_that_of_a_binomial(missed: int, intervals: int) -> None:
     by_hand = 1 - sum(comb(intervals, k) * 0.05**k * 0.95 ** (intervals - k) for k in range(missed))
     assert chance_of_missing(missed, intervals) == pytest.approx(by_hand)
-
-
-def test_one_miss_of_twenty_frightens_nobody() -> None:
-    assert "1 or more of 20 intervals in 64 of 100 rehearsals" in chance_in_words(1, 20)
-
-
-def test_so_many_misses_that_chance_hardly_explains_them_are_said_to_be() -> None:
-    assert "fewer than 1 of 100" in chance_in_words(5, 20)
 
 
 def test_no_miss_is_said_to_be_no_proof() -> None:

@@ -11,12 +11,9 @@ from studyapp.cli.main import group
 from studyapp.database.engine import sqlite_url
 from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
 from studyapp.results.export.writing import export
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import leave
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.support.stored import opened
+from tests.studyapp.taking_part_steps import taking_part
 
 
 @pytest.fixture
@@ -24,11 +21,9 @@ def folder(tiny_study: Path) -> StudyFolder:
     return StudyFolder(tiny_study)
 
 
-def answer_once(folder: StudyFolder, database_file: Path) -> None:
+def answer_once(folder: StudyFolder, file: Path) -> None:
     """Let somebody answer the first trial and stop."""
-    with opened(database_file) as database:
-        participant = Participant(database, ServedStudy.read(folder.root), SetClock())
-        open_study(database, participant.served, participant.clock)
+    with taking_part(folder.root, file.name) as participant:
         participant.enrol().begin().take_trial()
 
 
@@ -61,17 +56,6 @@ def test_real_answers_come_before_those_of_a_rehearsal_which_are_reported_on_req
     assert real.stored.study_sessions["completed"].tolist() == [False]
     assert read_rehearsal(folder).origin == "rehearsal"
     assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
-
-
-def test_export_writes_either_the_real_answers_or_the_rehearsals(
-    folder: StudyFolder, tmp_path: Path
-) -> None:
-    answer_once(folder, folder.rehearsal)
-
-    assert export(folder, tmp_path / "real.csv", rehearsal=False).answers == 0
-    assert pd.read_csv(tmp_path / "real.csv").empty
-    assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True).answers == 2
-    assert len(pd.read_csv(tmp_path / "rehearsed.csv")) == 2
 
 
 def test_a_table_that_became_empty_is_not_left_as_it_was(

@@ -7,10 +7,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from motion.errors import InputError
 from studyapp.results.report import report, report_table
 from studyapp.results.report_subject import report_presets
-from studyapp.study.settings.exclusions import FailedCatch, StraightLining
 from studyapp.study.study_file import new_study
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.conftest import Answered
@@ -98,17 +96,6 @@ def test_a_study_that_nobody_has_answered_is_reported_as_such(
     assert found["participants"] == {"recruited": 0, "attentive": 0}
 
 
-def test_a_margin_against_that_of_the_study_file_is_refused(
-    answered: Answered,
-) -> None:
-    folder = answered("pairwise", people=0)
-    text = folder.definition.read_text("utf-8")
-    folder.definition.write_text(f"margin = 0.05\n{text}", "utf-8")
-
-    with pytest.raises(InputError, match="contradicts the study file"):
-        report(folder, margin=0.1)
-
-
 def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(
     answered: Answered,
 ) -> None:
@@ -126,18 +113,14 @@ def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(
     assert str(stale) not in runs[0]
 
 
-def test_who_did_not_finish_is_left_out_and_a_margin_of_the_command_line_is_exploratory(
-    answered: Answered,
-) -> None:
-    page = report(answered("pairwise", people=3, stop_after=2), margin=0.1)
+def test_who_did_not_finish_is_left_out(answered: Answered) -> None:
+    page = report(answered("pairwise", people=3, stop_after=2))
 
     found, text = results_of(page), page.read_text("utf-8")
     [flow] = found["flow"]
     assert (flow["places"], flow["opened"], flow["completed"], flow["answered"]) == (3, 3, 2, 3)
     assert "2 of 6 trials" in found["exclusions"]["3"]
     assert "The study is not finished, and numbers will change: 2 of 3 places are filled." in text
-    assert len(found["equivalence"]) == len(found["comparisons"])
-    assert "given with the report, not in the study file" in text
 
 
 @pytest.mark.parametrize(
@@ -161,32 +144,30 @@ rule = "incomplete"
 [[exclusions]]
 rule = "attention"
 more_than = 2
+[[exclusions]]
+rule = "straight_lining"
+at_least = 1
+trials = 500
 """
 
 
-def test_rules_that_the_study_file_did_not_state_beforehand_are_exploratory(
-    answered: Answered,
-) -> None:
+def test_what_the_study_file_did_not_state_beforehand_is_exploratory(answered: Answered) -> None:
     folder = answered("rating", people=3, stop_after=2)
-    with folder.definition.open("a", encoding="utf-8") as file:
-        file.write(CHANGED)
+    text = folder.definition.read_text("utf-8")
+    folder.definition.write_text(f"margin = 0.5\n{text}{CHANGED}", "utf-8")
 
-    page = report(
-        folder, exclude=[StraightLining(at_least=1, trials=500), FailedCatch(more_than=0)]
-    )
+    page = report(folder)
 
-    found = json.loads(page.with_name("results.json").read_text("utf-8"))
-    assert [(one["rule"], one["exploratory"]) for one in found["rules"]] == [
+    found = results_of(page)
+    assert [(rule["rule"], rule["exploratory"]) for rule in found["rules"]] == [
         ("incomplete", False),
         ("attention", True),
         ("straight_lining", True),
-        ("catch", True),
     ]
     assert found["exclusions"]["3"].endswith(" trials answered")
-    assert [one["remark"] for one in found["rules"][2:]] == [
-        "cannot be applied: no question has 500 answers that could be alike",
-        "cannot be applied: there are no catch trials with a side known to be right",
-    ]
-    text = page.read_text("utf-8")
-    assert "Exclusion by attention&gt;2 was not in the study file when the first" in text
-    assert "Exclusion by attention&gt;1 was in the study file when the first" in text
+    assert found["rules"][2]["remark"] == (
+        "cannot be applied: no question has 500 answers that could be alike"
+    )
+    said = page.read_text("utf-8")
+    for what in ("attention&gt;2 was not in", "attention&gt;1 was in", "margin of 0.5 was not in"):
+        assert f"{what} the study file when the first participant came" in said

@@ -13,7 +13,6 @@ from studyapp.results.report_subject import COUNT, NO_VIDEOS, SIDE, Stills, fram
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import SEGMENTS, write_finished_study, write_short_video
 from tests.renderer.figures.small_videos import write_block_video
-from tests.tiny_study import write_pair_video
 
 
 @pytest.fixture
@@ -53,10 +52,6 @@ def test_stills_are_small_pictures_that_need_no_other_file(folder: StudyFolder) 
     with Image.open(io.BytesIO(base64.b64decode(address.removeprefix(start)))) as picture:
         assert max(picture.size) == SIDE
     assert len(address) < 20_000
-
-
-def test_two_runs_take_the_same_bytes(folder: StudyFolder) -> None:
-    assert stills(folder) == stills(folder)
 
 
 def test_a_segment_with_all_videos_is_preferred_to_an_earlier_one(folder: StudyFolder) -> None:
@@ -103,12 +98,6 @@ def test_a_moment_past_the_end_gives_the_last_frame(tmp_path: Path) -> None:
     early, late = frames_at(video, (0.1, 99.0), 128)
     assert left_edge(np.asarray(late)) == pytest.approx(29, abs=1)
     assert left_edge(np.asarray(early)) == pytest.approx(3, abs=1)
-
-
-def test_the_longer_side_is_as_long_as_asked_for(tmp_path: Path) -> None:
-    write_pair_video(tmp_path / "wide.mp4", shade=60, seconds=0.5)
-    (picture,) = frames_at(tmp_path / "wide.mp4", (0.2,), 100)
-    assert picture.size == (100, 50)
 
 
 def test_a_file_that_is_no_video_is_refused_by_name(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studyapp.results.stated_beforehand import ByHand, StudyExclusions, study_exclusions
-from studyapp.study.settings.exclusions import Coverage, FailedCatch, Incomplete
+from studyapp.study.settings.exclusions import FailedCatch, Incomplete
 
 STATED = (Incomplete(), FailedCatch(more_than=1))
 
@@ -17,12 +17,6 @@ def test_what_the_file_has_always_said_is_planned() -> None:
         assert marks(found) == [("incomplete", False), ("catch", False)]
         assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
         assert found.notes == ()
-
-
-def test_a_rule_of_the_command_line_comes_last_and_is_exploratory() -> None:
-    found = study_exclusions(STATED, STATED, [Coverage(below=0.9)])
-    assert marks(found) == [("incomplete", False), ("catch", False), ("coverage", True)]
-    assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
 
 
 def test_a_rule_changed_after_the_first_participant_is_exploratory_and_the_old_one_planned() -> (
@@ -44,8 +38,8 @@ def test_a_rule_changed_after_the_first_participant_is_exploratory_and_the_old_o
 
 def test_what_researchers_decide_comes_after_the_rules_of_the_file_and_is_never_planned() -> None:
     by_hand = ByHand(count=2, after_look=0)
-    found = study_exclusions(STATED, STATED, [Coverage(below=0.9)], by_hand=by_hand)
-    assert marks(found)[1:] == [("catch", False), ("researcher", True), ("coverage", True)]
+    found = study_exclusions(STATED, STATED, by_hand=by_hand)
+    assert marks(found)[1:] == [("catch", False), ("researcher", True)]
     assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
     said = {
         count: study_exclusions(STATED, by_hand=ByHand(count=2, after_look=count)).notes

@@ -183,11 +183,3 @@ def test_the_command_says_where_the_figure_is(study: StudyFolder) -> None:
         path = study.figures / f"strip-{SEGMENT}{ending}"
         assert path.exists()
         assert str(path) in shown.output
-
-
-def test_rendering_with_a_sheet_ends_with_the_sheet(study: StudyFolder) -> None:
-    shown = CliRunner().invoke(group, ["render", str(study.root), "--sheet", "--processes", "1"])
-    assert shown.exit_code == 0, shown.output
-    page = study.videos / "sheet" / "index.html"
-    assert str(page) in shown.output
-    assert page.read_text().count("<img") == 2 * len((*study.study().conditions, "broken"))

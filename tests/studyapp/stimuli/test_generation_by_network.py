@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from motion.formats import read_clip
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
@@ -37,19 +36,6 @@ def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
 def set_key(folder: StudyFolder, key: str, value: object) -> None:
     with edited(folder.definition) as document:
         document["conditions"]["learned"][key] = value
-
-
-def test_a_network_moves_the_segment_and_is_kept_while_nothing_changes(
-    study: StudyFolder,
-) -> None:
-    assert generate(study).made == 1
-    for segment in study.segments():
-        facts = read_clip(study.clip("learned", segment.name)).provenance
-        assert facts["generator"] == "diffsheg"
-        assert "stand-in for HuBERT" in facts["stand_ins"]
-    assert generate(study).made == 0
-    written_network(study.root / "models" / "small.safetensors", "show")
-    assert generate(study).made == 1
 
 
 def test_a_study_that_was_moved_keeps_its_clips(study: StudyFolder, tmp_path: Path) -> None:

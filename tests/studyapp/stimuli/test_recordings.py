@@ -35,11 +35,6 @@ def test_a_take_becomes_segments_with_speech_motion_and_condition(
     assert any("condition 'ground_truth' added" in note for note in notes)
 
 
-def test_a_whole_take_may_be_one_segment(folder: StudyFolder, take: MakeTake) -> None:
-    segments, _ = import_take(folder, take(segment=None))
-    assert [(s.name, s.start, s.end) for s in segments] == [("take", 0.0, 6.0)]
-
-
 def test_ends_up_to_a_second_apart_are_cut_to_the_common_part_and_said(
     folder: StudyFolder, take: MakeTake
 ) -> None:

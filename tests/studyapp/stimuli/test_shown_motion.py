@@ -4,10 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from motion.clip import MotionClip
-from motion.errors import InputError
 from renderer.look import FIRST_AVATAR
 from studyapp.stimuli.shown_motion import (
     body_file,
@@ -48,12 +46,6 @@ def test_abilities_are_those_of_the_body_that_is_built(folder: StudyFolder) -> N
 def test_the_mannequin_has_no_face(folder: StudyFolder) -> None:
     change(folder, "video", "avatar", value="mannequin")
     assert not shown_abilities(folder, folder.study()).has_face
-
-
-def test_a_broken_matrix_is_refused(folder: StudyFolder) -> None:
-    _name_matrix(folder, (100, 51))
-    with pytest.raises(InputError, match=r"face\.npy: the expression matrix has shape"):
-        shown_abilities(folder, folder.study())
 
 
 def test_each_condition_is_told_once(folder: StudyFolder) -> None:

@@ -205,12 +205,3 @@ def test_what_only_tools_would_see_is_warned_of(
     warnings = [w for w in errors(folder, "warning") if w.startswith("files tell")]
 
     assert [said in warning for warning in warnings] == [True]
-
-
-def test_a_louder_finished_video_is_warned_of(study: Callable[..., StudyFolder]) -> None:
-    folder = study(ours=Told(sound=LOUD))
-    render(folder, processes=1)
-
-    (warning,) = [w for w in errors(folder, "warning") if "louder" in w]
-
-    assert warning.startswith("videos/ours/one.mp4 is 12.1 LU louder than videos/")

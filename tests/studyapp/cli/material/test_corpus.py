@@ -5,20 +5,14 @@ import shutil
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from studyapp.cli.main import group
 from tests.studyapp.cli.material.conftest import CORPUS, RATE
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(group, ["--debug", "corpus", *map(str, arguments)])
+from tests.studyapp.command_line import refused, run
 
 
 def test_numbers_that_make_no_corpus_are_refused_before_anything_is_written(tmp_path: Path) -> None:
     for options in (("--sentences", 12), ("--held-out-speakers", 8), ("--takes", 99)):
-        done = run(tmp_path / "corpus", *options)
-        assert done.exit_code != 0
+        refused("corpus", tmp_path / "corpus", *options)
         assert not (tmp_path / "corpus").exists()
 
 
@@ -40,10 +34,8 @@ def test_one_process_or_two_make_the_same_takes_and_those_that_are_there_are_kep
         for path in speech.parent.glob(f"{speech.stem}.*"):
             path.unlink()
 
-    done = run(folder, *CORPUS, *RATE, "--processes", 2)
-
-    assert done.exit_code == 0, done.output
-    assert "Made 2 takes" in done.stdout
-    assert "14 were there" in done.stdout
+    done = run("corpus", folder, *CORPUS, *RATE, "--processes", 2)
+    assert "Made 2 takes" in done
+    assert "14 were there" in done
     assert contents(folder) == before
     assert len(before) == 16 * 6 + 3

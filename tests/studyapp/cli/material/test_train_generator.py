@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
 from generators.registry import generator_names, trainable_names, trainable_of
 from motion.errors import InputError
 from motion.formats import read_clip
-from studyapp.cli.main import group
+from tests.studyapp.command_line import run
 from tests.support.short_training import short_training
 
 
@@ -22,27 +21,17 @@ def _short_training() -> Iterator[None]:
         yield
 
 
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(group, list(map(str, arguments)))
-
-
 def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> None:
     shown = run("train", "--help")
-    assert "evaluator" in shown.output
+    assert "evaluator" in shown
     for name in trainable_names():
-        assert trainable_of(name).summary[:40] in shown.output
-        assert run("train", name, "--help").exit_code == 0
-
-
-def test_a_choice_of_one_generators_own_is_in_its_help() -> None:
-    shown = run("train", "diffsheg", "--help").output
-    for option in ("--preset", "--ablation", "--hubert", "--config", "without_x0"):
-        assert option in shown
+        assert trainable_of(name).summary[:40] in shown
+        run("train", name, "--help")
 
 
 def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
     assert "static" in generator_names()
-    assert run("train", "static").exit_code == 2
+    run("train", "static", status=2)
     with pytest.raises(InputError, match=r"static does not learn.*Train one of diffsheg"):
         trainable_of("static")
 
@@ -50,16 +39,9 @@ def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
 def test_a_file_that_no_run_would_go_on_with_is_not_written_over(tmp_path: Path) -> None:
     out = tmp_path / "precious.safetensors"
     out.write_bytes(b"mine")
-    shown = run("train", "diffsheg", "--data", tmp_path, "--out", out)
-    assert shown.exit_code == 1
-    assert "there is a file already" in shown.output
+    shown = run("train", "diffsheg", "--data", tmp_path, "--out", out, status=1)
+    assert "there is a file already" in shown
     assert out.read_bytes() == b"mine"
-
-
-def test_a_folder_without_recordings_is_named(tmp_path: Path) -> None:
-    shown = run("train", "diffsheg", "--data", tmp_path / "none", "--out", tmp_path / "network")
-    assert shown.exit_code == 1
-    assert str(tmp_path / "none") in shown.output
 
 
 @pytest.mark.slow
@@ -73,27 +55,22 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
     given = ("train", "diffsheg", "--data", recordings, "--batch-size", 8, "--out", out)
 
     trained = run(*given, "--steps", 3)
-
-    assert trained.exit_code == 0, trained.output
-    assert f"skipped: {damaged}" in trained.stderr
-    assert "1 take skipped." in trained.stderr
-    assert "by 2 speakers" in trained.stdout
-    assert "untrained" in trained.stdout
-    assert f"Wrote {out}" in trained.stdout
+    assert f"skipped: {damaged}" in trained
+    assert "1 take skipped." in trained
+    assert "by 2 speakers" in trained
+    assert "untrained" in trained
+    assert f"Wrote {out}" in trained
     more = run(*given, "--steps", 4)
-    assert more.exit_code == 0, more.output
-    assert " of 4, where noise and reconstruction of held-out" in more.stdout
-    other = run(*given, "--steps", 5, "--ablation", "reverse")
-    assert other.exit_code == 1
-    assert "the run that was begun here is another one" in other.output
+    assert " of 4, where noise and reconstruction of held-out" in more
+    other = run(*given, "--steps", 5, "--ablation", "reverse", status=1)
+    assert "the run that was begun here is another one" in other
 
     speech = sorted(recordings.glob("2/*.wav"))[0]
     speaker = speech.stem.split("_")[1]
-    moved = run(
+    run(
         *("generate", "--generator", "diffsheg", "--checkpoint", out, "--speaker", speaker),
         *("--speech", speech, "--out", tmp_path / "clips"),
     )
-    assert moved.exit_code == 0, moved.output
     clip = read_clip(tmp_path / "clips" / f"{speech.stem}.npz")
     assert clip.provenance["speaker"] == speaker
     assert clip.provenance["dataset"] == "beat"
@@ -102,6 +79,6 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
     stranger = run(
         *("generate", "--generator", "diffsheg", "--checkpoint", out, "--speaker", "nobody"),
         *("--speech", speech, "--out", tmp_path / "others"),
+        status=1,
     )
-    assert stranger.exit_code == 1
-    assert "knows no speaker 'nobody'" in stranger.output
+    assert "knows no speaker 'nobody'" in stranger

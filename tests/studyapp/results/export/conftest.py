@@ -8,13 +8,9 @@ from pathlib import Path
 import pytest
 
 from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.export.people import FORM, SAID
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.support.stored import opened
+from tests.studyapp.taking_part_steps import taking_part
 
 
 @pytest.fixture(scope="session")
@@ -43,9 +39,5 @@ def answered(recruited_once: Callable[[str], Path], tmp_path: Path) -> Callable[
 
 def _recruit(root: Path) -> None:
     """Let somebody come by a recruiter's link, say something, and look at the first trial."""
-    served, clock = ServedStudy.read(root), SetClock()
-    with opened(root / "responses.db") as database:
-        open_study(database, served, clock)
-        participant = Participant(database, served, clock)
-        participant.token = enrol(database, served, Arrival(**SAID), clock)
-        participant.begin().look()
+    with taking_part(root) as participant:
+        participant.arrive(Arrival(**SAID)).begin().look()

@@ -14,11 +14,6 @@ from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
-def test_an_empty_study_exports_nothing_watched_or_refused(participant: Participant) -> None:
-    assert read_once(participant.database, watching_table).empty
-    assert read_once(participant.database, refusals_table).empty
-
-
 def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=30)

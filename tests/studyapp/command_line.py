@@ -1,0 +1,25 @@
+"""Running `motionjury` in the process of a test."""
+
+from __future__ import annotations
+
+from click.testing import CliRunner, Result
+
+from studyapp.cli.main import group
+
+
+def run(*arguments: object, status: int = 0, typed: str = "") -> str:
+    """Run a command line, require its exit status, and return all that it prints."""
+    done = _done(arguments, typed)
+    assert done.exit_code == status, done.output
+    return done.output
+
+
+def refused(*arguments: object) -> str:
+    """Run a command line that cannot be done, and return what it says."""
+    done = _done(arguments)
+    assert done.exit_code in (1, 2), done.output
+    return done.output
+
+
+def _done(arguments: tuple[object, ...], typed: str = "") -> Result:
+    return CliRunner().invoke(group, [*map(str, arguments)], input=typed, catch_exceptions=False)
