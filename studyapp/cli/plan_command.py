@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
-from motion.errors import InputError
-from studyapp.cli.arguments import optional_study_folder, processes, refuse_beside
+from studyapp.cli.arguments import processes, study_folder
 from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
-
-PROTOCOLS: Final = ("pairwise", "rating", "ranking", "mismatch")
 
 
 class _Several(click.ParamType[tuple[Any, ...]]):
@@ -33,8 +29,7 @@ class _Several(click.ParamType[tuple[Any, ...]]):
 
 
 @click.command("plan")
-@optional_study_folder
-@click.option("--protocol", type=click.Choice(PROTOCOLS), help="Without FOLDER: the protocol.")
+@study_folder
 @click.option(
     "--participants",
     type=_Several(click.IntRange(1, 100_000)),
@@ -63,7 +58,7 @@ class _Several(click.ParamType[tuple[Any, ...]]):
     type=click.IntRange(0, 500),
     metavar="N",
     help="Trials of each participant, of each part of a study; 0 for all segments.  [default: as "
-    "the study says; without a study, all segments]",
+    "the study says]",
 )
 @click.option(
     "--pilot",
@@ -95,56 +90,22 @@ class _Several(click.ParamType[tuple[Any, ...]]):
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     help="The folder that gets plan.json, power.csv and power.png, .svg and .pdf.  [default: "
-    "FOLDER/plan, or 'plan' here]",
+    "FOLDER/plan]",
 )
 @processes
-def command(
-    folder: StudyFolder | None,
-    protocol: str | None,
-    out: Path | None,
-    processes: int,
-    **options: Any,
-) -> None:
+def command(folder: StudyFolder, out: Path | None, processes: int, **options: Any) -> None:
     """Say how many participants and segments a study needs, by simulating it.
 
     The study in FOLDER is drawn up in several sizes; simulated people answer it; its report's own
-    tests decide. Without FOLDER, a study of one comparison (pairwise), of three conditions (rating,
-    ranking) or of one (mismatch), which asks one question of all segments, is planned:
-
-    motionjury plan --protocol pairwise --participants 25,50,100 --items 24,48 --effect .2,.4
+    tests decide. Without speech yet, --items says how many segments it will have.
     """
     # Imported here: statistics take seconds to load, which --help need not wait for.
     from analysis.planning.words import sentences
     from analysis.planning.writing import lines
-    from studyapp.planning.plan import Options, plan_sketch, plan_study
+    from studyapp.planning.plan import Options, plan_study
 
-    asked = Options(**options)
-    where = out or (folder.root / "plan" if folder is not None else Path("plan"))
-    if folder is not None:
-        refuse_beside({"--protocol": protocol}, "a study folder, which says it itself")
+    where = out or folder.root / "plan"
     with progress("simulating", "cell") as show:
-        if folder is not None:
-            found = plan_study(folder, asked, where, processes=processes, show=show)
-        else:
-            named = _complete(protocol, options)
-            found = plan_sketch(named, asked, where, processes=processes, show=show)
+        found = plan_study(folder, Options(**options), where, processes=processes, show=show)
     click.echo("\n".join((*lines(found), "", *sentences(found), "")))
     click.echo(f"The figure is {where / 'power.png'}, the numbers are {where / 'power.csv'}")
-
-
-def _complete(protocol: str | None, options: Mapping[str, Any]) -> str:
-    """Return the protocol; `InputError` where something that a study would say is missing."""
-    missing = [f"--{name}" for name in ("participants", "items") if not options[name]]
-    if protocol is not None and not missing:
-        return protocol
-    if protocol is None and len(missing) == 2:
-        raise InputError(
-            "there is nothing to plan",
-            remedy="Name a study folder, or say what study it is: --protocol pairwise "
-            "--participants 25,50,100 --items 24,48",
-        )
-    raise InputError(
-        f"{', '.join([*([] if protocol else ['--protocol']), *missing])} is missing for a plan "
-        "without a study folder",
-        remedy="Give --protocol, --participants and --items",
-    )

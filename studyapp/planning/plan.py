@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from analysis.planning.grid import FEWEST_QUICK, Runner, Show
-from analysis.planning.part import Opinions, Size, Sketch, Test
+from analysis.planning.part import Opinions, Size, Test
 from analysis.planning.plan import Plan, Request, plan
 from analysis.planning.power import FEWEST_EXACT, Effort
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
-from studyapp.planning.pilot import Pilot, read_pilot
+from studyapp.planning.pilot import read_pilot
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
@@ -26,22 +24,10 @@ from studyapp.planning.planned_study import (
     with_trials,
 )
 from studyapp.study.folder import StudyFolder
-
-SKETCHES: Final[Mapping[str, Sketch]] = MappingProxyType(
-    {
-        "pairwise": Sketch(kind="pairs"),
-        "rating": Sketch(kind="ratings", conditions=3),
-        "ranking": Sketch(kind="rankings", conditions=3),
-        "mismatch": Sketch(kind="pairs", levels=3),
-    }
-)
-"""The plainest study of each protocol, which is planned where there is no study file."""
+from studyapp.study.settings.study import Study
 
 MINUTES: Final = 2.0
 """About how long a plan may take on two processors where no precision is asked for."""
-
-SEED: Final = 1
-"""Of a study that has no file."""
 
 TIMES_PARTICIPANTS: Final = (1, 2, 4, 8)
 TIMES_ITEMS: Final = (1, 2)
@@ -96,112 +82,46 @@ def plan_study(
     segments = planned_segments(folder, study, options.items)
     if options.trials is not None:
         study = with_trials(study, options.trials or max(options.items or (len(segments),)))
-    pilot = _pilot(options, study.protocol)
+    pilot = None if options.pilot is None else read_pilot(options.pilot, study.protocol)
     excluded = excluded_by_default(study) if pilot is None else pilot.excluded
-    stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
     own = own_participants(study), len(segments)
-    # Of a study without speech, only what is asked for can be meant.
-    as_it_stands = own if has_segments(folder, study) or len(options.items) == 1 else None
+    participants = options.participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS)
+    items = options.items or tuple(own[1] * n for n in TIMES_ITEMS)
     planned = PlannedStudy(study=study, segments=segments, test=options.test, excluded=excluded)
-    return _planned(
-        options,
-        pilot,
-        out,
+    _refuse_huge(planned.size(1, max(items)), max(participants))
+    stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
+    source, opinions = "As the study file states" if stated else "Assumed", _opinions(study)
+    # Of a study without speech, only what is asked for can be meant.
+    stands = has_segments(folder, study) or len(options.items) == 1
+    request = Request(
         title=study.title,
         protocol=study.protocol,
         size=planned.size,
-        participants=options.participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS),
-        items=options.items or tuple(own[1] * n for n in TIMES_ITEMS),
-        own=as_it_stands,
-        per_comparison=len(study.arms) > 1,
-        opinions=Opinions(
-            participant_sd=study.rehearsal.participants_differ,
-            item_sd=study.rehearsal.segments_differ,
-        ),
-        source="As the study file states" if stated else "Assumed",
-        excluded=excluded,
-        seed=study.seed,
-        notes=notes_of(study),
-        processes=processes,
-        show=show,
-    )
-
-
-def plan_sketch(
-    protocol: str,
-    options: Options,
-    out: Path,
-    *,
-    processes: int = 1,
-    show: Show | None = None,
-) -> Plan:
-    """Simulate a study that has no file yet, and write what it finds into `out`."""
-    pilot = _pilot(options, protocol)
-    excluded = 0.0 if pilot is None else pilot.excluded
-    sketch = replace(SKETCHES[protocol], trials=options.trials or None, test=options.test)
-    return _planned(
-        options,
-        pilot,
-        out,
-        title=f"A {protocol} study",
-        protocol=protocol,
-        size=lambda participants, items: sketch.size(participants, items, excluded=excluded),
-        participants=options.participants,
-        items=options.items,
-        own=None,
-        per_comparison=False,
-        opinions=Opinions(),
-        source="Assumed",
-        excluded=excluded,
-        seed=SEED,
-        notes=(),
-        processes=processes,
-        show=show,
-    )
-
-
-def _planned(
-    options: Options,
-    pilot: Pilot | None,
-    out: Path,
-    *,
-    title: str,
-    protocol: str,
-    size: Callable[[int, int], Size],
-    participants: Sequence[int],
-    items: Sequence[int],
-    own: tuple[int, int] | None,
-    per_comparison: bool,
-    opinions: Opinions,
-    source: str,
-    excluded: float,
-    seed: int,
-    notes: tuple[str, ...],
-    processes: int,
-    show: Show | None,
-) -> Plan:
-    _refuse_huge(size(1, max(items)), max(participants))
-    request = Request(
-        title=title,
-        protocol=protocol,
-        size=size,
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
         effects=tuple(sorted(set(options.effects))),
-        own=own,
-        per_comparison=per_comparison,
+        own=own if stands else None,
+        per_comparison=len(study.arms) > 1,
         opinions=opinions if pilot is None else pilot.opinions,
         source=source if pilot is None else pilot.source,
         excluded=excluded,
         pay=options.pay,
         effort=_effort(options.precision or Effort.precision),
         minutes=MINUTES if options.precision is None else math.inf,
-        seed=seed,
-        notes=(*notes, *(pilot.notes if pilot is not None else ())),
+        seed=study.seed,
+        notes=(*notes_of(study), *(pilot.notes if pilot is not None else ())),
     )
     found = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
     write_plan(found, out)
     return found
+
+
+def _opinions(study: Study) -> Opinions:
+    """Return how opinions differ, as far as the study file says it."""
+    return Opinions(
+        participant_sd=study.rehearsal.participants_differ,
+        item_sd=study.rehearsal.segments_differ,
+    )
 
 
 def _effort(precision: float) -> Effort:
@@ -212,10 +132,6 @@ def _effort(precision: float) -> Effort:
         exact=max(FEWEST_EXACT, int(Effort.exact * times)),
         precision=precision,
     )
-
-
-def _pilot(options: Options, protocol: str) -> Pilot | None:
-    return None if options.pilot is None else read_pilot(options.pilot, protocol)
 
 
 def _refuse_huge(alone: Size, participants: int) -> None:

@@ -1,26 +1,22 @@
-"""The study of DiffSHEG's section 4.3, from recordings and a network to its report.
-
-`test_whole_line` starts every command as a program of its own; here they share one process, which
-loads what they need once.
-"""
+"""The study of DiffSHEG's section 4.3, from recordings and a network to its report."""
 
 from __future__ import annotations
 
+import contextlib
 import csv
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from motion.formats.beat_tracks import write_arkit_json
-from studyapp.cli.main import group
 from tests.edited_study import edited
 from tests.generators.diffsheg.small_network import written_network
+from tests.studyapp.command_line import run
 
 pytestmark = pytest.mark.slow
 
@@ -39,14 +35,13 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def motionjury(home: Path) -> Callable[..., str]:
-    def run(*arguments: object) -> str:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.chdir(home)
-            done = CliRunner().invoke(group, [*map(str, arguments)], catch_exceptions=False)
-        assert done.exit_code == 0, done.output
-        return done.output
+    """Return what runs a command where the researcher is."""
 
-    return run
+    def within(*arguments: object) -> str:
+        with contextlib.chdir(home):
+            return run(*arguments)
+
+    return within
 
 
 def record(home: Path, name: str, pitch: float) -> None:
@@ -135,3 +130,15 @@ def test_the_report_draws_the_ranks_of_both_blocks(study: Path) -> None:
     for part in RANKED:
         assert part in page
     assert list((study / "report" / "figures").glob("*.pdf"))
+    for outside in ('src="http', 'href="http', "@import", "url(http"):
+        assert outside not in page
+
+
+def test_every_stage_done_again_makes_nothing_new(
+    study: Path, motionjury: Callable[..., str]
+) -> None:
+    assert "Generated 0 clips" in motionjury("generate", study)
+    assert "Rendered 0 videos" in motionjury("render", study)
+    assert f"{PARTICIPANTS} of them in an earlier run" in motionjury("rehearse", study)
+    assert "Wrote 0 answers" in motionjury("export", study)
+    assert not (study / "responses.db").exists()

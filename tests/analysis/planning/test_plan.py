@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 from analysis.planning.grid import Runner, Task, minutes_of, within
-from analysis.planning.part import Opinions, Sketch
+from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.power import Effort
 from analysis.planning.words import sentences
 from analysis.planning.writing import write_plan
+from tests.analysis.planning.sketch import Sketch
 
 SKETCH = Sketch(kind="pairs", comparisons=3, own_participants=True)
 REQUEST = Request(

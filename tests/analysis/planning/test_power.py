@@ -9,7 +9,7 @@ from analysis.planning import grid
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.grid import Task, simulated
 from analysis.planning.many_studies import drawn_answers
-from analysis.planning.part import Opinions, Part, Sketch
+from analysis.planning.part import Opinions, Part
 from analysis.planning.power import Effort, Power, power_of
 from analysis.results.net_preference import (
     SidedAnswers,
@@ -17,6 +17,7 @@ from analysis.results.net_preference import (
 )
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm_rows
+from tests.analysis.planning.sketch import Sketch
 
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
 QUICK = Effort(quick=400, exact=40)

@@ -1,3 +1,5 @@
+"""Pages are read as they were served; what a person could not use is named."""
+
 from __future__ import annotations
 
 import pytest
@@ -11,80 +13,102 @@ TRIAL = """
 <form method="post" id="answers" action="/answer">
   <input type="hidden" name="trial" value="abc">
   <input type="hidden" name="csrf_token" value="xyz">
-  <fieldset>
-    <label><input type="radio" name="rhythm" value="-2"> clearly A</label>
-    <label><input type="radio" name="rhythm" value="-1"> slightly A</label>
-    <label><input type="radio" name="rhythm" value="0"> no difference</label>
-    <label><input type="radio" name="rhythm" value="1"> slightly B</label>
-    <label><input type="radio" name="rhythm" value="2"> clearly B</label>
-  </fieldset>
-  <button type="button" name="replay">Replay</button>
+  <label><input type="radio" name="rhythm" value="-1"> slightly A</label>
+  <label><input type="radio" name="rhythm" value="0"> no difference</label>
+  <select name="realism:1" aria-label="Rank of A"><option value="">choose …</option>
+    <option value="1">1</option><option value="2">2</option></select>
+  <label for="age">Age</label> <input type="number" id="age" name="age" min="18" max="99">
+  <label><input type="checkbox" name="fit:reasons" value="hands"> the hands</label>
+  <label><input type="checkbox" name="fit:reasons" value="face"> the face</label>
+  <label><input type="checkbox" name="agree" required> Yes</label>
+  <span id="said">Anything else?</span> <textarea name="comment" aria-labelledby="said"></textarea>
+  <div hidden><button type="button"></button></div>
   <button form="unplayable" name="skip" value="yes">Go on without this video</button>
 </form>
 <form method="post" id="unplayable"></form>
 <button form="answers" name="go" value="next">Next</button>
 """
 
+ANSWERS = {"rhythm": ("-1",), "realism:1": ("2",), "age": ("31",), "comment": ("–",)}
+
 
 def trial(html: str = TRIAL) -> Page:
     return Page("http://study.test/p/trial", html)
 
 
-def fill(page: Page, value: str) -> dict[str, list[str]]:
-    return page.filled(page.answer_form, {"rhythm": (value,)})
+def fill(page: Page, answers: dict[str, tuple[str, ...]]) -> dict[str, list[str]]:
+    return page.filled(page.answer_form, answers)
 
 
-def test_a_form_is_filled_with_what_the_page_sent_along() -> None:
-    page = trial()
+def test_a_form_is_filled_with_answers_and_all_that_a_browser_sends_along() -> None:
+    page, answers = trial(), {**ANSWERS, "fit:reasons": ("hands", "face")}
+
     assert page.target(page.answer_form) == "http://study.test/answer"
-    assert fill(page, "-1") == {
+    assert fill(page, answers) == {
         "trial": ["abc"],
         "csrf_token": ["xyz"],
-        "rhythm": ["-1"],
+        "agree": ["on"],
         "go": ["next"],
+        **{name: list(values) for name, values in answers.items()},
     }
 
 
-def test_a_player_is_read_with_its_addresses() -> None:
-    (player,) = trial().players
-    assert player.source == "http://study.test/media/t0ken.mp4"
-    assert player.watched_address == "http://study.test/watched/7"
-    assert player.duration == 5.2
-    assert "t0ken" in player.token_candidates
+def test_boxes_may_stay_empty_and_everything_else_waits_for_an_answer() -> None:
+    assert trial().answer_form.asked == set(ANSWERS)
+    assert "fit:reasons" not in fill(trial(), ANSWERS)
+    with pytest.raises(BrokenPageError, match="asks age, comment, rhythm, which"):
+        fill(trial(), {"realism:1": ("1",)})
 
 
-def test_all_players_of_a_page_are_read_in_their_order() -> None:
-    second = '<video data-duration="2" data-watched-url="/watched/8"><source src="/b.mp4"></video>'
-    players = trial(TRIAL + second).players
-    assert [player.source.rpartition("/")[2] for player in players] == ["t0ken.mp4", "b.mp4"]
-
-
-def test_a_form_without_an_action_is_sent_back_to_its_own_page() -> None:
-    page = Page("http://study.test/consent", "<form method=post><button>I agree</button></form>")
-    assert page.target(page.next_form) == "http://study.test/consent"
-
-
-def test_a_form_sent_by_get_leads_nowhere() -> None:
-    page = Page("http://study.test/", "<form><button>Go</button></form>")
-    with pytest.raises(BrokenPageError, match="no form that leads on"):
-        _ = page.next_form
+@pytest.mark.parametrize(
+    ("field", "value", "named"),
+    [
+        ("realism:1", "3", "offers no '3' for 'realism:1'"),
+        ("realism:1", "", "offers no ''"),
+        ("rhythm", "2", "offers no '2' for 'rhythm'"),
+        ("age", "17", "takes no '17' for 'age'"),
+        ("fit:reasons", "voice", "offers no 'voice'"),
+        ("fit", "1", "does not ask the question 'fit'"),
+    ],
+)
+def test_what_a_person_could_not_answer_is_named(field: str, value: str, named: str) -> None:
+    with pytest.raises(BrokenPageError, match=named):
+        fill(trial(), {**ANSWERS, field: (value,)})
 
 
 @pytest.mark.parametrize(
     ("lost", "named"),
     [
-        ('name="rhythm"', "does not ask the question 'rhythm'"),
-        ('value="-1"', "offers no '-1' for 'rhythm'"),
         ('<button form="answers" name="go" value="next">Next</button>', "no button"),
         ('id="answers"', "no form with the id 'answers'"),
         ('name="trial"', "hidden field 'trial'"),
+        (' aria-label="Rank of A"', "has no words beside 'realism:1'"),
+        ("Age", "has no words beside 'age'"),
+        (' for="age"', "has no words beside 'age'"),
+        (" the face", "has no words beside 'fit:reasons'"),
+        ("Anything else?", "has no words beside 'comment'"),
+        (">Next<", "has no words beside 'go'"),
     ],
 )
-def test_a_form_that_lacks_what_an_answer_needs_is_named(lost: str, named: str) -> None:
+def test_a_form_that_lacks_what_a_person_needs_is_named(lost: str, named: str) -> None:
+    left = "><" if lost == ">Next<" else ""
+
     with pytest.raises(BrokenPageError, match=named) as caught:
-        fill(trial(TRIAL.replace(lost, "")), "-1")
+        fill(trial(TRIAL.replace(lost, left)), ANSWERS)
+
     assert "Trial 7 of 30" in str(caught.value)
     assert "/p/trial" in str(caught.value)
+
+
+def test_all_players_of_a_page_are_read_with_their_addresses_in_their_order() -> None:
+    second = '<video data-duration="2" data-watched-url="/watched/8"><source src="/b.mp4"></video>'
+    first, other = trial(TRIAL + second).players
+
+    assert first.source == "http://study.test/media/t0ken.mp4"
+    assert first.watched_address == "http://study.test/watched/7"
+    assert first.duration == 5.2
+    assert "t0ken" in first.token_candidates
+    assert other.source == "http://study.test/b.mp4"
 
 
 @pytest.mark.parametrize(
@@ -101,6 +125,13 @@ def test_a_video_that_cannot_be_watched_is_named(lost: str, named: str) -> None:
         _ = trial(TRIAL.replace(lost, "")).players
 
 
+def test_the_next_step_is_a_form_sent_by_post_to_its_own_page_unless_it_says_where() -> None:
+    page = Page("http://study.test/consent", "<form method=post><button>I agree</button></form>")
+    assert page.target(page.next_form) == "http://study.test/consent"
+    with pytest.raises(BrokenPageError, match="no form that leads on"):
+        _ = Page("http://study.test/", "<form><button>Go</button></form>").next_form
+
+
 def test_sounds_are_told_from_the_sound_of_videos() -> None:
     html = """<audio controls src="/sound/x.wav"></audio>
       <audio><source src="/sound/y.wav"></audio>
@@ -110,12 +141,8 @@ def test_sounds_are_told_from_the_sound_of_videos() -> None:
 
 
 def test_a_completion_code_is_read_from_its_place_alone() -> None:
+    assert trial().completion_code is None
     page = Page("http://study.test/done", '<p>Thanks</p><output id="completion-code"> K7 </output>')
     assert page.completion_code == "K7"
-    assert trial().completion_code is None
-
-
-def test_an_empty_completion_code_is_an_error() -> None:
-    page = Page("http://study.test/done", '<output id="completion-code"></output>')
     with pytest.raises(BrokenPageError, match="empty completion code"):
-        _ = page.completion_code
+        _ = Page("http://study.test/", '<output id="completion-code"></output>').completion_code

@@ -1,0 +1,82 @@
+"""Plain studies of any size, for tests of planning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.planning.part import Kind, Part, Size, Test, Trials, kept
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sketch:
+    """A study without a file: everybody judges items along a ring, all equally often.
+
+    Attributes
+    ----------
+    kind : {'pairs', 'ratings', 'rankings'}
+        How conditions are judged.
+    conditions : int
+        How many every trial shows.
+    comparisons : int
+        How often the same is done: comparisons of two conditions, or motions that are heard with
+        their own and another's speech.
+    own_participants : bool
+        Whether each of them has participants of its own.
+    questions : int
+        Asked of every trial.
+    trials : int or None
+        Of each participant and comparison; None for one of each item.
+    levels : int
+        Points of the scale.
+    test : {'report', 'crossed_lmm'}
+        What decides.
+    """
+
+    kind: Kind
+    conditions: int = 2
+    comparisons: int = 1
+    own_participants: bool = False
+    questions: int = 1
+    trials: int | None = None
+    levels: int = 5
+    test: Test = "report"
+
+    def size(self, participants: int, items: int, *, excluded: float) -> Size:
+        """Return the study with so many participants and items.
+
+        Parameters
+        ----------
+        excluded : float
+            Share of participants who will be left out.
+        """
+        analysed = kept(participants, excluded)
+        trials = items if self.trials is None else min(self.trials, items)
+        numbers = np.arange(analysed * trials)
+        who, what = numbers // max(trials, 1), numbers % max(items, 1)
+        pairs = self.kind == "pairs"
+        left = np.asarray((who + what) % 2, np.intp) if pairs else None
+        part = Part(
+            name="",
+            kind=self.kind,
+            trials=Trials(
+                participants=who.astype(np.intp),
+                items=what.astype(np.intp),
+                conditions=self.conditions,
+                left=left,
+                right=None if left is None else 1 - left,
+            ),
+            levels=self.levels,
+            blocks=self.questions * self.comparisons,
+            family="",
+            test=self.test,
+        )
+        return Size(
+            participants=participants,
+            items=items,
+            recruited=participants * (self.comparisons if self.own_participants else 1),
+            analysed=analysed,
+            trials=trials * (1 if self.own_participants else self.comparisons),
+            parts=(part,),
+        )
