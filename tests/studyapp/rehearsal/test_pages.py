@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
 from studyapp.rehearsal.pages import BrokenPageError, Page
@@ -36,7 +38,7 @@ def trial(html: str = TRIAL) -> Page:
     return Page("http://study.test/p/trial", html)
 
 
-def fill(page: Page, answers: dict[str, tuple[str, ...]]) -> dict[str, list[str]]:
+def fill(page: Page, answers: Mapping[str, tuple[str, ...]]) -> dict[str, list[str]]:
     return page.filled(page.answer_form, answers)
 
 
