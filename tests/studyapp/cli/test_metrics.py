@@ -36,7 +36,7 @@ def test_scores_are_shown_and_written_and_damaged_files_are_counted(
 
 
 def test_a_missing_score_is_a_dash_with_its_reason(generated: Path) -> None:
-    shown = run("metrics", "--generated", generated, "--preset", "diffsheg")
+    shown = run("metrics", "--generated", generated, "--preset", "diffsheg", status=1)
     row = next(line for line in shown.splitlines() if line.startswith("mean distance"))
     assert "–" in row
     assert "a distance needs two clips" in shown
