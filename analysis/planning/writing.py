@@ -146,7 +146,7 @@ def power_figure(plan: Plan) -> Figure:
         _line(place, [], [], label=segments(items))
         for place, items in enumerate(plan.request.items)
     ]
-    if plan.request.own is not None:
+    if _own_size(plan) is not None:
         signs.append(_ring([], [], label="the study as it stands"))
     columns = min(3, len(plan.request.effects))
     what = PanelFigure(
@@ -159,9 +159,15 @@ def power_figure(plan: Plan) -> Figure:
     return draw_sheet(what, list(panels)).figure
 
 
+def _own_size(plan: Plan) -> tuple[int, int] | None:
+    """Return participants and segments of the study as it stands, where that size is drawn."""
+    own, sizes = plan.request.own, (plan.request.participants, plan.request.items)
+    return own if own is not None and own[0] in sizes[0] and own[1] in sizes[1] else None
+
+
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
     axes.axhline(WANTED, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
-    people = sorted(set(plan.request.participants))
+    people, own_size = sorted(set(plan.request.participants)), _own_size(plan)
     for place, items in enumerate(plan.request.items):
         cells = [plan.cell(count, items, effect) for count in people]
         powers = [cell.powers[number] for cell in cells if cell is not None]
@@ -169,8 +175,8 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
         colour, _ = sign_of(place)
         axes.add_line(_line(place, people, found))
         axes.errorbar(people, found, yerr=_reach(powers), fmt="none", ecolor=colour, elinewidth=0.8)
-        if plan.request.own is not None and plan.request.own[1] == items:
-            count = plan.request.own[0]
+        if own_size is not None and own_size[1] == items:
+            count = own_size[0]
             own = [power for power, each in zip(found, people, strict=True) if each == count]
             axes.add_line(_ring([count] * len(own), own))
     axes.set_ylim(0, 1)
