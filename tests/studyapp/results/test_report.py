@@ -169,5 +169,9 @@ def test_what_the_study_file_did_not_state_beforehand_is_exploratory(answered: A
         "cannot be applied: no question has 500 answers that could be alike"
     )
     said = page.read_text("utf-8")
-    for what in ("attention&gt;2 was not in", "attention&gt;1 was in", "margin of 0.5 was not in"):
+    for what in (
+        "attention&gt;2 and straight_lining&gt;=1,trials=500 was not in",
+        "attention&gt;1 was in",
+        "margin of 0.5 was not in",
+    ):
         assert f"{what} the study file when the first participant came" in said
