@@ -20,15 +20,6 @@ from studyapp.study.folder import StudyFolder
 )
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
 @click.option(
-    "--browser",
-    "browsers",
-    type=click.IntRange(0, 64),
-    default=0,
-    show_default=True,
-    help="How many of the first to come take part in a real browser, in real time; all others "
-    "without one.",
-)
-@click.option(
     "--speed",
     type=click.FloatRange(1, 1000),
     default=SPEED,
@@ -39,7 +30,6 @@ def command(
     folder: StudyFolder,
     participants: int | None,
     seed: int,
-    browsers: int,
     speed: float,
 ) -> None:
     """Let simulated participants take the study FOLDER over real HTTP.
@@ -57,7 +47,6 @@ def command(
             folder,
             participants=participants,
             seed=seed,
-            browsers=browsers,
             speed=speed,
             on_done=show,
         )

@@ -16,7 +16,7 @@ from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.simulation.judgement import Conduct, Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, Sight
-from studyapp.rehearsal.visit import Departure, PlainVisit, Visit
+from studyapp.rehearsal.visit import Departure, Visit
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.participant import FORM_FIELD
 
@@ -88,11 +88,7 @@ class Participant:
         InterruptedRehearsal
             If the rehearsal was stopped.
         """
-        visit = PlainVisit(client=client, stop=self.stop, speed=self.speed)
-        return self.go_through(visit, is_back=is_back)
-
-    def go_through(self, visit: Visit, *, is_back: bool) -> str:
-        """Do so in a visit of any kind."""
+        visit = Visit(client=client, stop=self.stop, speed=self.speed)
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0

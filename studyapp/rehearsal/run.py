@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
@@ -14,7 +14,6 @@ import httpx
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.rehearsal.bookkeeping import Ledger
-from studyapp.rehearsal.browser import by_browser, require_browser
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.resumption import Roster, call_roster, let_time_pass, prepare
@@ -62,7 +61,6 @@ def rehearse(
     population: Population | None = None,
     speed: float = SPEED,
     workers: int = WORKERS,
-    browsers: int = 0,
     on_done: Callable[[int, int], None] = lambda _done, _wanted: None,
 ) -> RehearsalResult:
     """Let simulated participants take the study over real HTTP.
@@ -85,8 +83,6 @@ def rehearse(
         How much faster than real the rehearsal's clock runs; at least 1.
     workers : int
         How many take part at the same time; it changes no answer.
-    browsers : int
-        How many of those who come first take part in a real browser, in real time.
     on_done : callable
         Called with (finished participants, all participants).
 
@@ -94,13 +90,10 @@ def rehearse(
     ------
     InputError
         If the study is not ready or being rehearsed already, more participants are asked for
-        than it has places, or a page lacks what a participant needs; or if a browser is
-        wanted and there is none.
+        than it has places, or a page lacks what a participant needs.
     """
     study = ServedStudy.read(folder.root).study
     count = _checked_count(folder, study, participants)
-    if browsers:
-        require_browser()
     busy = InputError(
         "this study is being rehearsed already",
         where=folder.root,
@@ -126,12 +119,7 @@ def rehearse(
                 speed=speed,
                 stop=Event(),
             )
-            crowd = Crowd(
-                like=somebody,
-                ledger=Ledger(folder.acknowledged),
-                server=server,
-                in_browser=roster.remaining[:browsers],
-            )
+            crowd = Crowd(like=somebody, ledger=Ledger(folder.acknowledged), server=server)
             crowd.take_part(roster, workers=workers, on_done=on_done)
             roster = call_roster(database, count, truth)
         let_time_pass(database, roster, study.lease_minutes)
@@ -175,14 +163,11 @@ class Crowd:
         Where they note what they are told.
     server : str
         Address of the study's server.
-    in_browser : collection of str
-        Who of them takes part in a real browser.
     """
 
     like: Participant
     ledger: Ledger
     server: str
-    in_browser: Collection[str] = ()
 
     def take_part(
         self, roster: Roster, *, workers: int, on_done: Callable[[int, int], None]
@@ -237,11 +222,8 @@ class Crowd:
         if is_back:
             self.ledger.returned(name)
         try:
-            if name in self.in_browser:
-                by_browser(participant, self.server, is_back)
-            else:
-                with study_client(self.server) as client:
-                    participant.take_part(client, is_back=is_back)
+            with study_client(self.server) as client:
+                participant.take_part(client, is_back=is_back)
         except Departure as departure:
             if departure.returns:
                 self.ledger.left(name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ssl
-from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Event
@@ -55,11 +54,13 @@ class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
 
 
 @dataclass(frozen=True, kw_only=True)
-class Visit(ABC):
-    """One browser window, or what stands for it.
+class Visit:
+    """What stands for one browser window: its requests.
 
     Attributes
     ----------
+    client : httpx.Client
+        Follows redirects.
     stop : Event
         Set when the rehearsal is to stop.
     speed : float
@@ -72,17 +73,22 @@ class Visit(ABC):
         Whether every button is pressed twice, as fast as that goes.
     """
 
+    client: httpx.Client
     stop: Event
     speed: float
     watches: float = 1.0
     thinks: float = 0.0
     clicks_twice: bool = False
 
-    @abstractmethod
+    def rest(self, seconds: float) -> None:
+        """Let so much time pass on the rehearsal's clock."""
+        if self.stop.wait(seconds / self.speed):
+            raise InterruptedRehearsal
+
     def open(self, address: str) -> Page:
         """Return the page at `address`, after redirects."""
+        return _page(self.client.get(address))
 
-    @abstractmethod
     def send(self, page: Page, form: Form, answers: FormFields) -> Page:
         """Send `form` of `page` with `answers` and return the page that follows.
 
@@ -91,39 +97,6 @@ class Visit(ABC):
         BrokenPageError
             If it is not taken; from who clicks twice, both must be.
         """
-
-    @abstractmethod
-    def watch(self, page: Page) -> None:
-        """Play the videos on `page`, one after the other, and think."""
-
-    @abstractmethod
-    def listen(self, page: Page) -> None:
-        """Hear what can be listened to on `page`."""
-
-    def rest(self, seconds: float) -> None:
-        """Let so much time pass on the rehearsal's clock."""
-        if self.stop.wait(seconds / self.speed):
-            raise InterruptedRehearsal
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlainVisit(Visit):
-    """A visit without a browser: its requests alone.
-
-    Attributes
-    ----------
-    client : httpx.Client
-        Follows redirects.
-    """
-
-    client: httpx.Client
-
-    def open(self, address: str) -> Page:
-        """Return the page at `address`, after redirects."""
-        return _page(self.client.get(address))
-
-    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
-        """Send `form` of `page` with `answers` and return the page that follows."""
         data = page.filled(form, answers)
         if self.stop.is_set():
             raise InterruptedRehearsal

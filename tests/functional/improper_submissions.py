@@ -15,7 +15,7 @@ from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.raters import SeenTrial
-from studyapp.rehearsal.visit import PlainVisit, Visit
+from studyapp.rehearsal.visit import Visit
 from studyapp.study.design.trial import AnswerKey
 from studyapp.study.settings.questions import LONGEST_TEXT, FormQuestion
 from studyapp.web.participants.participant import FORM_FIELD
@@ -51,7 +51,6 @@ class Attacker(Participant):
         if trial.part in self.attacked:
             return super().answer(visit, page, judgement)
         self.attacked.add(trial.part)
-        assert isinstance(visit, PlainVisit)
         client, target = visit.client, page.target(page.answer_form)
         good = page.filled(page.answer_form, judgement.fields())
         self._report_nonsense(client, page)
@@ -70,7 +69,6 @@ class Attacker(Participant):
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
         """Fill in the form of `page`; before it, try improper answers, and afterwards it again."""
-        assert isinstance(visit, PlainVisit)
         good, target = page.filled(page.next_form, answers), page.target(page.next_form)
         for what, spoilt in self._spoilt_forms(page, good):
             self.refused(what, visit.client, target, spoilt)

@@ -5,19 +5,18 @@ With ``SCREENSHOTS=folder`` in the environment pages are also taken in every siz
 
 from __future__ import annotations
 
-import re
 import shutil
 import time
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Route, expect
+from playwright.sync_api import Page, Route, expect
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Response, StudySession, Trial
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS
-from tests.functional.looking import LAPTOP, SIZES, photograph
+from tests.functional.looking import SIZES, photograph
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -352,25 +351,6 @@ def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
 
     expect_trial(second, 2)
     assert answers(page, database) == [(1, "rhythm", -2), (1, "emotion", -2)]
-
-
-def test_withdrawing_is_always_possible(page: Page, address: str, database: Database) -> None:
-    take_part(page, address)
-
-    page.get_by_role("link", name="withdraw").click()
-    page.get_by_role("button", name="Yes, withdraw").click()
-
-    expect(page.get_by_role("heading", level=1)).to_have_text("You have withdrawn")
-
-
-def test_an_unknown_address_is_a_friendly_page(browser: Browser, address: str) -> None:
-    lost = browser.new_page(viewport=LAPTOP)
-
-    lost.goto(f"{address}/take/nobody")
-
-    expect(lost.get_by_role("heading", level=1)).to_have_text(re.compile("no participant"))
-    photograph(lost, "8-unknown-address")
-    lost.close()
 
 
 def test_a_browser_that_forbids_storage_can_take_part(

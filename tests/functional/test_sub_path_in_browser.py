@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, serving
+from tests.functional.every_page import shown
 from tests.functional.looking import LAPTOP, photograph
 from tests.functional.mturk_frame import (
     TASK,
@@ -102,3 +103,13 @@ def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
         url.split(f"{PREFIX}/")[-1].split("/")[0] for url in here
     }
     context.close()
+
+
+def test_no_other_site_can_show_it_in_a_frame(browser: Browser, study: Path) -> None:
+    context = browser.new_context()
+    with shown(study) as (address, _app):
+        page = frame_of(context, "https://evil.example", f"{address}/")
+        with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
+            page.goto("https://evil.example/")
+        assert page.frame_locator("iframe").locator("#start").count() == 0
+        context.close()

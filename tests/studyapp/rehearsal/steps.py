@@ -18,7 +18,7 @@ from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.visit import PlainVisit, Visit
+from studyapp.rehearsal.visit import Visit
 from studyapp.study.folder import StudyFolder
 
 SPEED = 200.0
@@ -91,7 +91,7 @@ def answering(participant: Participant, answer: AnswerTrial) -> Participant:
 
 def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visit, Page]:
     """Lead `participant` to the first trial."""
-    visit = PlainVisit(client=client, stop=Event(), speed=SPEED)
+    visit = Visit(client=client, stop=Event(), speed=SPEED)
     page = visit.open(participant.entrance)
     while not page.asks:
         page = participant.fill(visit, page, participant.say(visit, page))
