@@ -8,6 +8,7 @@ import click
 
 from motion.errors import InputError
 from studyapp.cli.arguments import study_folder
+from studyapp.cli.output import counted, sign_of_life
 from studyapp.preflight.check import check, finished_videos
 from studyapp.preflight.finding import record, summed_up, told
 from studyapp.study.folder import StudyFolder
@@ -18,7 +19,12 @@ from studyapp.study.folder import StudyFolder
 @click.option(
     "--json", "as_json", is_flag=True, help="Print what is found as JSON, for programs to read."
 )
-@click.option("--all", "everything", is_flag=True, help="Tell findings of one kind one by one.")
+@click.option(
+    "--verbose",
+    "everything",
+    is_flag=True,
+    help="Tell notes too, and all findings of one kind one by one.",
+)
 @click.option(
     "--address",
     metavar="URL",
@@ -37,7 +43,13 @@ def command(
     Errors must be fixed; the exit status is 1 with errors alone. Warnings want a decision, notes
     are worth knowing. docs/check.md lists every finding with its remedy.
     """
-    findings = check(folder, address=address, pilot=None if pilot is None else StudyFolder(pilot))
+    with sign_of_life("check") as show:
+        findings = check(
+            folder,
+            address=address,
+            pilot=None if pilot is None else StudyFolder(pilot),
+            on_step=show,
+        )
     made = record(folder.root.resolve().name, findings)
     if as_json:
         click.echo(made.model_dump_json(indent=1))
@@ -55,4 +67,5 @@ def command(
             f"{things} must be fixed before participants can take part ({summed_up(made)})",
             where=folder.root,
         )
-    click.echo(f"{folder.root} can be served ({summed_up(made)}).")
+    notes = f"; --verbose tells {counted(made.notes, 'note')}" if made.notes > 0 else ""
+    click.echo(f"{folder.root} can be served: {summed_up(made)}{'' if everything else notes}.")

@@ -61,6 +61,13 @@ def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
         bar.leave = True
 
 
+@contextmanager
+def sign_of_life(title: str) -> Iterator[Callable[[str], None]]:
+    """Yield what shows in a terminal what is being done, until it is done; a log gets nothing."""
+    with tqdm(bar_format=f"{title}: {{desc}}", leave=False, disable=None) as line:
+        yield line.set_description_str
+
+
 def _show_nothing(done: int, total: int, detail: str = "") -> None:
     """Leave it to the leading process."""
 

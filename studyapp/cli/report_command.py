@@ -14,6 +14,7 @@ from analysis.answers.table import LAYOUTS
 from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder, refuse_beside
+from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
 from studyapp.study.folder import StudyFolder
@@ -110,12 +111,17 @@ def command(
     }
     if folder is not None:
         refuse_beside(of_table, "a study folder, which states all that itself")
-        page = report(
-            folder,
-            reason="" if reason is None else reason_given(reason),
-            rehearsal=rehearsal,
-            warn=click.echo,
-        )
+        remarks: list[str] = []
+        with sign_of_life("report") as show:
+            page = report(
+                folder,
+                reason="" if reason is None else reason_given(reason),
+                rehearsal=rehearsal,
+                warn=remarks.append,
+                on_step=show,
+            )
+        for remark in remarks:
+            click.echo(remark)
     else:
         refuse_beside(
             {"--rehearsal": rehearsal, "--reason": reason},

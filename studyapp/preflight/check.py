@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Final
 
 from pydantic import ValidationError
 
@@ -40,9 +41,15 @@ from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.study import Study
 
+OnStep = Callable[[str], None]
+
 
 def check(
-    folder: StudyFolder, *, address: str | None = None, pilot: StudyFolder | None = None
+    folder: StudyFolder,
+    *,
+    address: str | None = None,
+    pilot: StudyFolder | None = None,
+    on_step: OnStep = lambda _what: None,
 ) -> list[Finding]:
     """Return everything worth knowing before launch, errors first.
 
@@ -52,6 +59,8 @@ def check(
         Where participants will come to; the study is asked for there.
     pilot : StudyFolder, optional
         A study that people have taken, whose pace tells how long this one takes.
+    on_step : callable
+        Called with what is looked at next.
 
     Raises
     ------
@@ -59,7 +68,7 @@ def check(
         If the pilot tells nothing.
     """
     pace = None if pilot is None else pace_of_pilot(pilot)
-    findings = list(_findings(folder, pace))
+    findings = list(_findings(folder, pace, on_step))
     if address is not None:
         findings += address_findings(address)
     return sorted(findings, key=lambda found: SEVERITIES.index(found.severity))
@@ -73,7 +82,7 @@ def finished_videos(folder: StudyFolder, *, everything: bool = False) -> list[st
         return []
 
 
-def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
+def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterator[Finding]:
     text = read_text(folder.definition)
     try:
         study = parse_text(text, where=folder.definition)
@@ -95,23 +104,31 @@ def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
         )
         yield from pay_findings(study, None)
         return
-    yield from _material_findings(material, study, pace)
+    yield from _material_findings(material, study, pace, on_step)
 
 
-def _material_findings(material: Material, study: Study, pace: Pace | None) -> Iterator[Finding]:
+_LOOKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
+    ("finished videos", finished_video_findings),
+    ("what videos show", shown_video_findings),
+    ("sound", sound_findings),
+    ("weight of pages", weight_findings),
+    ("motion", motion_findings),
+    ("catch trials", catch_picture_findings),
+    ("design", design_findings),
+    ("balance", balance_findings),
+    ("serving", serving_findings),
+)
+
+
+def _material_findings(
+    material: Material, study: Study, pace: Pace | None, on_step: OnStep
+) -> Iterator[Finding]:
     """Look at everything; only a study without errors is served on trial."""
     expected = expected_time(material)
-    findings = [
-        *finished_video_findings(material),
-        *shown_video_findings(material),
-        *sound_findings(material),
-        *weight_findings(material),
-        *motion_findings(material),
-        *catch_picture_findings(material),
-        *design_findings(material),
-        *balance_findings(material),
-        *serving_findings(material),
-    ]
+    findings: list[Finding] = []
+    for what, look in _LOOKS:
+        on_step(what)
+        findings += look(material)
     if expected is None:
         findings += pay_findings(study, None)
     else:
@@ -120,6 +137,7 @@ def _material_findings(material: Material, study: Study, pace: Pace | None) -> I
         findings += pay_findings(study, minutes_needed(expected, seen))
     yield from findings
     if not any(found.severity == "error" for found in findings):
+        on_step("the study as it is served")
         yield from probe_findings(material)
 
 

@@ -12,8 +12,6 @@ from typing import Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
-from motion.errors import listed
-
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
 """The worst first."""
@@ -143,12 +141,12 @@ def told(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[s
     Parameters
     ----------
     everything : bool
-        Whether many findings of one kind are told one by one.
+        Whether notes are told too, and many findings of one kind one by one.
     """
     of_kind: dict[str, list[Finding]] = {}
     for found in findings:
         of_kind.setdefault(found.name, []).append(found)
-    for severity in SEVERITIES:
+    for severity in SEVERITIES if everything else SEVERITIES[:-1]:
         for name, alike in of_kind.items():
             if alike[0].severity != severity:
                 continue
@@ -159,7 +157,8 @@ def told(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[s
                 same = bool(following) and following[0].remedy == found.remedy
                 yield from _told(found, remedy="" if same else found.remedy)
             if len(alike) > len(told_singly):
-                yield f"  and {len(alike) - len(told_singly)} more like these (--all tells them)"
+                more = len(alike) - len(told_singly)
+                yield f"  and {more} more like these (--verbose tells them)"
             yield ""
 
 
@@ -177,7 +176,6 @@ def _told(found: Finding, *, remedy: str) -> Iterator[str]:
 
 
 def summed_up(made: CheckRecord) -> str:
-    """Return how many findings there are, in words."""
-    counts = ((made.errors, "error"), (made.warnings, "warning"), (made.notes, "note"))
-    said = [f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts if count]
-    return listed(said) or "nothing found"
+    """Return how many errors and warnings there are, in words."""
+    counts = ((made.errors, "error"), (made.warnings, "warning"))
+    return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)

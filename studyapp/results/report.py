@@ -40,6 +40,7 @@ def report(
     reason: str = "",
     rehearsal: bool = False,
     warn: Callable[[str], None] | None = None,
+    on_step: Callable[[str], None] = lambda _what: None,
 ) -> Path:
     """Write the report of `folder` and return its page.
 
@@ -56,12 +57,15 @@ def report(
         Whether the rehearsal's answers are reported, though there are real ones.
     warn : callable, optional
         Told, in sentences, what looking before the end means; nothing where it is the end.
+    on_step : callable
+        Called with what is done next.
 
     Raises
     ------
     InputError
         If the study cannot be read, or its answers contradict it.
     """
+    on_step("reading answers and metrics")
     study = folder.study()
     segments = _segments(folder, study)
     answers = read_rehearsal(folder) if rehearsal else answers_to_report(folder)
@@ -77,6 +81,7 @@ def report(
             *notes_on("family", study, before),
         ),
     )
+    on_step("comparing conditions")
     looks = earlier_looks(study, answers)
     tables: list[bytes] = []
     reports: list[TableReport] = []
@@ -99,6 +104,7 @@ def report(
     remark = note_way_out(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
+    on_step("drawing figures and tables")
     page = write_report(
         reports[0],
         subject,

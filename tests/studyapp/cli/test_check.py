@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -23,7 +24,10 @@ def whole(finished_study: Callable[[str], Path], tmp_path: Path) -> Path:
 
 
 def test_warnings_alone_let_a_study_be_served(whole: Path) -> None:
-    assert "can be served" in check(whole)
+    assert re.search(
+        r"can be served: 0 errors, \d warnings; --verbose tells \d+ notes", check(whole)
+    )
+    assert "\nnote: " in check(whole, "--verbose")
 
     as_json = check(whole, "--json")
     assert check(whole, "--json") == as_json

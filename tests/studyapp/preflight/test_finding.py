@@ -88,7 +88,12 @@ def test_a_finding_is_told_with_name_place_and_remedy() -> None:
 
 
 def test_a_place_that_the_sentence_names_is_not_told_twice() -> None:
-    assert lines([known("a.mp4 is known", where="a.mp4")]).count("a.mp4") == 1
+    assert lines([gone("a.mp4 is gone", where="a.mp4")]).count("a.mp4") == 1
+
+
+def test_notes_are_told_where_everything_is() -> None:
+    assert lines([known("it is known")]) == ""
+    assert "note: known" in lines([known("it is known")], everything=True)
 
 
 def test_a_remedy_of_its_own_takes_the_place_of_the_kinds() -> None:
@@ -118,5 +123,5 @@ def test_a_record_counts_and_keeps_everything() -> None:
     assert made.findings[1].model_dump() == {
         "name": "odd", "severity": "warning", "where": "w", "what": "b", "remedy": "Look at it",
     }  # fmt: skip
-    assert summed_up(made) == "1 error, 1 warning and 1 note"
-    assert summed_up(record("mine", [])) == "nothing found"
+    assert summed_up(made) == "1 error, 1 warning"
+    assert summed_up(record("mine", [])) == "0 errors, 0 warnings"
