@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, Self, TypeVar, get_args
 
@@ -152,15 +152,6 @@ class TrainingConfig:
         facts = asdict(self) | {"betas": list(self.betas)}
         passes = [one | {"parts": list(one["parts"])} for one in facts.pop("passes")]
         return facts | ({"passes": passes} if passes else {})
-
-    @classmethod
-    def from_facts(cls, facts: Mapping[str, Any]) -> TrainingConfig:
-        """Return the settings that `facts` returned."""
-        known = {field.name: facts[field.name] for field in fields(cls) if field.name != "passes"}
-        passes = [Pass(**one | {"parts": tuple(one["parts"])}) for one in facts.get("passes", ())]
-        decay = None if known["decay"] is None else Decay(**known["decay"])
-        told = {"betas": tuple(known["betas"]), "decay": decay, "passes": tuple(passes)}
-        return cls(**known | told)
 
 
 @dataclass(frozen=True, kw_only=True)

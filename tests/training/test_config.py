@@ -7,6 +7,7 @@ import pytest
 
 from motion.errors import InputError
 from training.config import Decay, TrainingConfig
+from training.run.passes import Pass
 
 GOOD = TrainingConfig(steps=10, batch_size=4, learning_rate=1e-3)
 
@@ -46,15 +47,8 @@ def test_a_decay_out_of_range_is_named(name: str, factor: float, from_epoch: int
         Decay(factor=factor, from_epoch=from_epoch)
 
 
-@pytest.mark.parametrize("decay", [None, Decay(factor=0.85, from_epoch=5)])
-def test_a_config_survives_json(decay: Decay | None) -> None:
-    config = replace(
-        GOOD,
-        betas=(0.95, 0.999),
-        gradient_clip=None,
-        optimizer="adam",
-        decay=decay,
-        ema_decay=0.999,
-        precision="bfloat16",
-    )
-    assert TrainingConfig.from_facts(json.loads(json.dumps(config.facts()))) == config
+def test_settings_are_told_as_json_holds_them() -> None:
+    for passes in ((), (Pass(name="judge", parts=("judge",)),)):
+        facts = replace(GOOD, decay=Decay(factor=0.85, from_epoch=5), passes=passes).facts()
+        assert json.loads(json.dumps(facts)) == facts
+        assert ("passes" in facts) == bool(passes)

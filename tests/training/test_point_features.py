@@ -11,6 +11,7 @@ from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from motion.formats.ted_npz import AXES
 from tests.generators.s2ue.small_network import FACE, standing
+from tests.training.takes import take_named
 from training.data.take import Kind, Take
 from training.features import features_of
 from training.hearing.word_vectors import StandIn
@@ -23,15 +24,7 @@ def take(folder: Path, **files: Path) -> Take:
     )
     directions = np.tile(standing()[:27].reshape(9, 3) * AXES, (30, 1, 1))
     np.savez(folder / "a.npz", directions=directions)
-    return Take(
-        name="a",
-        speaker="a",
-        emotion="",
-        split="train",
-        speech=folder / "a.wav",
-        motion=folder / "a.npz",
-        **files,
-    )
+    return take_named("a", folder, motion=folder / "a.npz", **files)
 
 
 def computed(kind: Kind, one: Take, *, faces: bool) -> dict[str, np.ndarray]:

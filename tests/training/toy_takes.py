@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from generators.diffsheg.config import BEAT
 from motion.errors import InputError
+from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Split, Take, TakeFolder
+from training.data.take import Split, TakeFolder
 
 SPEAKERS = ("1", "2", "3")
 WIDTHS = {
@@ -48,22 +47,9 @@ def toy_takes(takes: int = 12, frames: int = 70) -> PreparedTakes:
         }
         for name, values in made.items():
             arrays[name].append(values.astype(np.float32))
-        named.append(_take(number, speaker, split))
-    return PreparedTakes(
-        takes=tuple(named),
-        arrays={name: tuple(values) for name, values in arrays.items()},
-        frame_rate=BEAT.frame_rate,
-        skipped=(SKIPPED,),
-        sha256="c" * 64,
-    )
+        named.append(take_named(f"{number:02}", speaker=speaker, split=split))
+    return prepared_takes(named, arrays, BEAT.frame_rate, skipped=(SKIPPED,))
 
 
 def toy_folder(prepared: PreparedTakes) -> TakeFolder:
     return TakeFolder(kind="beat", takes=prepared.takes, speakers=SPEAKERS)
-
-
-def _take(number: int, speaker: str, split: Split) -> Take:
-    sound, motion = Path(f"{number}.wav"), Path(f"{number}.bvh")
-    return Take(
-        name=f"{number:02}", speaker=speaker, emotion="", split=split, speech=sound, motion=motion
-    )

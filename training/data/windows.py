@@ -92,10 +92,6 @@ class Windows:
         """Return who speaks in the windows of `rows`."""
         return [take.speaker for take in self.takes(rows)]
 
-    def start_of(self, row: int) -> int:
-        """Return the first frame of window `row` within its take."""
-        return self._place(row)[1]
-
     def _place(self, row: int) -> tuple[int, int]:
         """Return which take window `row` is cut from, and its first frame there."""
         if not 0 <= row < len(self):

@@ -25,6 +25,7 @@ from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
 from tests.generators.one_device import require_one_device
+from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
@@ -46,23 +47,9 @@ def _takes() -> PreparedTakes:
         motion.append((curve @ mixing).astype(np.float32))
         means = curve.reshape(5, FRAMES).mean(axis=1)
         latents.append(np.repeat(means, FRAMES)[:, None].repeat(24, axis=1).astype(np.float32))
-        takes.append(
-            Take(
-                name=f"{number:02}",
-                speaker="1",
-                emotion="",
-                split="train" if number % 4 else "validation",
-                speech=Path(f"{number}.wav"),
-                motion=Path(f"{number}.bvh"),
-            )
-        )
-    return PreparedTakes(
-        takes=tuple(takes),
-        arrays={"motion": tuple(motion), "latents": tuple(latents)},
-        frame_rate=30.0,
-        skipped=(),
-        sha256="c" * 64,
-    )
+        split = "train" if number % 4 else "validation"
+        takes.append(take_named(f"{number:02}", speaker="1", split=split))
+    return prepared_takes(takes, {"motion": motion, "latents": latents}, 30.0)
 
 
 @pytest.fixture(name="learn")
@@ -212,10 +199,7 @@ def take(tmp_path: Path) -> Take:
     times = np.arange(3 * 16_000) / 16_000
     samples = np.where(times < 2, np.sin(900 * times), np.sin(6000 * times)).astype(np.float32)
     write_wav(tmp_path / "a.wav", Audio(samples, 16_000))
-    return Take(
-        name="a", speaker="1", emotion="", split="train",
-        speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
-    )  # fmt: skip
+    return take_named("a", tmp_path)
 
 
 def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path, take: Take) -> None:

@@ -20,8 +20,9 @@ from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.one_device import require_one_device
+from tests.training.takes import take_named
 from training.corpus.request import CorpusRequest, claim
-from training.data.take import Take, TakeFolder
+from training.data.take import TakeFolder
 from training.features import speech_filterbank
 
 Learn = Callable[..., TrainedGenerator]
@@ -188,8 +189,5 @@ def test_a_corpus_whose_speakers_share_no_texts_is_refused(
 def test_a_takes_filterbank_has_a_row_each_ten_milliseconds(tmp_path: Path) -> None:
     times = np.arange(32_000) / 16_000
     write_wav(tmp_path / "a.wav", Audio(np.sin(900 * times).astype(np.float32), 16_000))
-    take = Take(
-        name="a", speaker="1", emotion="", split="train",
-        speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
-    )  # fmt: skip
+    take = take_named("a", tmp_path)
     assert speech_filterbank(128).compute(take).shape == (200, 128)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Split, Take
 
 EMOTIONS: Final = {"happiness": (65, 66), "anger": (73, 74)}
 """Two texts of each, as BEAT numbers them."""
@@ -24,27 +23,12 @@ def toy_speech(held_out: int = 1) -> PreparedTakes:
     for number, speaker in SPEAKERS.items():
         for emotion, texts in EMOTIONS.items():
             for text in (*texts, *range(texts[0] + 2, texts[0] + 2 + held_out)):
-                split: Split = "train" if text in texts else "validation"
+                split = "train" if text in texts else "validation"
                 name = f"{number}_{speaker}_0_{text}_{text}"
                 values = 0.1 * chance.standard_normal((2 * ROWS, 32))
                 values[:, text % 8] += 1
                 values[:, 8 + list(EMOTIONS).index(emotion)] += 2
                 values[:, 16 + int(number)] += 2
                 arrays.append(values.astype(np.float32))
-                takes.append(
-                    Take(
-                        name=name,
-                        speaker=speaker,
-                        emotion=emotion,
-                        split=split,
-                        speech=Path(f"{name}.wav"),
-                        motion=Path(f"{name}.bvh"),
-                    )
-                )
-    return PreparedTakes(
-        takes=tuple(takes),
-        arrays={"filterbank": tuple(arrays)},
-        frame_rate=100.0,
-        skipped=(),
-        sha256="d" * 64,
-    )
+                takes.append(take_named(name, speaker=speaker, emotion=emotion, split=split))
+    return prepared_takes(takes, {"filterbank": arrays}, 100.0)

@@ -25,14 +25,21 @@ def small(dataset: str) -> DenoiserConfig:
     )
 
 
+def shaken(config: DenoiserConfig, by: float = 0.1, seed: int = 4) -> Denoiser:
+    """Return a network whose weights are all random, also those that start at zero or one."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        denoiser = Denoiser(config).eval()
+        with torch.no_grad():
+            for weight in denoiser.parameters():
+                weight.add_(by * torch.randn_like(weight))
+    return denoiser
+
+
 def small_network(dataset: str = "beat", speakers_differ: float = 1.0) -> MotionNetwork:
     """Return a network of random weights; even its last layers, which start at zero, have some."""
     config = small(dataset)
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(9)
-        denoiser = Denoiser(config).eval().requires_grad_(False)
-        for weight in denoiser.parameters():
-            weight.add_(0.05 * speakers_differ * torch.randn_like(weight))
+    denoiser = shaken(config, 0.05 * speakers_differ, seed=9).requires_grad_(False)
     width = config.motion_width
     return MotionNetwork(
         denoiser=denoiser,

@@ -13,6 +13,7 @@ from generators.diffsheg.config import BEAT, FLOWS, PRESETS, DenoiserConfig, Flo
 from generators.diffsheg.layers import Fusion
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
+from tests.generators.diffsheg.small_network import shaken
 from training.diffusion import LINEAR
 
 SMALL = replace(
@@ -28,16 +29,6 @@ SMALL = replace(
     skip=False,
 )
 FRAMES = 9
-
-
-def shaken(config: DenoiserConfig) -> Denoiser:
-    """Return a network whose weights are all random, also those that start at zero."""
-    torch.manual_seed(4)
-    denoiser = Denoiser(config).eval()
-    with torch.no_grad():
-        for weight in denoiser.parameters():
-            weight.add_(0.1 * torch.randn_like(weight))
-    return denoiser
 
 
 def asked(config: DenoiserConfig, batch: int = 2, frames: int = FRAMES) -> tuple[Tensor, ...]:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import FLOWS, PRESETS, DenoiserConfig, Flow, Sampling
+from generators.diffsheg.config import FLOWS, PRESETS, Flow, Sampling
 from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.sampling import (
@@ -27,6 +27,7 @@ from generators.diffsheg.sampling import (
     stream,
 )
 from motion.errors import InputError
+from tests.generators.diffsheg.small_network import shaken
 from training.device import torch_threads
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
@@ -48,16 +49,6 @@ WIDTH, FRAMES = SMALL.motion_width, SMALL.frames
 PERSON = torch.tensor([0.0, 1.0, 0.0])
 
 
-def shaken(config: DenoiserConfig) -> Denoiser:
-    """Return a network whose weights are all random, also those that start at zero or one."""
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(4)
-        denoiser = Denoiser(config).eval().requires_grad_(False)
-        for weight in denoiser.parameters():
-            weight.add_(0.2 * torch.randn_like(weight))
-    return denoiser
-
-
 def asked_in_full(denoiser: Denoiser) -> Sampler:
     """Return what asks the whole network at each evaluation."""
 
@@ -73,7 +64,7 @@ def asked_in_full(denoiser: Denoiser) -> Sampler:
     return sample
 
 
-NETWORK = shaken(SMALL)
+NETWORK = shaken(SMALL, 0.2).requires_grad_(False)
 SAMPLER = WindowSampler(NETWORK, PERSON, SAMPLING)
 
 
@@ -208,7 +199,8 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
 def test_the_motion_is_that_of_the_plain_network(
     flow: Flow, guidance: float | None, skip: bool, number: int
 ) -> None:
-    denoiser = shaken(replace(SMALL, flow=flow, guidance=guidance, skip=skip))
+    config = replace(SMALL, flow=flow, guidance=guidance, skip=skip)
+    denoiser = shaken(config, 0.2).requires_grad_(False)
     plain = moved(asked_in_full(denoiser))
     with torch_threads(number):
         found = moved(WindowSampler(denoiser, PERSON, SAMPLING))
@@ -250,5 +242,5 @@ def test_what_stops_the_branch_ahead_is_told_at_once(
 
 def test_everything_happens_where_the_network_is() -> None:
     """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
-    denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).to("meta")
+    denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).requires_grad_(False).to("meta")
     assert moved(WindowSampler(denoiser, PERSON, SAMPLING)).device.type == "meta"

@@ -18,8 +18,9 @@ from generators.s2ue.train import S2ueTask, train_s2ue
 from motion.errors import InputError
 from tests.generators.one_device import require_one_device
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
+from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Kind, Take, TakeFolder
+from training.data.take import Kind, TakeFolder
 from training.data.windows import Windows
 from training.speakers import Speakers
 from training.weights_file import read_weights
@@ -43,23 +44,9 @@ def _takes() -> PreparedTakes:
         arrays["motion"].append((standing() + curve * mixing).astype(np.float32))
         for name, width in (("sound", 84), ("spectrum", 128), ("words", 300)):
             arrays[name].append(np.repeat(curve, width, axis=1).astype(np.float32))
-        takes.append(
-            Take(
-                name=f"{number:02}",
-                speaker="ab"[number % 2],
-                emotion="",
-                split="train" if number > 1 else "validation",
-                speech=Path(f"{number}.wav"),
-                motion=Path(f"{number}.bvh"),
-            )
-        )
-    return PreparedTakes(
-        takes=tuple(takes),
-        arrays={name: tuple(values) for name, values in arrays.items()},
-        frame_rate=15.0,
-        skipped=(),
-        sha256="c" * 64,
-    )
+        split = "train" if number > 1 else "validation"
+        takes.append(take_named(f"{number:02}", speaker="ab"[number % 2], split=split))
+    return prepared_takes(takes, arrays, 15.0)
 
 
 @pytest.fixture(name="learn")

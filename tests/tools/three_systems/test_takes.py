@@ -9,6 +9,7 @@ import pytest
 
 from motion.audio import Audio, write_wav
 from motion.segment import EMOTIONS
+from tests.training.takes import take_named
 from tools.three_systems.takes import learned_takes, shown_takes
 from training.data.take import Split, Take
 
@@ -26,16 +27,9 @@ def takes(tmp_path: Path) -> list[Take]:
                         tmp_path / f"{name}.wav",
                         Audio(np.zeros(number * 100, np.float32), 1000),
                     )
-                    made.append(
-                        Take(
-                            name=name,
-                            speaker=speaker,
-                            emotion=emotion,
-                            split="test" if speaker == "unheard" else split,
-                            speech=tmp_path / f"{name}.wav",
-                            motion=tmp_path / f"{name}.bvh",
-                        )
-                    )
+                    purpose = "test" if speaker == "unheard" else split
+                    facts = {"speaker": speaker, "emotion": emotion, "split": purpose}
+                    made.append(take_named(name, tmp_path, **facts))
     return made
 
 

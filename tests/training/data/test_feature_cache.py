@@ -12,6 +12,7 @@ import pytest
 
 from motion.errors import InputError
 from tests.training.data.recordings import counting
+from tests.training.takes import take_named
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.take import Feature, Take, TakeFolder
 
@@ -31,16 +32,7 @@ def takes_in(folder: Path, number: int = 4) -> TakeFolder:
         name = f"take{index:02}"
         for ending in (".wav", ".bvh"):
             (folder / f"{name}{ending}").write_text(str(index))
-        found.append(
-            Take(
-                name=name,
-                speaker="scott",
-                emotion="fear",
-                split="train",
-                speech=folder / f"{name}.wav",
-                motion=folder / f"{name}.bvh",
-            )
-        )
+        found.append(take_named(name, folder))
     return TakeFolder(kind="beat", takes=tuple(found), speakers=("scott",))
 
 

@@ -256,10 +256,6 @@ def test_numbers_out_of_range_are_refused(wrong: dict[str, object], said: str) -
         Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]  # wrong on purpose
 
 
-def test_passes_of_one_name_are_refused_and_a_file_tells_them_again() -> None:
+def test_passes_of_one_name_are_refused() -> None:
     with pytest.raises(InputError, match="each a name of its own"):
         replace(CONFIG, passes=(JUDGE, JUDGE))
-    assert TrainingConfig.from_facts(json.loads(json.dumps(STAGED.facts()))) == STAGED
-    plain = replace(CONFIG, passes=())
-    assert "passes" not in plain.facts()
-    assert TrainingConfig.from_facts(plain.facts()) == plain

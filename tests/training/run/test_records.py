@@ -67,7 +67,7 @@ def test_a_run_tells_its_config_its_best_step_its_data_and_versions() -> None:
     best = Best(step=5, measured={"loss": 0.25})
     trained = Trained(network=nn.Linear(1, 1), best=best, steps=7, last_loss=0.5)
     facts = run_facts(config, trained, "beat", "c" * 64, ("transformers",))
-    assert TrainingConfig.from_facts(facts["config"]) == config
+    assert facts["config"] == config.facts()
     assert (facts["best_step"], facts["held_out"]) == (5, {"loss": 0.25})
     assert facts["data"] == {"kind": "beat", "sha256": "c" * 64}
     assert facts["versions"]["torch"] == torch.__version__
