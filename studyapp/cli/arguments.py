@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -46,25 +44,6 @@ class _StudyFolderType(click.ParamType[StudyFolder]):
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> StudyFolder:
         return value if isinstance(value, StudyFolder) else existing_study(Path(str(value)))
-
-
-class _BytesType(click.ParamType[int]):
-    """A size such as ``10GB``, as a number of bytes."""
-
-    name = "size"
-    _PATTERN = re.compile(r"(\d+(?:\.\d+)?)\s*(B|kB|MB|GB|TB)?", re.IGNORECASE)
-    _UNITS = MappingProxyType({"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12})
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> int:
-        if isinstance(value, int):
-            return value
-        found = self._PATTERN.fullmatch(str(value).strip())
-        if found is None:
-            self.fail(f"{value!r} is no size. Give one such as 10GB, 500MB or 0.", param, ctx)
-        number, unit = found.groups()
-        return round(float(number) * self._UNITS[(unit or "B").lower()])
 
 
 class _JointMapType(click.ParamType[JointMap]):
@@ -120,13 +99,6 @@ cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     metavar="ADDRESS",
     help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
     "Its workers need this version and see the study under the same path.",
-)
-
-frames_cache: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "--frames-cache",
-    type=_BytesType(),
-    help="Frames kept for later runs, such as 10GB; those used longest ago go first. By default "
-    "20GB, or half of the free disk where that is less.",
 )
 
 

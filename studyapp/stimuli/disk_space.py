@@ -81,8 +81,7 @@ def check_room(
         raise InputError(
             f"rendering may need {as_text(needed)}, and {as_text(free)} are free on this disk",
             where=folder,
-            remedy="Make room, keep fewer frames (--frames-cache), or make smaller videos "
-            "(video.size in study.toml)",
+            remedy="Make room, or make smaller videos (video.size in study.toml)",
         )
 
 

@@ -29,7 +29,6 @@ def render(
     *,
     processes: int,
     cluster: str | None = None,
-    frames_cache: int | None = None,
     on_progress: Callable[[RenderProgress], None] = lambda progress: None,
 ) -> RenderCount:
     """Render each clip and pair that is missing or no longer fits what it shows.
@@ -47,8 +46,6 @@ def render(
         How many videos are made at once.
     cluster : str or None
         Address of a Dask scheduler whose workers make them instead.
-    frames_cache : int or None
-        Bytes of frames that may stay for later runs; None for what the disk has room for.
     on_progress : callable
         Called at the beginning, and after each video.
 
@@ -65,7 +62,7 @@ def render(
         _remove_drafts(folder.videos)
         rendered = RenderCount(made=0, kept=0)
         if plan is not None:
-            rendered = _render(plan, processes, cluster, frames_cache, on_progress)
+            rendered = _render(plan, processes, cluster, on_progress)
         copied = copy_videos(folder)
         hide_sizes(folder)
     return replace(
@@ -80,7 +77,6 @@ def _render(
     plan: RenderPlan,
     processes: int,
     cluster: str | None,
-    frames_cache: int | None,
     on_progress: Callable[[RenderProgress], None],
 ) -> RenderCount:
     """Render what `plan` lacks; nobody else renders the study."""
@@ -89,7 +85,7 @@ def _render(
     frames = FrameCache(plan.frames_folder, 0)
     frames.keep_only({plan.frames(*side) for side in plan.sides})
     kept = frames.size()
-    limit = frames_limit(folder.videos, kept) if frames_cache is None else frames_cache
+    limit = frames_limit(folder.videos, kept)
     check_room(folder.root, [*clips, *pairs], plan.look, sides=plan.sides, limit=limit, kept=kept)
     spoken = {clip.speech or clip.segment for clip in clips}
     notes = loudness_notes(folder, [plan.segments[name] for name in sorted(spoken)])

@@ -81,47 +81,6 @@ def answers(page: Page, database: Database) -> list[tuple[int, str, int]]:
         return [(ids[r.trial_id], r.question, r.value) for r in rows if r.trial_id in ids]
 
 
-def test_a_study_session_from_consent_to_code(page: Page, address: str, database: Database) -> None:
-    page.goto(address)
-    photograph(page, "1-consent")
-    page.get_by_role("button", name="I agree").click()
-    expect(page.get_by_role("heading", level=1)).to_have_text("What you will do")
-    photograph(page, "2-instructions")
-    page.get_by_role("button", name="Begin").click()
-
-    for number in range(1, 7):
-        expect_trial(page, number)
-        page.get_by_role("button", name="Play both").click()
-        wait_for_video(page, "currentTime > 0.5")
-        if number == 2:
-            photograph(page, "3-trial-playing")
-        expect(page.locator("#watched")).to_have_text("Watched ✓")
-        assert page.evaluate("document.querySelector('video').videoWidth") == 240
-        choose(page, "rhythm", "slightly A")
-        choose(page, "emotion", "clearly B")
-        if number == 3:
-            photograph(page, "4-trial-answered")
-        page.get_by_role("button", name="Next").click()
-
-    expect(page.get_by_role("heading", level=1)).to_contain_text("Thank you")
-    photograph(page, "5-completed")
-    page.get_by_role("button", name="Copy the code").click()
-    expect(page.locator("#copied")).not_to_be_empty()
-
-    shown = page.locator("#completion-code").inner_text()
-    stored = answers(page, database)
-    assert stored == [
-        (number, question, value)
-        for number in range(1, 7)
-        for question, value in (("rhythm", -1), ("emotion", 2))
-    ]
-    with database.reading() as session:
-        found = session.scalars(
-            select(StudySession).where(StudySession.token == page.url.rsplit("/", 1)[1])
-        ).one()
-        assert found.completion_code == shown
-
-
 @pytest.mark.parametrize("size", ["laptop", "desktop"])
 def test_video_questions_and_next_are_in_view_without_scrolling(
     page: Page, address: str, size: str

@@ -153,10 +153,15 @@ def test_the_whole_way_from_eligibility_to_the_code(
     page.get_by_label("Is there anything").fill("Good videos.")
     press(page, "Next")
 
+    press(page, "Copy the code")
+    expect(page.locator("#copied")).not_to_be_empty()
     code = page.locator("#completion-code").inner_text()
     done = study_session(page, database)
     assert (done.completion_code, done.recruiter_participant) == (code, "p1")
     assert (done.sound_tries, done.rested_at_position) == (0, 3)
+    own = select(Response.value).join(Response.trial).where(Trial.study_session_id == done.id)
+    with database.reading() as session:
+        assert session.scalars(own).all() == [-1] * 8
 
 
 def test_who_cannot_hear_the_sound_is_helped_and_may_leave(browser: Browser, address: str) -> None:

@@ -11,7 +11,6 @@ from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, Look
 from studyapp.cli.arguments import cluster as cluster_option
-from studyapp.cli.arguments import frames_cache as frames_cache_option
 from studyapp.cli.arguments import joints_option, study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import counted, progress
@@ -25,13 +24,11 @@ if TYPE_CHECKING:
 @study_folder
 @processes_option
 @cluster_option
-@frames_cache_option
 @click.option("--sheet", is_flag=True, help="Also write a contact sheet of every clip.")
 def command(
     folder: StudyFolder,
     processes: int,
     cluster: str | None,
-    frames_cache: int | None,
     sheet: bool,
 ) -> None:
     """Render the clips and side-by-side pairs of the study FOLDER.
@@ -46,7 +43,6 @@ def command(
             folder,
             processes=processes,
             cluster=cluster,
-            frames_cache=frames_cache,
             on_progress=lambda now: show(now.frames, now.all_frames, _videos(now)),
         )
     for note in count.notes:

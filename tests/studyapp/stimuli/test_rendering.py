@@ -198,15 +198,16 @@ def frames_of(folder: StudyFolder) -> dict[str, int]:
 
 
 def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
-    study: StudyFolder, first_run: FirstRun
+    study: StudyFolder, first_run: FirstRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("studyapp.stimuli.rendering.frames_limit", lambda _folder, _kept: 0)
     roomy, most = first_run[0], 0
 
     def look(progress: RenderProgress) -> None:
         nonlocal most
         most = max(most, len(frames_of(study)))
 
-    count = render(study, processes=1, frames_cache=0, on_progress=look)
+    count = render(study, processes=1, on_progress=look)
     assert (count.made, count.failures) == (20, ())
     assert frames_of(study) == {}
     assert len(frames_of(roomy)) == 8
@@ -218,7 +219,7 @@ def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
     pair = read_stimuli(study.stimuli).pairs[0]
     before = (study.root / pair.file).read_bytes()
     (study.root / pair.file).unlink()
-    count = render(study, processes=1, frames_cache=0)
+    count = render(study, processes=1)
     assert (count.made, count.failures) == (3, ())
     assert (study.root / pair.file).read_bytes() == before
 
@@ -227,7 +228,7 @@ def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: Disk(10**9, 10**9 - 1000, 1000))
-    with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*--frames-cache"):
+    with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*video.size"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
 

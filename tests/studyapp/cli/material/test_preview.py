@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 from bs4 import BeautifulSoup
-from click.testing import CliRunner
 
 from motion.audio import read_audio
-from motion.errors import InputError
 from motion.formats import read_motion
-from studyapp.cli.main import group
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
+from tests.studyapp.command_line import refused, run
 from tests.studyapp.takes import write_motion, write_speech
 
 
@@ -32,17 +30,14 @@ def unknown_skeleton(tmp_path: Path) -> Path:
 def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
     unknown_skeleton: Path, tmp_path: Path
 ) -> None:
-    out = ["--as", "video", "--size", "64", "--out", str(tmp_path / "out")]
-    arguments = ["preview", str(unknown_skeleton), *out]
-    with pytest.raises(InputError, match="skeleton is unknown") as refusal:
-        CliRunner().invoke(group, ["--debug", *arguments], catch_exceptions=False)
-    assert "--joints FILE" in str(refusal.value.remedy)
-
+    out = ("--as", "video", "--size", 64, "--out", tmp_path / "out")
+    arguments = ("preview", unknown_skeleton, *out)
+    said = refused(*arguments)
+    assert "skeleton is unknown" in said
+    assert "--joints FILE" in said
     joints = tmp_path / "joints.toml"
     joints.write_text("".join(f'{name} = "x{name}"\n' for name, *_ in smplx_skeleton()))
-    done = CliRunner().invoke(group, [*arguments, "--joints", str(joints)])
-
-    assert done.exit_code == 0, done.output
+    run(*arguments, "--joints", joints)
     with av.open(str(tmp_path / "out" / "wave.mp4")) as video:
         assert {stream.type for stream in video.streams} == {"video", "audio"}
 
@@ -50,11 +45,8 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
 def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    arguments = ["preview", str(motion), "--speech", str(speech), "--as", "video", "--size", "64"]
-
-    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path)])
-
-    assert done.exit_code == 0, done.output
+    given = ("--speech", speech, "--as", "video", "--size", 64)
+    run("preview", motion, *given, "--out", tmp_path)
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
 
@@ -62,12 +54,8 @@ def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> No
 def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> None:
     motions = [write_motion(tmp_path / f"take-{k}.npz", 0.2 + k / 10) for k in range(7)]
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    arguments = ["preview", *map(str, motions), "--speech", str(speech)]
-
-    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path / "out")])
-
-    assert done.exit_code == 0, done.output
-    assert f"{tmp_path / 'out' / 'motions.html'}, " in done.output
+    said = run("preview", *motions, "--speech", speech, "--out", tmp_path / "out")
+    assert f"{tmp_path / 'out' / 'motions.html'}, " in said
     page = BeautifulSoup((tmp_path / "out" / "motions.html").read_text(), "html.parser")
     scenes = [json.loads(str(figure["data-scene"])) for figure in page.find_all("figure")]
     assert [len(scene["clips"]) for scene in scenes] == [6, 1]
@@ -80,11 +68,8 @@ def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> 
 def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    arguments = ["preview", str(motion), "--speech", str(speech), "--as", "glb", "--as", "bvh"]
-
-    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path / "out")])
-
-    assert done.exit_code == 0, done.output
+    given = ("--speech", speech, "--as", "glb", "--as", "bvh")
+    run("preview", motion, *given, "--out", tmp_path / "out")
     names = {"a.glb", "a.bvh", "a-speech.wav"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == names
     assert read_audio(tmp_path / "out" / "a-speech.wav").duration == pytest.approx(0.5)
@@ -95,23 +80,15 @@ def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) 
 
 def test_files_of_one_name_are_kept_apart_by_their_folders(tmp_path: Path) -> None:
     motions = [write_motion(tmp_path / name / "a.npz", 0.2) for name in ("ours", "theirs")]
-    arguments = ["preview", *map(str, motions), "--as", "bvh", "--out", str(tmp_path / "out")]
-
-    done = CliRunner().invoke(group, arguments)
-
-    assert done.exit_code == 0, done.output
+    run("preview", *motions, "--as", "bvh", "--out", tmp_path / "out")
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"ours-a.bvh", "theirs-a.bvh"}
 
 
 def test_a_motion_is_never_replaced_by_what_is_made_of_it(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 0.2)
-    arguments = ["preview", "--as", "bvh", "--out", str(tmp_path)]
-    CliRunner().invoke(group, [*arguments, str(motion)], catch_exceptions=False)
+    arguments = ("preview", "--as", "bvh", "--out", tmp_path)
+    run(*arguments, motion)
     before = (tmp_path / "a.bvh").read_bytes()
-
-    again = CliRunner().invoke(group, [*arguments, str(tmp_path / "a.bvh")])
-
-    assert again.exit_code != 0
-    assert "Name another folder with --out" in again.output
+    assert "Name another folder with --out" in refused(*arguments, tmp_path / "a.bvh")
     assert (tmp_path / "a.bvh").read_bytes() == before

@@ -29,25 +29,6 @@ def run(study: Path, *arguments: str) -> Result:
     return CliRunner().invoke(render_command.command, [str(study), *arguments])
 
 
-@pytest.mark.parametrize(
-    ("given", "size"),
-    [("10GB", 10 * 10**9), ("1.5 gb", 1_500_000_000), ("500MB", 500 * 10**6), ("0", 0)],
-)
-def test_the_size_of_the_frames_cache_is_read(
-    tiny_study: Path, asked: dict[str, Any], given: str, size: int
-) -> None:
-    run(tiny_study, "--frames-cache", given)
-    assert asked["frames_cache"] == size
-
-
-@pytest.mark.parametrize("given", ["much", "-1GB", "10 apples", ""])
-def test_what_is_no_size_is_refused(tiny_study: Path, asked: dict[str, Any], given: str) -> None:
-    result = run(tiny_study, "--frames-cache", given)
-    assert result.exit_code == 2
-    assert "is no size" in result.output
-    assert not asked
-
-
 @pytest.mark.parametrize(("there", "used"), [(3, 3), (384, 256)])
 def test_by_default_every_processor_makes_videos_up_to_the_most_allowed(
     tiny_study: Path, asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch, there: int, used: int
@@ -60,7 +41,6 @@ def test_by_default_every_processor_makes_videos_up_to_the_most_allowed(
 def test_a_cluster_is_asked_for_by_its_address(tiny_study: Path, asked: dict[str, Any]) -> None:
     run(tiny_study, "--cluster", "tcp://node1:8786")
     assert asked["cluster"] == "tcp://node1:8786"
-    assert asked["frames_cache"] is None
 
 
 def test_what_was_made_kept_and_failed_is_said_and_a_failure_is_an_error(
