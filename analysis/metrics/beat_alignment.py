@@ -147,8 +147,6 @@ class BeatAlignment:
         and often besides scores high in one direction only.
     motion_beats : MetricResult
         Motion beats per second (mean over joints where each joint has its own).
-    audio_beats : MetricResult
-        Onsets of the speech per second.
     """
 
     score: MetricResult
@@ -156,7 +154,6 @@ class BeatAlignment:
     above_chance: MetricResult
     opposite: MetricResult
     motion_beats: MetricResult
-    audio_beats: MetricResult
 
 
 def extremum_order(window: float, frame_rate: float) -> int:
@@ -310,9 +307,6 @@ def beat_alignment(
         ),
         motion_beats=Metric(f"motion beat rate ({settings.name})", "1/s").score(
             rate, len(series), described
-        ),
-        audio_beats=Metric("speech onset rate", "1/s").score(
-            len(onsets) / duration, len(onsets), {"onsets": detector}
         ),
     )
 

@@ -75,8 +75,6 @@ class OrdinalFit:
         How many groups each has.
     converged : bool
         Whether a maximum was reached.
-    boundary : tuple of str
-        Random effects whose standard deviation is zero: the model is the one without them.
     remark : str
         Why the result must not be used, or what limits it; empty where nothing does.
     """
@@ -92,7 +90,6 @@ class OrdinalFit:
     answers: int
     groups: Mapping[str, int]
     converged: bool
-    boundary: tuple[str, ...]
     remark: str
 
     def wald_p(self, name: str) -> float:
@@ -273,7 +270,6 @@ def _result(
         answers=len(answers.codes),
         groups={e.name: size for e, size in zip(random, sizes, strict=True)},
         converged=converged and not separated and not parted,
-        boundary=zero,
         remark=_remark(
             converged,
             # Effects grow with the variance between groups where that is what diverges.

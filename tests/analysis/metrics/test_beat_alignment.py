@@ -206,7 +206,6 @@ def test_both_directions_are_there_and_say_which_is_which() -> None:
     assert there.opposite.settings["direction"] == "audio to motion"
     assert there.opposite.n == back.score.n == 2
     assert there.score.settings["direction"] == "motion to audio"
-    assert there.audio_beats.value == pytest.approx(0.2)
 
 
 def test_chance_of_a_long_clip_is_that_of_its_blocks_together(

@@ -52,35 +52,23 @@ def test_spreads_and_thresholds_of_preferences_are_recovered(tmp_path: Path) -> 
     assert (opinions.slight, opinions.clear) == pytest.approx(THRESHOLDS, abs=0.2)
 
 
-def test_tastes_of_ratings_are_recovered_beside_how_kindly_people_rate(tmp_path: Path) -> None:
-    chance = np.random.default_rng(7)
+@pytest.mark.parametrize(
+    ("protocol", "seed", "column"), [("rating", 7, "response"), ("ranking", 5, "rank")]
+)
+def test_tastes_are_recovered_whether_each_condition_is_rated_or_all_are_ranked(
+    protocol: str, seed: int, column: str, tmp_path: Path
+) -> None:
+    chance = np.random.default_rng(seed)
     judged = judgements(DESIGN, 3, chance)
-    given = ratings(judged, DESIGN, chance)
+    given = ratings(judged, DESIGN, chance) if protocol == "rating" else ranks(judged, chance)
     rows = {
         "participant": np.repeat(numbered("p", judged.participants), 3),
         "segment": np.repeat(numbered("s", judged.items), 3),
         "condition": np.tile(NAMES, len(given)),
-        "response": given.ravel(),
+        column: given.ravel(),
     }
 
-    people, items, _ = estimated(rows, "rating", tmp_path)
-
-    assert people == pytest.approx(0.8, abs=0.25)
-    assert items == pytest.approx(0.6, abs=0.25)
-
-
-def test_spreads_of_rankings_are_recovered(tmp_path: Path) -> None:
-    chance = np.random.default_rng(5)
-    judged = judgements(DESIGN, 3, chance)
-    placed = ranks(judged, chance)
-    rows = {
-        "participant": np.repeat(numbered("p", judged.participants), 3),
-        "segment": np.repeat(numbered("s", judged.items), 3),
-        "condition": np.tile(NAMES, len(placed)),
-        "rank": placed.ravel(),
-    }
-
-    people, items, _ = estimated(rows, "ranking", tmp_path)
+    people, items, _ = estimated(rows, protocol, tmp_path)
 
     assert people == pytest.approx(0.8, abs=0.25)
     assert items == pytest.approx(0.6, abs=0.25)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.planning.part import THRESHOLDS
-from analysis.results.net_preference import SidedAnswers, expected, net_preference
+from analysis.results.net_preference import Expected, SidedAnswers, expected, net_preference
 from analysis.stats.ordinal.mixed_model import RandomEffect, beginning_of
 from benchmarks.validity.studies import Design, preferences
 
@@ -23,15 +23,19 @@ def answers(seed: int, design: Design = DESIGN) -> SidedAnswers:
     )
 
 
-def test_fits_that_begin_nearby_find_the_same() -> None:
+@pytest.fixture
+def near() -> Expected:
     slight, clear = THRESHOLDS
-    near = expected(
+    return expected(
         answers(0),
         thresholds=(-clear, -slight, slight, clear),
         effect=0.4,
         sd_participant=0.6,
         sd_segment=0.45,
     )
+
+
+def test_fits_that_begin_nearby_find_the_same(near: Expected) -> None:
     for seed in range(1, 9):
         alone, begun = net_preference(answers(seed)), net_preference(answers(seed), near)
 
@@ -41,15 +45,7 @@ def test_fits_that_begin_nearby_find_the_same() -> None:
         assert np.isnan(begun.standard_error)
 
 
-def test_a_beginning_of_other_answers_does_not_count() -> None:
-    slight, clear = THRESHOLDS
-    near = expected(
-        answers(0),
-        thresholds=(-clear, -slight, slight, clear),
-        effect=0.4,
-        sd_participant=0.6,
-        sd_segment=0.45,
-    )
+def test_a_beginning_of_other_answers_does_not_count(near: Expected) -> None:
     whole = answers(1)
     fewer = replace(whole, responses=np.clip(whole.responses, 2, 4))
 
