@@ -27,6 +27,12 @@ def existing_study(root: Path) -> StudyFolder:
     return folder
 
 
+def study_here() -> StudyFolder | None:
+    """Return the study in whose folder the command is run; None where that is none."""
+    here = StudyFolder(Path())
+    return here if here.definition.exists() else None
+
+
 def refuse_beside(options: Mapping[str, object], beside: str) -> None:
     """Raise `InputError` where one of the options is given beside what they do not go with."""
     given = [name for name, value in options.items() if value not in (None, False)]

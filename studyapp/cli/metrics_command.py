@@ -15,7 +15,7 @@ from analysis.measurement.score_tables import check_ending, write_scores
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
-from studyapp.cli.arguments import optional_study_folder
+from studyapp.cli.arguments import optional_study_folder, study_here
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
@@ -84,6 +84,8 @@ def command(
     Metrics that compare with recorded motion need the condition ground_truth, or --reference;
     beat alignment needs the study's speech, or --speech.
     """
+    if folder is None and generated is None:
+        folder = study_here()
     if (folder is None) == (generated is None):
         raise InputError(
             "metrics are computed of a study or of folders, not of both or neither",

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from analysis.answers.table import LAYOUTS
 from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
-from studyapp.cli.arguments import optional_study_folder, refuse_beside
+from studyapp.cli.arguments import optional_study_folder, refuse_beside, study_here
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
@@ -109,6 +109,8 @@ def command(
         "--scale": scale,
         "--exclude": exclude or None,
     }
+    if folder is None and all(value is None for value in of_table.values()):
+        folder = study_here()
     if folder is not None:
         refuse_beside(of_table, "a study folder, which states all that itself")
         remarks: list[str] = []

@@ -48,12 +48,13 @@ def test_a_misspelt_command_is_told_the_nearest(refused: Refused) -> None:
     assert "No such command 'reprot'. Did you mean 'report'?" in said
 
 
+@pytest.mark.parametrize("command", ["export", "report", "metrics"])
 def test_a_command_without_a_folder_takes_the_one_it_is_run_in(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text("trials = [")
-    assert "not valid TOML" in refused("export")[1]
+    assert "not valid TOML" in refused(command)[1]
 
 
 def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_path: Path) -> None:
