@@ -102,14 +102,34 @@ class Picture:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PlayablePair:
+    """Two motions that play side by side, with what is known of them in a table below.
+
+    Attributes
+    ----------
+    element : Markup
+        In which they play.
+    caption : str
+        What they are.
+    table : Table or None
+        Their metrics; None where nothing was measured.
+    """
+
+    element: Markup
+    caption: str
+    table: Table | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Section:
-    """A heading with what belongs under it, in order: paragraphs, then figures, then tables."""
+    """A heading with what belongs under it, in order: paragraphs, figures, motions, tables."""
 
     anchor: str
     heading: str
     paragraphs: tuple[str, ...] = ()
     bullets: tuple[str, ...] = ()
     pictures: tuple[Picture, ...] = ()
+    playable: tuple[PlayablePair, ...] = ()
     tables: tuple[Table, ...] = ()
 
 

@@ -29,11 +29,12 @@ from analysis.report.sections.heterogeneity import heterogeneity_section
 from analysis.report.sections.methods import ANCHOR, limits_section, methods_section
 from analysis.report.sections.metric import metric_section
 from analysis.report.sections.metric_table import SCORES
+from analysis.report.sections.played_pairs import played_pairs_section
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
 from analysis.report.sections.rankings import ranking_sections
 from analysis.report.sections.ratings import rating_sections
 from analysis.report.sections.strip import strip_section
-from analysis.report.subject import Subject
+from analysis.report.subject import PlayableMotion, Subject
 from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
@@ -116,12 +117,16 @@ def render_page(page: Page) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    script = (files("analysis.report") / "templates" / "page.js").read_text("utf-8")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    own = (files("analysis.report") / "templates" / "page.js").read_text("utf-8")
+    scripts = (own, *(page.motion.scripts if page.motion else ()))
     return environment.get_template("report.html").render(
         page=page,
-        script=Markup(script),  # noqa: S704 - our own file
-        script_hash=f"sha256-{digest}",
+        scripts=[Markup(script) for script in scripts],  # noqa: S704 - our own files
+        script_hashes=[
+            f"sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}"
+            for script in scripts
+        ],
+        motion_style=Markup(page.motion.style if page.motion else ""),  # noqa: S704 - our own file
     )
 
 
@@ -186,6 +191,8 @@ class Page:
         Everything after the first screen.
     certainty : tuple of str
         Sentences on how sure the answer is, which the page folds away.
+    motion : PlayableMotion or None
+        What plays on the page.
     """
 
     title: str
@@ -196,6 +203,7 @@ class Page:
     flow: str
     sections: tuple[Section, ...]
     certainty: tuple[str, ...] = ()
+    motion: PlayableMotion | None = None
 
 
 TASKS: Final = MappingProxyType({"pairwise": "realism"})
@@ -226,6 +234,7 @@ def build_page(report: TableReport, subject: Subject, more: tuple[TableReport, .
             flow=flow_line(report, subject),
             sections=rest,
             certainty=certainty(report, subject),
+            motion=subject.motion,
         )
 
 
@@ -243,6 +252,7 @@ def _sections(
         yield further and _of_task(task, further)
     yield metric_section(report, subject)
     yield strip_section(subject)
+    yield played_pairs_section(subject)
     yield against_people_section(report, subject)
     yield diagnostics_section(report, subject)
     yield truth_section((report, *more), subject)

@@ -7,8 +7,11 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
+from markupsafe import Markup
+
 from analysis.measurement.scores import StudyMetrics
 from analysis.results.known_values import KnownValue
+from analysis.results.preferred_pairs import PreferredPair
 
 Origin = Literal["participants", "rehearsal", "table", "none"]
 
@@ -44,6 +47,31 @@ class Still:
     seconds: float
     word: str
     image: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlayableMotion:
+    """Pairs of clips that can be played on the page, and what the page needs for it.
+
+    Attributes
+    ----------
+    pairs : tuple of (PreferredPair, Markup)
+        In the order of the page, with the element in which each plays.
+    sources : str or Markup
+        The elements that hold motion and speech; '' where there are none.
+    scripts : tuple of str
+        The scripts that play them, in this order.
+    style : str
+        Their style.
+    left_out : tuple of str
+        Sentences about pairs that cannot be played.
+    """
+
+    pairs: tuple[tuple[PreferredPair, Markup], ...] = ()
+    sources: str = ""
+    scripts: tuple[str, ...] = ()
+    style: str = ""
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,6 +120,8 @@ class Subject:
         Frames of the conditions at chosen moments, by condition and then moment.
     no_stills : str
         Why there are none, in words that make a sentence; '' where there are some.
+    motion : PlayableMotion or None
+        The pairs that were preferred most and least; None where the page does not play any.
     """
 
     title: str
@@ -116,6 +146,7 @@ class Subject:
     metrics: StudyMetrics | None = None
     stills: tuple[Still, ...] = ()
     no_stills: str = ""
+    motion: PlayableMotion | None = None
 
     @property
     def people(self) -> str:

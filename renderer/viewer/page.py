@@ -7,21 +7,22 @@ import hashlib
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import soundfile
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from motion.audio import Audio
+from motion.body.abilities import read_expression_matrix
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import write_text
 from renderer.framing import frame_clips
-from renderer.look import FIRST_AVATAR, Look
+from renderer.look import Look
 from renderer.viewer.avatar import avatar_body, packed_avatar
 from renderer.viewer.tracks import track
 
@@ -64,17 +65,19 @@ class MotionFigures:
 
     Parameters
     ----------
-    avatar : str
-        One of `renderer.look.AVATARS`.
-    framing : str
-        What the camera sees at first, one of `renderer.look.FRAMINGS`.
+    look : Look
+        The avatar, the matrix that faces may need for it, and what the camera sees at first.
     """
 
-    def __init__(self, avatar: str = FIRST_AVATAR, framing: str = "full_body") -> None:
-        self._body = avatar_body(avatar)
-        self._look = Look(avatar=avatar, framing=framing)
+    def __init__(self, look: Look) -> None:
+        matrix = look.expression_matrix
+        self._body = replace(
+            avatar_body(look.avatar),
+            expression_matrix=None if matrix is None else read_expression_matrix(matrix),
+        )
+        self._look = look
         self._embedded: dict[str, str] = {}
-        self._avatar = self._embed(packed_avatar(avatar))
+        self._avatar = self._embed(packed_avatar(look.avatar))
 
     def figure(self, scene: Scene, *, at_once: bool = False) -> Markup:
         """Return the element in which a scene plays.
@@ -138,35 +141,23 @@ def _mp3(speech: Audio) -> bytes:
     return data.getvalue()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Inline:
-    """A script that stands in a page, and how the page's security policy knows it.
-
-    Attributes
-    ----------
-    text : Markup
-        The script.
-    hash : str
-        As ``script-src`` takes it, without quotes.
-    """
-
-    text: Markup
-    hash: str
+def scripts() -> tuple[str, ...]:
+    """Return the text of `SCRIPTS`, for pages that need no other file."""
+    return tuple((FILES / name).read_text("utf-8") for name in SCRIPTS)
 
 
-def inline_scripts() -> tuple[Inline, ...]:
-    """Return `SCRIPTS` for a page that needs no other file."""
-    return tuple(inline((FILES / name).read_text("utf-8")) for name in SCRIPTS)
+def style() -> str:
+    """Return the text of `STYLE`."""
+    return (FILES / STYLE).read_text("utf-8")
 
 
-def inline(script: str) -> Inline:
-    """Return one of our own scripts as it stands in a page."""
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return Inline(text=Markup(script), hash=f"sha256-{digest}")  # noqa: S704 - our own file
+def policy_hash(script: str) -> str:
+    """Return how a page's security policy knows a script that stands in it."""
+    return f"sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}"
 
 
 def write_motion_page(
-    path: Path, title: str, scenes: Sequence[Scene], *, notes: Sequence[str] = (), **look: Any
+    path: Path, title: str, scenes: Sequence[Scene], look: Look, *, notes: Sequence[str] = ()
 ) -> None:
     """Write a page that shows scenes, one below the other, and needs no other file.
 
@@ -178,12 +169,12 @@ def write_motion_page(
         Its heading.
     scenes : sequence of Scene
         The first one is open.
+    look : Look
+        As for `MotionFigures`.
     notes : sequence of str
         Sentences below.
-    **look
-        As for `MotionFigures`.
     """
-    figures = MotionFigures(**look)
+    figures = MotionFigures(look)
     drawn = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]
     environment = Environment(
         loader=PackageLoader("renderer.viewer", "."), autoescape=True, undefined=StrictUndefined
@@ -195,7 +186,7 @@ def write_motion_page(
             figures=drawn,
             notes=notes,
             sources=figures.sources(),
-            scripts=inline_scripts(),
-            style=Markup((FILES / STYLE).read_text("utf-8")),  # noqa: S704 - our own file
+            scripts={policy_hash(script): Markup(script) for script in scripts()},  # noqa: S704
+            style=Markup(style()),  # noqa: S704 - our own file, as the scripts are
         ),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from studyapp.results.answers import (
     read_rehearsal,
 )
 from studyapp.results.looks import earlier_looks, note_way_out
+from studyapp.results.playable_pairs import playable_pairs
 from studyapp.results.report_subject import study_subject
 from studyapp.results.stated_beforehand import notes_on
 from studyapp.results.stored_answers import Answers
@@ -39,6 +41,7 @@ def report(
     *,
     reason: str = "",
     rehearsal: bool = False,
+    with_motion: bool = False,
     warn: Callable[[str], None] | None = None,
     on_step: Callable[[str], None] = lambda _what: None,
 ) -> Path:
@@ -55,6 +58,8 @@ def report(
         Why results are looked at, for the log of looks.
     rehearsal : bool
         Whether the rehearsal's answers are reported, though there are real ones.
+    with_motion : bool
+        Whether the most and least preferred pairs can be played on the page.
     warn : callable, optional
         Told, in sentences, what looking before the end means; nothing where it is the end.
     on_step : callable
@@ -85,7 +90,11 @@ def report(
     looks = earlier_looks(study, answers)
     tables: list[bytes] = []
     reports: list[TableReport] = []
-    for task in analysed_tasks(study, answers):
+    tasks = analysed_tasks(study, answers)
+    if with_motion:
+        on_step("packing motion")
+        subject = replace(subject, motion=playable_pairs(folder, study, segments, tasks))
+    for task in tasks:
         tables.append(_with_exclusions(task.rows, task.left_out))
         reports.append(
             task_report(

@@ -141,8 +141,7 @@ def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look
             )
             for row in rows
         ],
-        avatar=look.avatar,
-        framing=look.framing,
+        look,
     )
     return page
 

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.audio import read_audio
 from motion.body.abilities import BodyAbilities, not_shown, read_expression_matrix
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
@@ -16,7 +17,12 @@ from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.segment import Segment
-from renderer.look import AVATARS, default_body
+from renderer.encoder import SOUND_RATE
+from renderer.look import AVATARS, Look, default_body
+from renderer.loudness import at_common_loudness
+from renderer.shown_clip import as_shown
+from renderer.viewer.avatar import avatar_body
+from renderer.viewer.page import MOST_CLIPS, Scene
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -157,3 +163,62 @@ def read_motion_shown(
     if broken and not any(name != study.catch.condition for name, _ in shown):
         raise broken[0]
     return shown
+
+
+def study_look(folder: StudyFolder, study: Study) -> Look:
+    """Return how a study's motion looks in a browser: always on its avatar.
+
+    A licensed body is never written into a page, which its licence forbids to pass on.
+    """
+    return Look(
+        frame_rate=study.video.frame_rate,
+        framing=study.video.framing,
+        avatar=study.video.avatar,
+        expression_matrix=expression_matrix_file(folder, study),
+    )
+
+
+def segment_scene(
+    folder: StudyFolder, study: Study, segment: Segment, conditions: Iterable[str]
+) -> tuple[Scene, dict[str, str]]:
+    """Return a segment's clips as participants see them, with its speech.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    study : Study
+        Its definition.
+    segment : Segment
+        What is said.
+    conditions : iterable of str
+        Whose clips; only the first `MOST_CLIPS` that can be read are shown.
+
+    Returns
+    -------
+    Scene
+        Its clips by condition; none where no motion can be read, and no speech where that cannot.
+    dict of str to str
+        Conditions that are left out, and why.
+    """
+    body = avatar_body(study.video.avatar)
+    clips: dict[str, MotionClip] = {}
+    missing: dict[str, str] = {}
+    for condition in conditions:
+        path = folder.clip(condition, segment.name)
+        if not path.is_file():
+            missing[condition] = "there is no motion file"
+        elif len(clips) == MOST_CLIPS:
+            missing[condition] = f"{MOST_CLIPS} others are shown already"
+        else:
+            try:
+                clip, rate = read_clip(path), study.video.frame_rate
+                clips[condition] = as_shown(clip, body, path, segment.duration, study.freeze, rate)
+            except InputError as error:
+                missing[condition] = error.what
+    try:
+        speech = read_audio(folder.speech / segment.wav, sample_rate=SOUND_RATE)
+        heard = at_common_loudness(speech.cut(segment.start, segment.end))
+    except InputError:
+        heard = None
+    return Scene(name=segment.name, clips=clips, speech=heard), missing

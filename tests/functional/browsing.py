@@ -34,6 +34,9 @@ ARGUMENTS = (
     "--autoplay-policy=document-user-activation-required",
 )
 
+SOFTWARE_GRAPHICS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""Further arguments for pages that draw motion on a machine without a graphics card."""
+
 IN_A_BROWSER = [
     pytest.mark.browser,
     pytest.mark.slow,

@@ -43,6 +43,14 @@ def test_planning_videos_needs_no_opengl() -> None:
     assert _run(code).returncode == 0
 
 
+def test_a_report_plays_motion_without_opengl() -> None:
+    code = "import sys; sys.modules |= {'pyrender': None, 'OpenGL': None}; "
+    code += "from renderer.look import Look; from renderer.viewer.page import MotionFigures; "
+    code += "MotionFigures(Look()); import studyapp.results.playable_pairs"
+    done = _run(code)
+    assert done.returncode == 0, done.stderr
+
+
 _DRAW = """
 import numpy as np
 from renderer.frames import FrameRenderer

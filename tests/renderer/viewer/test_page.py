@@ -6,6 +6,7 @@ import pytest
 
 from motion.clip import MotionClip
 from motion.errors import InputError
+from renderer.look import Look
 from renderer.viewer.page import FILES, MotionFigures, Scene
 
 
@@ -17,7 +18,7 @@ def test_the_library_is_the_one_that_its_readme_describes() -> None:
 
 
 def test_what_two_figures_share_is_embedded_once(clip: MotionClip) -> None:
-    figures = MotionFigures()
+    figures = MotionFigures(Look())
     for name in ("first", "second"):
         figures.figure(Scene(name=name, clips={name: clip}))
 
@@ -25,7 +26,7 @@ def test_what_two_figures_share_is_embedded_once(clip: MotionClip) -> None:
 
 
 def test_names_are_text(clip: MotionClip) -> None:
-    drawn = MotionFigures().figure(Scene(name="<b>", clips={"'><script>": clip}))
+    drawn = MotionFigures(Look()).figure(Scene(name="<b>", clips={"'><script>": clip}))
 
     assert "<b>" not in drawn
     assert "<script>" not in drawn
@@ -36,4 +37,4 @@ def test_what_does_not_fit_side_by_side_is_refused(count: int, clip: MotionClip)
     scene = Scene(name="many", clips={str(number): clip for number in range(count)})
 
     with pytest.raises(InputError, match="do not fit side by side"):
-        MotionFigures().figure(scene)
+        MotionFigures(Look()).figure(scene)

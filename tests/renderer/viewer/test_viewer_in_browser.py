@@ -18,11 +18,17 @@ from renderer.framing import frame_clips
 from renderer.look import BACKGROUND, Look, default_body
 from renderer.shown_clip import as_shown
 from renderer.viewer.page import Scene, write_motion_page
-from tests.functional.browsing import IN_A_BROWSER, launched, wait_until, watched_page
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    SOFTWARE_GRAPHICS,
+    launched,
+    wait_until,
+    watched_page,
+)
 
 pytestmark = IN_A_BROWSER
 
-SOFTWARE_GRAPHICS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+FULL_BODY = Look(framing="full_body")
 SECOND = 0.6
 """Where the pictures are compared."""
 
@@ -43,7 +49,7 @@ def opened(page: Page, path: Path, **clips: MotionClip) -> None:
     (first, *_) = clips.values()
     tone = np.sin(np.arange(round(48_000 * first.duration)) * 0.03) * 0.1
     speech = Audio(tone.astype(np.float32), 48_000)
-    write_motion_page(path, "Motion", [Scene(name="it", clips=clips, speech=speech)])
+    write_motion_page(path, "Motion", [Scene(name="it", clips=clips, speech=speech)], FULL_BODY)
     page.goto(path.as_uri())
     expect(page.get_by_role("button", name="Play")).to_be_visible()
 
@@ -143,7 +149,7 @@ def test_a_browser_without_graphics_says_so(
     browser: Browser, shown: MotionClip, tmp_path: Path
 ) -> None:
     path = tmp_path / "page.html"
-    write_motion_page(path, "Motion", [Scene(name="it", clips={"ours": shown})])
+    write_motion_page(path, "Motion", [Scene(name="it", clips={"ours": shown})], FULL_BODY)
     with watched_page(browser, tmp_path.as_uri()) as page:
         page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
         page.goto(path.as_uri())

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from analysis.report.figures import style
+from benchmarks.rendering.sample_motion import gesturing_clip
+from motion.audio import Audio, write_wav
+from motion.formats.clip_npz import write_clip
+from motion.segment import write_segments
 from studyapp.database.tables import StudySession
 from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
@@ -67,3 +73,26 @@ def leave(folder: StudyFolder, study_session: int) -> None:
             found = session.get_one(StudySession, study_session)
             token = found.token
         withdraw(database, token, SetClock())
+
+
+LABELLED = '[conditions.ours]\nlabel = "Ours (full)"\n'
+
+
+def with_motion(folder: StudyFolder, *conditions: str) -> StudyFolder:
+    """Label a condition, and add speech, and motion of `conditions`, to a study of videos."""
+    text = folder.definition.read_text("utf-8").replace("[conditions.ours]\n", LABELLED)
+    folder.definition.write_text(text, "utf-8")
+    segments = [
+        replace(segment, wav=f"{segment.name}.wav", start=0.0, end=segment.duration)
+        for segment in folder.segments_of(folder.study())
+    ]
+    folder.speech.mkdir()
+    for segment in segments:
+        tone = np.sin(np.arange(round(16_000 * segment.duration)) * 0.1).astype(np.float32) * 0.1
+        write_wav(folder.speech / segment.wav, Audio(tone, 16_000))
+        for condition in conditions:
+            path = folder.clip(condition, segment.name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_clip(path, gesturing_clip(segment.duration, 30))
+    write_segments(folder.speech, segments)
+    return folder

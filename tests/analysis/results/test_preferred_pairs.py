@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from analysis.answers.reading import read_answers
+from analysis.answers.table import LAYOUTS
+from analysis.results.participants import leave_out
+from analysis.results.preferred_pairs import MOST_PAIRS, PreferredPair, preferred_pairs
+from tests.analysis.results.made_tables import TABLES, pairwise_table
+
+
+def pairs_of(rows: pd.DataFrame, protocol: str, folder: Path) -> tuple[PreferredPair, ...]:
+    path = folder / "answers.csv"
+    rows.to_csv(path, index=False)
+    table = read_answers(path, LAYOUTS[protocol])
+    return preferred_pairs(table, leave_out(table, ()).analysed)
+
+
+def answer(
+    participant: str, segment: str, left: str, right: str, response: int
+) -> dict[str, object]:
+    return {
+        "participant": participant,
+        "segment": segment,
+        "question": "fit",
+        "left": left,
+        "right": right,
+        "response": response,
+    }
+
+
+def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept(
+    tmp_path: Path,
+) -> None:
+    rows = pd.DataFrame(
+        [
+            answer("p1", "liked", "ours", "theirs", 1),
+            answer("p2", "liked", "theirs", "ours", 5),
+            answer("p1", "between", "ours", "theirs", 3),
+            answer("p2", "between", "ours", "theirs", 2),
+            answer("p1", "disliked", "ours", "theirs", 4),
+            answer("p2", "disliked", "theirs", "ours", 3),
+        ]
+    )
+
+    found = pairs_of(rows, "pairwise", tmp_path)
+
+    assert [(one.first, one.second, one.segment) for one in found] == [
+        ("ours", "theirs", "liked"),
+        ("ours", "theirs", "disliked"),
+    ]
+    assert [one.win_shares for one in found] == [{"fit": 1.0}, {"fit": 0.25}]
+    assert [one.answers for one in found] == [{"fit": 2}, {"fit": 2}]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "value", "given"), [("rating", "response", (4, 2)), ("ranking", "rank", (1, 2))]
+)
+def test_of_ratings_and_rankings_the_clip_placed_higher_won(
+    protocol: str, value: str, given: tuple[int, int], tmp_path: Path
+) -> None:
+    rows = pd.DataFrame(
+        {
+            "participant": "p1",
+            "segment": "s1",
+            "question": "realism",
+            "condition": ["ours", "theirs"],
+            value: given,
+        }
+    )
+
+    (found,) = pairs_of(rows, protocol, tmp_path)
+
+    assert (found.first, found.second, found.win_shares) == ("ours", "theirs", {"realism": 1.0})
+
+
+def test_pairs_are_sorted_by_the_first_question_and_have_a_share_for_each(tmp_path: Path) -> None:
+    rows = pairwise_table(questions=("emotion", "fit"))
+
+    found = pairs_of(rows, "pairwise", tmp_path)
+
+    shares = [one.win_shares["emotion"] for one in found]
+    assert shares == sorted(shares, reverse=True)
+    assert all(set(one.win_shares) == {"emotion", "fit"} for one in found)
+
+
+def test_of_many_conditions_both_ends_of_the_order_are_kept(tmp_path: Path) -> None:
+    names = tuple("abcdef")
+    rows = pairwise_table(names, participants=3, effects=(3, 2, 1, 0, -1, -2))
+
+    found = pairs_of(rows, "pairwise", tmp_path)
+
+    assert len(found) == MOST_PAIRS
+    assert found[0].win_shares["emotion"] == 1.0
+    assert found[-1].win_shares["emotion"] < 0.5
+
+
+def test_a_mismatch_task_compares_no_conditions(tmp_path: Path) -> None:
+    assert pairs_of(TABLES["mismatch"](participants=4, segments=3), "mismatch", tmp_path) == ()

@@ -1,0 +1,84 @@
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from bs4 import BeautifulSoup
+
+from renderer.viewer.page import policy_hash
+from studyapp.results.report import report
+from studyapp.study.folder import StudyFolder
+from tests.studyapp.results.conftest import Answered, with_motion
+
+
+@pytest.fixture(scope="module")
+def folder(
+    answered_once: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory
+) -> StudyFolder:
+    root = tmp_path_factory.mktemp("playable") / "study"
+    shutil.copytree(answered_once("pairwise", people=3), root)
+    return with_motion(StudyFolder(root), "ours", "theirs", "real")
+
+
+@pytest.fixture(scope="module")
+def page(folder: StudyFolder) -> BeautifulSoup:
+    return opened(report(folder, with_motion=True))
+
+
+def opened(page: Path) -> BeautifulSoup:
+    return BeautifulSoup(page.read_text("utf-8"), "html.parser")
+
+
+def test_pairs_play_in_the_order_of_their_win_shares_under_the_labels_of_conditions(
+    page: BeautifulSoup,
+) -> None:
+    section = page.select_one("#motion")
+
+    assert section is not None
+    captions = [each.get_text() for each in section.select(".caption")]
+    shares = [float(re.findall(r": \w+ (\.?\d+)", each)[0]) for each in captions]
+    assert shares
+    assert shares == sorted(shares, reverse=True)
+    assert len(section.select("figure.motion-viewer")) == len(captions)
+    scenes = [str(each["data-scene"]) for each in section.select("figure.motion-viewer")]
+    assert any("Ours (full)" in scene for scene in scenes)
+    assert any("Their metrics" in each.get_text() for each in section.select("summary"))
+
+
+def test_only_scripts_that_the_policy_knows_are_in_the_page(page: BeautifulSoup) -> None:
+    policy = str(page.select('meta[http-equiv="Content-Security-Policy"]')[0]["content"])
+    run = [each.string or "" for each in page.select("script:not([type])")]
+
+    assert len(run) == 3
+    assert re.findall(r"'(sha256-[^']+)'", policy) == [policy_hash(script) for script in run]
+
+
+def test_a_report_that_is_not_asked_for_motion_has_nothing_of_it(folder: StudyFolder) -> None:
+    text = report(folder).read_text("utf-8")
+
+    assert "motion-viewer" not in text
+    assert "media-src" not in text
+    assert 'id="motion"' not in text
+
+
+def test_pairs_whose_motion_is_not_there_are_named(answered: Answered) -> None:
+    # Of a mismatch study, the pairs are those of its second task.
+    folder = with_motion(answered("mismatch", people=3), "ours")
+
+    section = opened(report(folder, with_motion=True)).select_one("#motion")
+
+    assert section is not None
+    assert not section.select("figure.motion-viewer")
+    assert "theirs, segment" in section.get_text()
+    assert "there is no motion file" in section.get_text()
+
+
+def test_before_anybody_has_answered_the_report_says_that_there_are_no_pairs(
+    answered: Answered,
+) -> None:
+    page = report(answered("pairwise", people=0), with_motion=True)
+
+    assert "Nobody has compared two conditions yet." in page.read_text("utf-8")
