@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from tests.finished_study import write_study_of_one_video
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 from tests.tiny_study import BACKGROUND, write_tiny_study
 
 SIZE: Final = 360

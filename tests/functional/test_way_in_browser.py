@@ -14,7 +14,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, WatchRecord
 from tests.functional.browsing import IN_A_BROWSER, follow, playing_on
 from tests.functional.looking import LAPTOP, photograph
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
@@ -156,6 +156,8 @@ def test_the_whole_way_from_eligibility_to_the_code(
     press(page, "Copy the code")
     expect(page.locator("#copied")).not_to_be_empty()
     code = page.locator("#completion-code").inner_text()
+    press(page, "Copy the code")
+    expect(page.locator("#copied")).not_to_be_empty()
     done = study_session(page, database)
     assert (done.completion_code, done.recruiter_participant) == (code, "p1")
     assert (done.sound_tries, done.rested_at_position) == (0, 3)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from sqlalchemy import select
+
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 from studyapp.session.answers import answer, skip_unplayable
 from studyapp.session.arrivals import Arrival
 from studyapp.session.comprehension import begin
+from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.session.participation import Situation, look
 from studyapp.session.served_study import ServedStudy
@@ -58,8 +62,22 @@ class Participant:
         return self.arrive(Arrival(visit=name))
 
     def arrive(self, arrival: Arrival) -> Participant:
+        """Take part as whoever `arrival` says."""
         self.token = enrol(self.database, self.served, arrival, self.clock)
         return self
+
+    def another(self, name: str = "another") -> Participant:
+        """Return somebody else, who arrives now."""
+        return Participant(self.database, self.served, self.clock).enrol(name)
+
+    def withdraw(self) -> None:
+        withdraw(self.database, self.token, self.clock)
+
+    def stored(self) -> StudySession:
+        with self.database.reading() as session:
+            return session.scalars(
+                select(StudySession).where(StudySession.token == self.token)
+            ).one()
 
     def begin(self, **answers: str) -> Participant:
         begin(self.database, self.served, self.token, self.clock, answers=answers)
@@ -114,12 +132,22 @@ class Participant:
         self.fetch(video)
         return self.report(video, *intervals, batch=batch, playback=playback).missing
 
-    def answer(self, trial_token: str, answers: dict[str, str] | None = None) -> None:
-        given = ANSWERS if answers is None else answers
-        fields = {name: [value] for name, value in given.items()}
+    def answer(self, trial_token: str, answers: Mapping[str, str | list[str]] = ANSWERS) -> None:
+        fields = {
+            name: [value] if isinstance(value, str) else value for name, value in answers.items()
+        }
         answer(self.database, self.served, self.token, trial_token, fields, self.clock)
 
-    def take_trial(self, answers: dict[str, str] | None = None) -> str:
+    def watch_all(self) -> ShownTrial:
+        """Play every video of the present trial to its end, one after the other."""
+        shown = self.trial()
+        self.clock.advance(seconds=3 * len(shown.videos))
+        for video in shown.videos:
+            self.fetch(video.token)
+            self.report(video.token, (0.0, video.duration))
+        return shown
+
+    def take_trial(self, answers: Mapping[str, str | list[str]] = ANSWERS) -> str:
         trial_token = self.trial().token
         self.clock.advance(seconds=5)
         self.watch((0.0, 2.0))

@@ -18,12 +18,12 @@ from studyapp.database.copies import (
     write_copy,
 )
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Base, StudySession, WatchRecord
+from studyapp.database.tables import Base, StudySession
 from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.taking_part_steps import Participant
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -184,18 +184,3 @@ def test_a_damaged_copy_is_found(answered: Participant, database_url: str, tmp_p
 
     (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
     assert flaws_of_copy(tmp_path / "copy.db")
-
-
-@SQLITE
-def test_lists_and_moments_keep_their_kind(
-    answered: Participant, database_url: str, tmp_path: Path, clock: SetClock
-) -> None:
-    write_copy(database_url, tmp_path / "copy.db")
-
-    database = Database.open_for_reading(sqlite_url(tmp_path / "copy.db"))
-    assert database is not None
-    with database.reading() as session:
-        watched = session.scalars(select(WatchRecord.intervals)).all()
-        assert [[0.0, 2.0]] in watched
-        assert session.scalars(select(StudySession.consented_at)).first() == clock.moments[0]
-    database.close()

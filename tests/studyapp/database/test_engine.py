@@ -52,19 +52,6 @@ def test_a_new_database_is_in_wal_mode_and_keeps_its_references(database: Databa
         assert session.scalar(text("PRAGMA foreign_keys")) == 1
 
 
-def test_what_was_written_is_there_when_it_is_opened_again(tmp_path: Path) -> None:
-    url = sqlite_url(tmp_path / "again.db")
-    first = Database.open(url)
-    with first.writing() as session:
-        session.add(place(0))
-    first.close()
-
-    second = Database.open(url)
-    with second.reading() as session:
-        assert session.scalars(select(Place.number)).all() == [0]
-    second.close()
-
-
 def test_a_failure_stores_nothing(database: Database) -> None:
     with pytest.raises(ZeroDivisionError), database.writing() as session:
         session.add(place(0))
@@ -184,10 +171,11 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
         Database.open(sqlite_url(tmp_path / "nowhere" / "responses.db"))
 
 
-@pytest.mark.parametrize("url", ["nonsense", "unknowndatabase://host/name"])
+@pytest.mark.parametrize("url", ["nonsense", "unknowndatabase://someone:secret@host/name"])
 def test_an_unusable_address_is_refused(url: str) -> None:
-    with pytest.raises(InputError, match="database address cannot be used"):
+    with pytest.raises(InputError, match="database address cannot be used") as caught:
         Database.open(url)
+    assert "secret" not in str(caught.value)
 
 
 @pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg"])
@@ -198,13 +186,6 @@ def test_an_address_as_hosting_gives_it_is_used_with_the_driver_that_is_installe
 
     with pytest.raises(InputError, match=r"cannot be opened.*[Cc]onnection refused") as caught:
         Database.open(nobody_listens)
-
-    assert "secret" not in str(caught.value)
-
-
-def test_an_error_does_not_show_the_password() -> None:
-    with pytest.raises(InputError) as caught:
-        Database.open("unknowndatabase://someone:secret@host/name")
 
     assert "secret" not in str(caught.value)
 

@@ -12,7 +12,7 @@ from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 from tests.studyapp.test_server import HEAVY
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")

@@ -60,17 +60,6 @@ def test_a_study_goes_from_draft_to_its_end(client: ProlificClient, stand_in: St
     assert client.move(made.id, "STOP").status == "AWAITING REVIEW"
 
 
-def test_doing_again_what_is_done_changes_nothing(
-    client: ProlificClient, stand_in: StandIn
-) -> None:
-    made = client.create(draft())
-    client.move(made.id, "PUBLISH")
-    before = len([each for each in stand_in.asked if each.startswith("POST")])
-
-    assert client.move(made.id, "PUBLISH").status == "ACTIVE"
-    assert len([each for each in stand_in.asked if each.startswith("POST")]) == before
-
-
 def test_what_cannot_be_done_is_said_in_prolifics_words(client: ProlificClient) -> None:
     made = client.create(draft())
 
@@ -225,8 +214,3 @@ def test_an_unusable_token_is_refused_without_being_shown(
     with pytest.raises(InputError, match=said) as refused:
         prolific_token()
     assert "lines" not in str(refused.value)
-
-
-def test_the_token_is_read_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PROLIFIC_TOKEN", f" {TOKEN}\n")
-    assert prolific_token() == TOKEN

@@ -6,7 +6,7 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import ResearcherLink
-from studyapp.researchers.account import accounts, shut_out
+from studyapp.researchers.account import shut_out
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.links import (
     LIFETIME,
@@ -25,23 +25,6 @@ from tests.studyapp.researchers_at_hand import PASSWORD, enter, joined
 from tests.studyapp.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-
-
-def test_the_first_owner_joins_by_a_link_that_works_once(
-    database: Database, clock: SetClock
-) -> None:
-    token = first_owner_link(database, clock)
-    assert token is not None
-
-    login = join(database, clock, token, name=" Ada  Lovelace ", password=PASSWORD)
-
-    account = logged_in(database, login, clock.now(), by_hand=True)
-    assert account is not None
-    assert (account.name, account.role) == ("Ada Lovelace", "owner")
-    with pytest.raises(UnusableLinkError):
-        join(database, clock, token, name="Eve", password=PASSWORD)
-    assert first_owner_link(database, clock) is None
-    assert [a.name for a in accounts(database)] == ["Ada Lovelace"]
 
 
 def test_a_newer_link_for_the_first_owner_replaces_the_older(

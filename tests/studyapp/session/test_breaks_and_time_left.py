@@ -4,23 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.database.engine import Database
 from studyapp.session.participation import leave_break
 from studyapp.session.refusal import ConflictError
-from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import expected_seconds, minutes_left
-from studyapp.session.versions import open_study
-from tests.functional.redefining import redefine
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.session.conftest import Open
+from tests.studyapp.taking_part_steps import Participant
 
 
 @pytest.fixture
-def resting(tiny_study: Path, database: Database, clock: SetClock) -> Participant:
+def resting(open_changed: Open) -> Participant:
     """Return a participant of a study of six trials with a break after every two."""
-    redefine(tiny_study, ("[page]\n", "[page]\nbreak_every = 2\n"))
-    served = ServedStudy.read(tiny_study)
-    open_study(database, served, clock)
-    return Participant(database, served, clock).enrol().begin()
+    return open_changed(("[page]\n", "[page]\nbreak_every = 2\n")).enrol().begin()
 
 
 def go_on(participant: Participant, position: int) -> None:
@@ -81,7 +75,7 @@ def test_looking_at_a_break_keeps_the_place(resting: Participant) -> None:
     for number in range(3):
         resting.clock.advance(minutes=40)
         assert resting.look().rest is not None
-        Participant(resting.database, resting.served, resting.clock).enrol(f"other {number}")
+        resting.another(f"other {number}")
 
     go_on(resting, 3)
     assert resting.look().state == "started"

@@ -12,7 +12,7 @@ from studyapp.database.tables import FormAnswer, Place, StudySession, Trial
 from studyapp.session.refusal import IneligibleError, UnacceptableError, UnknownAddressError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 COMPREHENSION = """

@@ -1,11 +1,9 @@
 from __future__ import annotations
 
 import threading
-from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from sqlalchemy import event, select
@@ -21,12 +19,10 @@ from studyapp.session.places import take_open_place
 from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
-    StudyFullError,
     UnprovenError,
 )
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.added_condition import add_condition
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.three_arms import three_arms
 
@@ -149,33 +145,6 @@ def test_an_arrival_says_who_it_is() -> None:
         Arrival(recruiter_study="s")
 
 
-def test_a_full_study_says_so_and_takes_nobody(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    for number in range(4):
-        enrol(opened, served, Arrival(visit=f"visit {number}"), clock)
-
-    with pytest.raises(StudyFullError, match="all the participants it needs"):
-        enrol(opened, served, Arrival(visit="late"), clock)
-
-    with opened.reading() as session:
-        assert len(session.scalars(select(StudySession)).all()) == 4
-
-
-def test_the_place_of_a_silent_participant_goes_to_the_next(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    silent = Participant(opened, served, clock).enrol("silent").begin()
-    for number in range(3):
-        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
-    clock.advance(minutes=46)
-
-    enrol(opened, served, Arrival(visit="late"), clock)
-
-    assert silent.look().state == "lapsed"
-    assert len(held(opened)) == 4
-
-
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
     participant: Participant,
@@ -261,39 +230,3 @@ def test_an_arrival_takes_few_statements(
 
     assert welcomed == 2
     assert statements() - welcomed <= 9
-
-
-def test_who_comes_back_after_a_long_pause_does_not_lose_the_place_by_it(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    token = enrol(opened, served, Arrival(visit="one"), clock)
-    clock.advance(minutes=46)
-
-    assert enrol(opened, served, Arrival(visit="one"), clock) == token
-    assert len(held(opened)) == 1
-
-
-def test_finished_participants_keep_their_places(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    for number in range(4):
-        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
-    clock.advance(days=30)
-
-    with pytest.raises(StudyFullError):
-        enrol(opened, served, Arrival(visit="late"), clock)
-
-
-def test_the_emptier_comparison_is_filled_first(
-    tiny_study: Path, database: Database, clock: SetClock
-) -> None:
-    add_condition(tiny_study)
-    served = ServedStudy.read(tiny_study)
-    open_study(database, served, clock)
-
-    for number in range(6):
-        enrol(database, served, Arrival(visit=f"visit {number}"), clock)
-
-    with database.reading() as session:
-        comparisons = Counter(session.scalars(select(StudySession.arm)))
-    assert comparisons == {"rule_based-mismatched": 3, "rule_based-static": 3}

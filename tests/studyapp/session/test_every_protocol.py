@@ -12,14 +12,12 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Trial
-from studyapp.session.answers import answer
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
 from studyapp.session.video_access import content_of
 from studyapp.study.settings.questions import Reason
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -39,37 +37,16 @@ def arrive(finished_study: Callable[[str], Path], database: Database, clock: Set
     return make
 
 
-def watch_all(participant: Participant) -> ShownTrial:
-    """Play every video of the present trial to its end."""
-    shown = participant.trial()
-    participant.clock.advance(seconds=3 * len(shown.videos))
-    for video in shown.videos:
-        participant.fetch(video.token)
-        participant.report(video.token, (0.0, video.duration))
-    return shown
-
-
-def some_answers(shown: ShownTrial) -> dict[str, list[str]]:
+def some_answers(shown: ShownTrial) -> dict[str, str | list[str]]:
     """Return an answer for every field: the first one offered, or ranks in the page's order."""
     ranked = all(ask.stimulus is not None and min(ask.values) == 1 for ask in shown.asks)
     return {ask.field: [str(ask.stimulus if ranked else min(ask.values))] for ask in shown.asks}
 
 
-def send(participant: Participant, shown: ShownTrial, fields: dict[str, list[str]]) -> None:
-    answer(
-        participant.database,
-        participant.served,
-        participant.token,
-        shown.token,
-        fields,
-        participant.clock,
-    )
-
-
 def take_all(participant: Participant) -> None:
     while participant.look().trial is not None:
-        shown = watch_all(participant)
-        send(participant, shown, some_answers(shown))
+        shown = participant.watch_all()
+        participant.answer(shown.token, some_answers(shown))
 
 
 def exported(participant: Participant) -> pd.DataFrame:
@@ -100,10 +77,10 @@ def test_a_participant_reaches_the_code_and_every_answer_is_exported(
 
 def test_ratings_are_exported_with_the_motion_they_are_about(arrive: Arrive) -> None:
     participant = arrive("rating")
-    shown = watch_all(participant)
+    shown = participant.watch_all()
     fields = some_answers(shown) | {"synchrony:2": ["73"], "synchrony:2:reasons": ["face", "hands"]}
 
-    send(participant, shown, fields)
+    participant.answer(shown.token, fields)
 
     table = exported(participant)
     with participant.database.reading() as session:
@@ -149,8 +126,8 @@ def test_a_video_without_its_sound_is_marked_for_the_page(arrive: Arrive) -> Non
     muted: dict[str, set[bool]] = {}
     while (shown := participant.look().trial) is not None:
         muted.setdefault(shown.part, set()).update(video.muted for video in shown.videos)
-        watch_all(participant)
-        send(participant, shown, some_answers(shown))
+        participant.watch_all()
+        participant.answer(shown.token, some_answers(shown))
 
     assert muted == {"fit": {False}, "realism": {True}}
 
@@ -165,11 +142,11 @@ def test_the_reference_comes_first_is_watched_and_not_ranked(arrive: Arrive) -> 
     assert content.condition == "real"
     participant.clock.advance(seconds=60)
     with pytest.raises(UnacceptableError, match="About 6 s"):
-        send(participant, shown, some_answers(shown))
+        participant.answer(shown.token, some_answers(shown))
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "words"),
     [
         ({"realism:2": ["1"]}, "same rank"),
         ({"realism:2": ["3"]}, "not one of the choices"),
@@ -182,13 +159,13 @@ def test_the_reference_comes_first_is_watched_and_not_ranked(arrive: Arrive) -> 
     ],
 )
 def test_a_ranking_that_is_none_is_refused(
-    arrive: Arrive, changes: dict[str, list[str]], said: str
+    arrive: Arrive, changes: dict[str, str | list[str]], words: str
 ) -> None:
     participant = arrive("ranking")
-    shown = watch_all(participant)
+    shown = participant.watch_all()
 
-    with pytest.raises(UnacceptableError, match=said):
-        send(participant, shown, some_answers(shown) | changes)
+    with pytest.raises(UnacceptableError, match=words):
+        participant.answer(shown.token, some_answers(shown) | changes)
     assert exported(participant).empty
 
 
@@ -202,60 +179,24 @@ def test_reasons_of_an_order_are_ticked_once_and_stand_beside_each_of_its_ranks(
     participant.served = replace(
         participant.served, study=study.model_copy(update={"questions": asked})
     )
-    shown = watch_all(participant)
+    shown = participant.watch_all()
     fields = some_answers(shown) | {"realism:reasons": ["hands"]}
 
-    send(participant, shown, fields)
-    send(participant, shown, fields)
+    participant.answer(shown.token, fields)
+    participant.answer(shown.token, fields)
 
     table = exported(participant)
     assert set(table["question"]) == {"realism"}
     assert table["reasons"].tolist() == ["hands"] * len(shown.asks)
     with pytest.raises(ConflictError):
-        send(participant, shown, some_answers(shown))
+        participant.answer(shown.token, some_answers(shown))
 
 
-def test_one_video_of_several_does_not_open_the_answers(arrive: Arrive) -> None:
+def test_every_video_has_to_be_played_in_a_time_of_its_own(arrive: Arrive) -> None:
     participant = arrive("rating")
-    shown = participant.trial()
-    participant.clock.advance(seconds=60)
-    participant.watch((0.0, 2.0))
-
-    with pytest.raises(UnacceptableError, match="About 4 s"):
-        send(participant, shown, some_answers(shown))
-
-
-def test_two_videos_cannot_have_been_played_in_the_time_of_one(arrive: Arrive) -> None:
-    participant = arrive("rating")
-    first, second, _ = participant.trial().videos
+    _, second, _ = participant.trial().videos
     participant.clock.advance(seconds=2)
     participant.watch((0.0, 2.0))
 
     with pytest.raises(UnacceptableError, match="than there was time for"):
         participant.report(second.token, (0.0, 2.0))
-    assert first.token != second.token
-
-
-def test_other_reasons_afterwards_are_refused(arrive: Arrive) -> None:
-    participant = arrive("rating")
-    shown = watch_all(participant)
-    fields = some_answers(shown)
-    send(participant, shown, fields)
-
-    send(participant, shown, fields)
-    with pytest.raises(ConflictError):
-        send(participant, shown, fields | {"synchrony:1:reasons": ["face"]})
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_every_participant_gets_a_place_until_the_study_is_full(
-    arrive: Arrive, protocol: str
-) -> None:
-    participant = arrive(protocol)
-    again = (participant.database, participant.served, participant.clock)
-
-    tokens = {Participant(*again).enrol(f"visit {n}").token for n in range(2)}
-
-    assert len(tokens | {participant.token}) == 3
-    with pytest.raises(ConflictError, match="all the participants it needs"):
-        Participant(*again).enrol("late")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from sqlalchemy import select
 
@@ -11,26 +9,23 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
 from studyapp.results.answer_table import study_answers
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.session.conftest import Open
+from tests.studyapp.taking_part_steps import Participant
 
 
-def arrive(
-    folder: Path, database: Database, clock: SetClock, *, replace: bool, max_failed: int = 0
-) -> Participant:
+def arrive(open_changed: Open, *, replace: bool = True, max_failed: int = 0) -> Participant:
     """Return a participant at the first trial of a study with a catch and an attention trial."""
-    path = folder / "study.toml"
-    text = path.read_text("utf-8").replace(
-        "[catch]\ntrials = 1", f"[catch]\ntrials = 1\nmax_failed = {max_failed}"
+    return (
+        open_changed(
+            ('name = "tiny"', f'replace_excluded = {str(replace).lower()}\nname = "tiny"'),
+            ("[catch]\ntrials = 1", f"[catch]\ntrials = 1\nmax_failed = {max_failed}"),
+            added="\n[attention]\ntrials = 1\nmax_failed = 0\n",
+        )
+        .enrol()
+        .begin()
     )
-    head = f"replace_excluded = {str(replace).lower()}\n"
-    path.write_text(f"{head}{text}\n[attention]\ntrials = 1\nmax_failed = 0\n", "utf-8")
-    served = ServedStudy.read(folder)
-    open_study(database, served, clock)
-    return Participant(database, served, clock).enrol().begin()
 
 
 def finish(participant: Participant, *, careless: str = "", left_out: str = "") -> None:
@@ -54,34 +49,32 @@ def holders(database: Database) -> int:
 
 @pytest.mark.parametrize("careless", ["catch", "attention"])
 def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
-    tiny_study: Path, database: Database, clock: SetClock, careless: str
+    open_changed: Open, careless: str
 ) -> None:
-    participant = arrive(tiny_study, database, clock, replace=True)
+    participant = arrive(open_changed)
 
     finish(participant, careless=careless)
 
     assert participant.look().state == "completed"
     assert participant.look().completion_code
-    assert holders(database) == 0
-    assert len(read_once(database, responses_table)) == 14
-    Participant(database, participant.served, clock).enrol("next")
-    with database.reading() as session:
+    assert holders(participant.database) == 0
+    assert len(read_once(participant.database, responses_table)) == 14
+    participant.another("next")
+    with participant.database.reading() as session:
         numbers = [known.number for known in session.scalars(select(StudySession))]
     assert numbers == [0, 0]
     assert participant.look().state == "completed"
 
 
 @pytest.mark.parametrize("kind", ["catch", "attention"])
-def test_to_leave_out_a_check_is_to_fail_it(
-    tiny_study: Path, database: Database, clock: SetClock, kind: str
-) -> None:
-    participant = arrive(tiny_study, database, clock, replace=True)
+def test_to_leave_out_a_check_is_to_fail_it(open_changed: Open, kind: str) -> None:
+    participant = arrive(open_changed)
 
     finish(participant, left_out=kind)
 
     assert participant.look().state == "completed"
-    assert holders(database) == 0
-    stored = read_once(database, stored_answers)
+    assert holders(participant.database) == 0
+    stored = read_once(participant.database, stored_answers)
     (known,) = study_answers(participant.served.study, stored).known.values()
     assert getattr(known, f"failed_{kind}") == 1
 
@@ -91,29 +84,20 @@ def test_to_leave_out_a_check_is_to_fail_it(
     [(True, 0, ""), (True, 0, "main"), (True, 1, "catch"), (False, 0, "catch")],
 )
 def test_otherwise_the_place_stays_filled(
-    tiny_study: Path,
-    database: Database,
-    clock: SetClock,
+    open_changed: Open,
     replace: bool,
     max_failed: int,
     careless: str,
 ) -> None:
-    participant = arrive(tiny_study, database, clock, replace=replace, max_failed=max_failed)
+    participant = arrive(open_changed, replace=replace, max_failed=max_failed)
 
     finish(participant, careless=careless)
 
-    assert holders(database) == 1
+    assert holders(participant.database) == 1
 
 
-def test_a_list_without_a_rule_about_failures_keeps_the_place_filled(
-    tiny_study: Path, database: Database, clock: SetClock
-) -> None:
-    path = tiny_study / "study.toml"
+def test_a_list_without_a_rule_about_failures_keeps_the_place_filled(open_changed: Open) -> None:
     rules = 'replace_excluded = true\nexclusions = [{ rule = "incomplete" }]\n'
-    path.write_text(rules + path.read_text("utf-8"), "utf-8")
-    served = ServedStudy.read(tiny_study)
-    open_study(database, served, clock)
-
-    finish(Participant(database, served, clock).enrol().begin(), careless="catch")
-
-    assert holders(database) == 1
+    participant = open_changed(('name = "tiny"', f'{rules}name = "tiny"')).enrol().begin()
+    finish(participant, careless="catch")
+    assert holders(participant.database) == 1

@@ -86,21 +86,6 @@ def test_who_is_answering_at_this_moment_does_not_lose_the_place(
     assert silent.look().state == "lapsed"
 
 
-def test_more_wanted_lets_more_in_and_fewer_takes_nobodys_place(
-    database: Database, clock: SetClock
-) -> None:
-    arrive(database, clock, 1, 3)
-    with pytest.raises(StudyFullError):
-        arrive(database, clock, 1, 1)
-
-    arrive(database, clock, 2, 3)
-    assert set(held(database).values()) == {2}
-
-    with pytest.raises(StudyFullError):
-        arrive(database, clock, 1, 1)
-    assert set(held(database).values()) == {2}
-
-
 def test_fewer_wanted_counts_whoever_is_done_whatever_their_number(
     database: Database, clock: SetClock
 ) -> None:

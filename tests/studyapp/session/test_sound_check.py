@@ -4,14 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
 
-from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol, enrolled
-from studyapp.session.form_answers import answer_form
+from studyapp.session.enrolment import enrolled
 from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.refusal import (
     ConflictError,
@@ -19,28 +14,20 @@ from studyapp.session.refusal import (
     UnacceptableError,
     UnknownAddressError,
 )
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.settings.study import Study
-from tests.functional.redefining import redefine
 from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
-from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.session.conftest import Open
+from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM, tell
+from tests.studyapp.taking_part_steps import Participant
 
-
-def listening(folder: Path, database: Database, clock: SetClock, more: str = "") -> Participant:
-    """Return somebody who has agreed to take part in a study with a sound check."""
-    redefine(folder, ("[page]\n", "[page]\nsound_check = true\n"), added=more)
-    served = ServedStudy.read(folder)
-    open_study(database, served, clock)
-    return Participant(database, served, clock)
+SOUND_CHECK = ("[page]\n", "[page]\nsound_check = true\n")
 
 
 @pytest.fixture
-def listener(tiny_study: Path, database: Database, clock: SetClock) -> Participant:
-    return listening(tiny_study, database, clock).enrol()
+def listener(open_changed: Open) -> Participant:
+    return open_changed(SOUND_CHECK).enrol()
 
 
 def digits(participant: Participant) -> str:
@@ -53,10 +40,14 @@ def hear(participant: Participant, typed: str) -> bool:
     )
 
 
-def stored(participant: Participant) -> StudySession:
-    with participant.database.reading() as session:
-        named = select(StudySession).where(StudySession.token == participant.token)
-        return session.scalars(named).one()
+def leave(participant: Participant) -> None:
+    leave_unheard(participant.database, participant.served, participant.token, participant.clock)
+
+
+def leave_after_three_tries(participant: Participant) -> None:
+    for _ in range(3):
+        hear(participant, wrong(digits(participant)))
+    leave(participant)
 
 
 def wrong(spoken: str) -> str:
@@ -93,7 +84,7 @@ def test_other_digits_are_counted_and_exclude_nobody(listener: Participant) -> N
 
     assert hear(listener, spoken)
     assert hear(listener, wrong(spoken))
-    assert stored(listener).sound_tries == 5
+    assert listener.stored().sound_tries == 5
 
 
 def test_nothing_typed_is_no_try(listener: Participant) -> None:
@@ -111,99 +102,54 @@ def test_nothing_is_spoken_once_the_check_is_over(listener: Participant) -> None
         digits(listener)
 
 
-def test_participants_hear_different_digits(
-    tiny_study: Path, database: Database, clock: SetClock
-) -> None:
-    first = listening(tiny_study, database, clock)
-    spoken = set()
-    for number in range(4):
-        first.token = enrol(database, first.served, Arrival(visit=f"v{number}"), clock)
-        spoken.add(digits(first))
-
-    assert len(spoken) > 1
+def test_participants_hear_different_digits(listener: Participant) -> None:
+    assert len({digits(listener.another(f"visit {number}")) for number in range(3)}) > 1
 
 
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
     spoken = digits(listener)
     for _ in range(3):
-        leave_unheard(listener.database, listener.served, listener.token, listener.clock)
+        leave(listener)
         assert listener.look().state == "instructed"
         hear(listener, wrong(spoken))
-
-    leave_unheard(listener.database, listener.served, listener.token, listener.clock)
-
+    leave(listener)
     assert listener.look().state == "withdrawn"
     assert listener.look().left_unheard
-    assert stored(listener).sound_tries == 3
+    assert listener.stored().sound_tries == 3
+    for number in range(4):
+        listener.another(f"visit {number}")
+    with pytest.raises(StudyFullError):
+        listener.another("visit")
+    assert listener.look().left_unheard
 
 
+RECRUITED = Arrival(recruiter_participant="left", recruiter_study="study")
+
+
+@pytest.mark.parametrize("arrival", [Arrival(visit="visit"), RECRUITED])
 def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
-    listener: Participant,
+    listener: Participant, arrival: Arrival
 ) -> None:
-    left = listener.token
-    for _ in range(3):
-        hear(listener, wrong(digits(listener)))
-    leave_unheard(listener.database, listener.served, left, listener.clock)
-    assert (
-        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock) is None
-    )
-
-    listener.enrol()
-
+    left = listener.arrive(arrival).token
+    known_before = len(read_once(listener.database, study_sessions_table))
+    leave_after_three_tries(listener)
+    assert enrolled(listener.database, listener.served, arrival, listener.clock) is None
+    listener.arrive(arrival)
     assert listener.token != left
     assert listener.look().sound_tries == 0
-    assert (
-        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock)
-        == listener.token
-    )
-    assert len(read_once(listener.database, study_sessions_table)) == 1
+    assert enrolled(listener.database, listener.served, arrival, listener.clock) == listener.token
+    assert len(read_once(listener.database, study_sessions_table)) == known_before
     with pytest.raises(UnknownAddressError):
         replace(listener, token=left).look()
-
-
-@pytest.mark.parametrize("recruiter", ["left", "other"])
-def test_the_recruiters_name_of_who_left_unheard_may_be_used_again(
-    tiny_study: Path, database: Database, clock: SetClock, recruiter: str
-) -> None:
-    listener = listening(tiny_study, database, clock)
-    names = Arrival(recruiter_participant="left", recruiter_study="study")
-    listener.token = enrol(database, listener.served, names, clock)
-    for _ in range(3):
-        hear(listener, wrong(digits(listener)))
-    leave_unheard(database, listener.served, listener.token, clock)
-
-    again = replace(names, recruiter_participant=recruiter)
-    token = enrol(database, listener.served, again, clock)
-
-    assert token != listener.token
-    assert len(read_once(database, study_sessions_table)) == (1 if recruiter == "left" else 2)
-
-
-def test_who_left_unheard_is_told_so_still_when_the_study_is_full_meanwhile(
-    listener: Participant,
-) -> None:
-    for _ in range(3):
-        hear(listener, wrong(digits(listener)))
-    leave_unheard(listener.database, listener.served, listener.token, listener.clock)
-    for number in range(4):
-        enrol(listener.database, listener.served, Arrival(visit=f"v{number}"), listener.clock)
-
-    with pytest.raises(StudyFullError):
-        enrol(listener.database, listener.served, Arrival(visit="visit"), listener.clock)
-
-    assert listener.look().left_unheard
 
 
 def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
     listener: Participant,
 ) -> None:
     hear(listener, wrong(digits(listener)))
-    withdraw(listener.database, listener.token, listener.clock)
+    listener.withdraw()
+    assert not listener.look().left_unheard
     left = listener.token
-
-    assert (
-        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock) == left
-    )
     assert listener.enrol().token == left
 
 
@@ -213,30 +159,18 @@ def test_who_heard_it_in_the_end_and_withdraws_has_not_left_unheard(
     for _ in range(3):
         hear(listener, wrong(digits(listener)))
     hear(listener, digits(listener))
-    withdraw(listener.database, listener.token, listener.clock)
+    listener.withdraw()
 
     assert not listener.look().left_unheard
 
 
-def test_who_withdraws_for_another_reason_has_not_left_unheard(listener: Participant) -> None:
-    hear(listener, wrong(digits(listener)))
-    withdraw(listener.database, listener.token, listener.clock)
-
-    assert not listener.look().left_unheard
-
-
-def test_questions_wait_for_the_sound_check(
-    tiny_study: Path, database: Database, clock: SetClock
-) -> None:
-    listener = listening(tiny_study, database, clock, FORM)
-    arrival = Arrival(visit="visit", form=ADULT)
-    listener.token = enrol(database, listener.served, arrival, clock)
+def test_questions_wait_for_the_sound_check(open_changed: Open) -> None:
+    listener = open_changed(SOUND_CHECK, added=FORM)
+    listener.arrive(Arrival(visit="visit", form=ADULT))
     assert listener.look().form is None
     with pytest.raises(ConflictError, match="not the questions you are on"):
-        answer_form(database, listener.served, listener.token, "demographics", ABOUT, clock)
-
+        tell(listener, "demographics", ABOUT)
     hear(listener, digits(listener))
-
     assert listener.look().form == "demographics"
 
 

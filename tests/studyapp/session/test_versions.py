@@ -17,7 +17,7 @@ from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 from tests.studyapp.added_condition import add_condition, make_videos_anew
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

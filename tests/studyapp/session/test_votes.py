@@ -8,7 +8,6 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trial_rows import votes_so_far
 from studyapp.session.versions import open_study
@@ -49,7 +48,7 @@ def test_no_difference_is_half_a_vote_for_both(participant: Participant) -> None
 def test_who_withdrew_does_not_vote(participant: Participant) -> None:
     for _ in range(3):
         participant.take_trial()
-    withdraw(participant.database, participant.token, participant.clock)
+    participant.withdraw()
 
     assert tally(participant, adaptive(participant)) == {}
 

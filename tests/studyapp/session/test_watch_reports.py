@@ -4,7 +4,6 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.database.tables import Trial, WatchRecord
-from studyapp.session.ending import withdraw
 from studyapp.session.refusal import (
     ConflictError,
     NotTheirsError,
@@ -172,23 +171,6 @@ def test_a_report_among_the_latest_is_known_again_and_an_older_number_is_used_up
         assert record.played_seconds == REMEMBERED + 1
 
 
-def test_a_report_reads_and_stores_no_more_however_many_came_before(
-    participant: Participant,
-) -> None:
-    participant.look()
-    participant.clock.advance(seconds=1000)
-    spans = [(start / 100, start / 100 + 0.004) for start in range(100)]
-
-    def stored_after(batches: range) -> tuple[int, int]:
-        for batch in batches:
-            participant.watch(*spans, batch=100 + batch)
-        with participant.database.reading() as session:
-            (record,) = session.scalars(select(WatchRecord))
-            return len(record.intervals), len(record.latest)
-
-    assert stored_after(range(REMEMBERED)) == stored_after(range(REMEMBERED, 2 * REMEMBERED))
-
-
 def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(
     participant: Participant,
 ) -> None:
@@ -229,7 +211,7 @@ def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> Non
 def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:
     video_token = participant.trial().videos[0].token
     participant.clock.advance(seconds=5)
-    withdraw(participant.database, participant.token, participant.clock)
+    participant.withdraw()
 
     with pytest.raises(RefusalError):
         participant.report(video_token, (0.0, 2.0))

@@ -151,18 +151,6 @@ def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> N
 PAIR = PairVideo(segment="s", left="a", right="b", file="videos/x.mp4", duration=2.0, key="k")
 
 
-def test_what_is_written_is_read_back(tmp_path: Path) -> None:
-    stimuli = Stimuli(pairs=(PAIR,))
-    write_stimuli(tmp_path / "stimuli.json", stimuli)
-    assert read_stimuli(tmp_path / "stimuli.json") == stimuli
-
-
-def test_a_pair_is_found_by_its_sides_in_their_order() -> None:
-    stimuli = Stimuli(pairs=(PAIR,))
-    assert stimuli.pair("s", "a", "b") == PAIR
-    assert stimuli.pair("s", "b", "a") is None
-
-
 def test_missing_videos_say_what_to_run(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="motionjury render"):
         read_stimuli(tmp_path / "stimuli.json")

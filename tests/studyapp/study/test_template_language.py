@@ -10,7 +10,7 @@ import pytest
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import new_study
-from studyapp.study.template_language import still_english, template_text
+from studyapp.study.template_language import still_english
 
 TEMPLATES = ("pairwise", "rating", "ranking", "mismatch", "three-systems")
 
@@ -55,19 +55,6 @@ def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
     said["page"] = {"language", "consent"}
     said["form"] = {"eligibility": {"__all__": {"text", "choices", "eligible"}}}
     assert study.model_dump(exclude=said) == english.model_dump(exclude=said)
-
-
-@pytest.mark.parametrize("language", ["de", "ja"])
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_texts_of_a_language_name_the_questions_of_the_template(
-    template: str, language: str
-) -> None:
-    source, texts = (
-        tomllib.loads(template_text(f"{template}.toml", of)) for of in ("en", language)
-    )
-
-    names = [[question["name"] for question in each["questions"]] for each in (source, texts)]
-    assert names[0] == names[1]
 
 
 def test_a_title_that_is_given_stays(tmp_path: Path) -> None:

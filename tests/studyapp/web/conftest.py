@@ -14,7 +14,7 @@ from flask import Flask
 
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 from tests.studyapp.taking_part_steps import SetClock
 
 Serve = Callable[..., Flask]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from datetime import UTC, datetime
 from functools import partial
 
 import pytest
 from flask import Flask
 from flask.testing import FlaskClient
-from sqlalchemy import select, update
+from sqlalchemy import select
 from werkzeug.test import TestResponse
 
 from studyapp.database.tables import Place, StudySession
@@ -146,13 +145,6 @@ def filled(app: Flask) -> None:
             enrol(here.database, here.served, Arrival(visit=visit, form=said), here.clock)
 
 
-def all_silent(app: Flask) -> None:
-    with app.app_context(), running().database.writing() as session:
-        session.execute(
-            update(StudySession).values(last_active_at=datetime(2026, 1, 1, tzinfo=UTC))
-        )
-
-
 @pytest.mark.parametrize(
     ("happens", "words"),
     [
@@ -205,17 +197,6 @@ def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     form = unnamed.one("form#returning")
     assert client.post(str(form["action"]), data=by_window).location == begun[1]
     assert not PageReader(client.get("/?PROLIFIC_PID=new").text).soup.select("#returning")
-
-
-def test_a_place_that_was_left_in_silence_is_there_for_newcomers(asking: Flask) -> None:
-    filled(asking)
-    all_silent(asking)
-
-    assert asking.test_client().get("/").status_code == 200
-
-
-def test_the_address_of_the_consent_page_begins_anew(asking: Flask) -> None:
-    assert "Are you 18 or older?" in asking.test_client().get("/consent").text
 
 
 def test_every_field_about_the_participant_has_a_name(asking: Flask) -> None:

@@ -212,10 +212,6 @@ def test_pages_may_load_from_the_store_and_from_nobody_else(
     assert store.endpoint not in inside
 
 
-def test_nobody_is_sent_to_the_store_for_what_they_may_not_see(from_store: Flask) -> None:
-    assert from_store.test_client().get("/media/nobody.mp4").status_code == 404
-
-
 def test_this_server_sends_a_video_itself_where_the_store_cannot_serve(
     from_store: Flask,
     clock: SetClock,

@@ -33,13 +33,9 @@ def stored(app: Flask) -> int:
 def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
     visitor = Visitor(app, clock).enrol()
     assert visitor.page().heading == "What you will do"
-    visitor.begin()
-
-    for position in range(1, 7):
-        page = visitor.page()
+    for position, page in enumerate(visitor.begin().take_trials(), start=1):
         assert f"Trial {position} of 6" in page.one(".progress").get_text()
-        visitor.watch()
-        assert visitor.post(page)[0] == 303
+    assert position == 6
 
     code = visitor.page().one("output#completion-code").get_text()
     with app.app_context(), running().database.reading() as session:
@@ -56,46 +52,11 @@ def test_the_consent_page_states_the_terms_and_stores_nothing(app: Flask) -> Non
         assert session.scalars(select(StudySession)).all() == []
 
 
-def test_a_start_pressed_twice_takes_one_place(app: Flask) -> None:
-    client = app.test_client()
-    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
-
-    first, second = (client.post("/", data={"visit": visit}).location for _ in "ab")
-
-    assert first == second
-
-
-def test_the_recruiters_participant_comes_back_in_a_newer_submission_after_a_long_silence(
-    app: Flask, clock: SetClock
-) -> None:
-    query = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
-
-    first = Visitor(app, clock).enrol(query)
-    with app.app_context():
-        clock.advance(minutes=running().study.lease_minutes + 1)
-    again = Visitor(app, clock).enrol(query.replace("x1", "x2"))
-
-    assert first.address == again.address
-    with app.app_context(), running().database.reading() as session:
-        known = session.scalars(select(StudySession)).one()
-        assert (known.recruiter_participant, known.recruiter_session) == ("p1", "x2")
-
-
 @pytest.mark.parametrize(
     "data", [{}, {"visit": "short"}, {"visit": "x" * 65}, {"PROLIFIC_PID": "p" * 201}]
 )
 def test_a_start_that_no_consent_page_made_is_refused(app: Flask, data: dict[str, str]) -> None:
     assert app.test_client().post("/", data=data).status_code == 422
-
-
-def test_a_full_study_is_said_kindly(app: Flask, clock: SetClock) -> None:
-    for _ in range(4):
-        Visitor(app, clock).enrol()
-
-    answer = app.test_client().post("/", data={"visit": "v" * 32})
-
-    assert answer.status_code == 409
-    assert "all the participants it needs" in answer.text
 
 
 def test_nothing_is_preselected_and_every_answer_has_words(visitor: Visitor) -> None:
@@ -113,75 +74,6 @@ def test_the_question_names_the_emotion_of_the_speech(app: Flask, visitor: Visit
 
     with app.app_context(), running().database.reading() as session:
         assert session.scalars(select(Trial).where(Trial.position == 1)).one().emotion == emotion
-
-
-def test_an_answer_that_is_not_offered_is_refused(app: Flask, visitor: Visitor) -> None:
-    visitor.watch()
-    page = visitor.page()
-
-    for value in ("99", "one", "", "１"):
-        status, refused = visitor.post(page, rhythm=value)
-        assert status == 422
-        assert "not one of the choices" in refused.one("#problem").get_text()
-    assert visitor.post(page, beauty="1")[0] == 422
-    assert stored(app) == 0
-
-
-def test_what_was_answered_is_kept_when_something_is_missing(app: Flask, visitor: Visitor) -> None:
-    visitor.watch()
-    page = visitor.page()
-
-    answer = visitor.client.post(page.action, data={"trial": page.trial, "rhythm": "-1"})
-
-    refused = PageReader(answer.text)
-    assert answer.status_code == 422
-    assert refused.checked() == {"rhythm": "-1"}
-    assert "Question 2 is not answered" in refused.one("#problem").get_text()
-    assert stored(app) == 0
-
-
-def test_an_answer_before_watching_is_refused_and_kept_on_the_page(
-    app: Flask, visitor: Visitor
-) -> None:
-    status, page = visitor.post(visitor.page())
-
-    assert status == 422
-    assert page.checked() == ANSWERS
-    assert "have not been played" in page.one("#problem").get_text()
-    assert stored(app) == 0
-
-
-def test_an_answer_sent_twice_is_harmless_and_a_different_one_is_refused(
-    app: Flask, visitor: Visitor
-) -> None:
-    visitor.watch()
-    page = visitor.page()
-    assert [visitor.post(page)[0] for _ in "ab"] == [303, 303]
-
-    status, refusal = visitor.post(page, rhythm="-2")
-
-    assert status == 409
-    assert "already answered" in refusal.heading
-    assert stored(app) == 2
-
-
-def test_a_trial_of_somebody_else_is_refused(app: Flask, visitor: Visitor, clock: SetClock) -> None:
-    theirs = Visitor(app, clock).enrol().begin()
-    theirs.watch()
-    visitor.watch()
-
-    status, refusal = visitor.post(visitor.page(), trial=theirs.page().trial)
-
-    assert status == 403
-    assert "does not belong to you" in refusal.heading
-    assert stored(app) == 0
-
-
-def test_answers_for_nobody_are_refused(visitor: Visitor) -> None:
-    answer = visitor.client.post("/take/nobody/answers", data=ANSWERS)
-
-    assert answer.status_code == 404
-    assert "nothing you answered is lost" in answer.text
 
 
 NO_REPORTS: list[object] = [
@@ -216,15 +108,6 @@ def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
         assert visitor.client.post(address, data=body).status_code == 422, body
 
 
-def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
-    address = visitor.page().value("#pair", "data-watched-url")
-
-    answer = visitor.client.post(address, json=WATCHED, headers={"Accept": "application/json"})
-
-    assert answer.status_code == 422
-    assert "than there was time for" in answer.get_json()["problem"]
-
-
 def test_a_rehearsals_clock_may_run_faster(tiny_study: Path, serve: Serve) -> None:
     (tiny_study / "responses.db").unlink()
     app = serve(rehearsal_speed=1e6)
@@ -250,22 +133,6 @@ def test_a_refresh_shows_the_same_trial_with_what_was_watched(visitor: Visitor) 
     assert again.value("#pair", "data-next-batch") == "1"
 
 
-def test_an_unplayable_video_is_left_behind(app: Flask, visitor: Visitor) -> None:
-    page = visitor.page()
-    action = str(page.one("form#unplayable")["action"])
-    data = {"trial": page.trial, "error": "4"}
-
-    refused = visitor.client.post(action, data=data)
-    visitor.client.get(page.value("#pair", "src"), buffered=True)
-    answer = visitor.client.post(action, data=data)
-
-    assert refused.status_code == 422
-    assert "There is no sign yet" in PageReader(refused.text).one("#problem").get_text()
-    assert answer.status_code == 303
-    assert "Trial 2 of 6" in visitor.page().text
-    assert stored(app) == 0
-
-
 def test_withdrawing_asks_first_and_ends_it(visitor: Visitor) -> None:
     link = visitor.page().value("footer a", "href")
     question = PageReader(visitor.client.get(link).text)
@@ -281,10 +148,14 @@ def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
     data = {"trial": page.trial, **ANSWERS}
 
     refused = visitor.client.post(page.action, data=data, headers=headers)
+    address = page.value("#pair", "data-watched-url")
+    too_much = visitor.client.post(address, json=WATCHED, headers=headers)
     visitor.watch()
     accepted = visitor.client.post(page.action, data=data, headers=headers)
 
     assert (refused.status_code, list(refused.get_json())) == (422, ["problem"])
+    assert too_much.status_code == 422
+    assert "than there was time for" in too_much.get_json()["problem"]
     assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
 
 
@@ -302,44 +173,34 @@ GENERATED = (
 )
 
 
-def test_instructions_say_that_no_motion_is_recorded(serve: Serve) -> None:
-    text = instructions(serve(*GENERATED))
-
-    assert "made by a computer" in text
-    assert "Judge the gestures, not the face" in text
-    assert "kept still" not in text
-    assert "practice" not in text
-
-
-def test_of_motion_that_is_brought_nobody_says_who_made_it(serve: Serve) -> None:
-    assert "made by a computer" not in instructions(serve(GENERATED[0]))
+def test_instructions_say_that_no_motion_is_recorded_where_all_of_it_is_generated(
+    serve: Serve, tiny_study: Path
+) -> None:
+    generated = instructions(serve(*GENERATED))
+    assert "made by a computer" in generated
+    assert "Judge the gestures, not the face" in generated
+    assert "kept still" not in generated
+    assert "practice" not in generated
+    brought = (GENERATED[1][1], GENERATED[1][0])
+    assert "made by a computer" not in instructions(serve(brought))
+    stimuli = tiny_study / "stimuli.json"
+    stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
+    recorded = serve(
+        (GENERATED[0][1], "[conditions.ground_truth]"), ('"rule_based"', '"ground_truth"')
+    )
+    assert "made by a computer" not in instructions(recorded)
 
 
 def test_instructions_follow_the_study(serve: Serve) -> None:
-    app = serve(
-        ('title = "Gestures', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
-        ("practice = 1", "practice = 2"),
+    text = instructions(
+        serve(
+            ('title = "G', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
+            ("practice = 1", "practice = 2"),
+        )
     )
-
-    text = instructions(app)
-
     assert "The first 2 pairs are for practice" in text
     assert "Some pairs come more than once" not in text
-    assert (
-        "Kept still on purpose in every video: the face and whole-body movement through space."
-        in text
-    )
-
-
-def test_a_study_with_a_recording_does_not_claim_to_have_none(
-    tiny_study: Path, serve: Serve
-) -> None:
-    stimuli = tiny_study / "stimuli.json"
-    stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
-
-    app = serve(('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
-
-    assert "made by a computer" not in instructions(app)
+    assert "Kept still on purpose in every video: the face and whole-body movement" in text
 
 
 @pytest.mark.parametrize("announced", [True, False])

@@ -19,14 +19,11 @@ def test_every_answer_is_protected(app: Flask) -> None:
         assert headers["Referrer-Policy"] == "no-referrer"
         assert headers["X-Content-Type-Options"] == "nosniff"
         assert "default-src 'none'" in headers["Content-Security-Policy"]
+        assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
         assert "unsafe" not in headers["Content-Security-Policy"]
+        assert "mturk" not in headers["Content-Security-Policy"]
+        assert headers["X-Frame-Options"] == "DENY"
         assert "Set-Cookie" not in headers
-
-
-def test_pages_are_never_kept_by_a_browser(app: Flask, clock: SetClock) -> None:
-    visitor = Visitor(app, clock).enrol().begin()
-
-    assert visitor.client.get(visitor.address).headers["Cache-Control"] == "no-store"
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,3 @@ def test_wrong_digits_are_helped_with_and_leaving_is_offered_after_three(
     assert visitor.client.post(leave).status_code == 303
     assert visitor.page().heading == "You have left the study"
     assert visitor.client.get(f"{visitor.address}/sound-check.wav").status_code == 409
-
-
-def test_nothing_is_spoken_to_nobody(listening: Flask) -> None:
-    assert listening.test_client().get("/take/nobody/sound-check.wav").status_code == 404

@@ -3,20 +3,15 @@ from __future__ import annotations
 import pytest
 from flask import Flask
 
-from motion.clip import CHANNELS
 from motion.segment import EMOTIONS
-from studyapp.study.design.order import PREFERENCES
 from studyapp.study.settings.questions import QUALITY_CATEGORIES
 from studyapp.web.language import language_of, speak
 from studyapp.web.participants.trial_page import (
     CATEGORY_LABELS,
-    CHANNEL_WORDS,
     EMOTION_WORDS,
-    PREFERENCE_LABELS,
     SCALE,
     emphasised,
     frozen_words,
-    letter,
 )
 from tests.studyapp.made_study import make_study
 
@@ -25,15 +20,6 @@ def test_the_scale_is_symmetric_and_in_the_order_of_the_videos() -> None:
     assert [value for value, _ in SCALE] == [-2, -1, 0, 1, 2]
     mirrored = [str(label).translate(str.maketrans("AB", "BA")) for _, label in reversed(SCALE)]
     assert mirrored == [str(label) for _, label in SCALE]
-
-
-@pytest.mark.parametrize("levels", sorted(PREFERENCES))
-def test_every_preference_has_words(levels: int) -> None:
-    assert [value for value, _ in PREFERENCE_LABELS[levels]] == list(PREFERENCES[levels])
-
-
-def test_stimuli_are_lettered_in_order() -> None:
-    assert [letter(number) for number in (1, 2, 3, 8)] == ["A", "B", "C", "H"]
 
 
 def test_the_emotion_is_emphasised_in_its_place() -> None:
@@ -60,10 +46,6 @@ def test_what_is_kept_still_is_said_in_words(freeze: list[str], words: str) -> N
 
     with app.app_context():
         assert frozen_words(make_study(freeze=freeze)) == words
-
-
-def test_every_channel_has_words() -> None:
-    assert set(CHANNEL_WORDS) == set(CHANNELS)
 
 
 def test_every_emotion_and_category_has_words() -> None:

@@ -85,22 +85,6 @@ def words(tag: Tag | PageReader) -> str:
 
 
 @pytest.mark.parametrize(
-    ("protocol", "trials", "answers"),
-    [("pairwise", 6, 6), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
-)
-def test_from_first_trial_to_code_without_scripts(
-    arrive: Arrive, protocol: str, trials: int, answers: int
-) -> None:
-    visitor = arrive(protocol)
-
-    seen = every_trial(visitor)
-
-    assert len(seen) == trials
-    assert stored(visitor) == answers
-    assert visitor.page().one("output#completion-code").get_text()
-
-
-@pytest.mark.parametrize(
     ("protocol", "labels"), [("pairwise", "AB"), ("rating", "ABC"), ("mismatch", "AB")]
 )
 def test_players_are_labelled_in_order(arrive: Arrive, protocol: str, labels: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from flask import Flask
 from flask.testing import FlaskClient
 
@@ -44,6 +46,13 @@ class Visitor:
             self.client.get(str(video["src"]), buffered=True)
             address = str(video["data-watched-url"])
             assert self.client.post(address, json=WATCHED).status_code == 200
+
+    def take_trials(self) -> Iterator[PageReader]:
+        """Answer every trial after handing out its page."""
+        while (page := self.page()).soup.select("#answers"):
+            yield page
+            self.watch()
+            assert self.post(page)[0] == 303
 
     def post(self, page: PageReader, **changes: str) -> tuple[int, PageReader]:
         data = {"trial": page.trial, **ANSWERS, **changes}

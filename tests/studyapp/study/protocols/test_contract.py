@@ -150,23 +150,6 @@ def test_the_same_place_always_has_the_same_trials(protocol: str) -> None:
     assert plans[0] != study.plan(first, 4, SEGMENTS)
 
 
-@pytest.mark.parametrize("protocol", sorted(set(KEYS) - {"adaptive"}))
-def test_conditions_are_judged_equally_often_over_participants(protocol: str) -> None:
-    study = make(protocol, catch={**KEYS[protocol].get("catch", {}), "trials": 0})
-    (arm, *_) = study.arms
-    counts: dict[tuple[str, str], int] = {}
-    for number in range(48):
-        for trial in study.plan(arm, number, SEGMENTS):
-            if trial.kind in ("main", "repeat"):
-                for condition in trial.conditions:
-                    key = (trial.part, condition)
-                    counts[key] = counts.get(key, 0) + 1
-
-    for part in {part for part, _ in counts}:
-        within = [count for (named, _), count in counts.items() if named == part]
-        assert max(within) - min(within) <= 1
-
-
 @pytest.mark.parametrize("protocol", sorted(KEYS))
 def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str) -> None:
     def digest(**changes: Any) -> str:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 
 import pytest
@@ -73,54 +72,10 @@ def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials
         assert abs(2 * left - len(trials)) <= 1
 
 
-@given(designs())
-def test_catch_trials_are_never_first_nor_among_the_practice_ones(
-    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
-) -> None:
-    study, plan, _ = design
-    catch = of_kind(plan, "catch")
-    practice = len(of_kind(plan, "practice"))
-
-    assert len(catch) == study.catch.trials
-    assert all(trial.position > max(1, practice) for trial in catch)
-
-
-def test_catch_trials_do_not_follow_each_other_in_a_study_of_amuses_size() -> None:
-    segments = make_segments(EMOTIONS * 3)
-
-    for number in range(50):
-        plan = pair_plan(make_study(), segments, other="static", number=number)
-        assert len(plan) == 3 + 21 + 3 + 3
-        positions = [trial.position for trial in of_kind(plan, "catch")]
-        assert all(b - a > 1 for a, b in itertools.pairwise(positions))
-
-
-@pytest.mark.parametrize("difference", [{"number": 5}, {"other": "mismatched"}])
-def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
-    segments = make_segments(EMOTIONS)
-    here: dict[str, object] = {"other": "static", "number": 4}
-
-    def order(place: dict[str, object]) -> list[tuple[str, bool]]:
-        plan = pair_plan(make_study(), segments, **place)  # type: ignore[arg-type]
-        return [(trial.segment.name, trial.conditions[0] == "rule_based") for trial in plan]
-
-    assert order(here) != order(here | difference)
-
-
 def tournament(count: int, trials: int) -> PairwiseStudy:
     """Return a study of all pairs of `count` conditions."""
     names: dict[str, dict[str, str]] = {f"c{index}": {} for index in range(count)}
     return make_study(comparisons="all_pairs", reference="c0", conditions=names, trials=trials)
-
-
-def test_all_pairs_come_before_any_comes_again() -> None:
-    study = tournament(5, trials=10)
-
-    plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS * 2))
-
-    pairs = Counter(frozenset(trial.conditions) for trial in of_kind(plan, "main", "repeat"))
-    assert len(pairs) == 10
-    assert set(pairs.values()) == {1}
 
 
 def test_few_segments_come_again_with_other_pairs_but_not_before_all_have_come() -> None:

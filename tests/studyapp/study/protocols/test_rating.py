@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.questions import QUALITY_CATEGORIES, RatingQuestion
+from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.study_file import new_study
 from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import KEYS, LABELS, make, question
@@ -57,15 +57,6 @@ def test_no_speech_comes_twice_where_there_are_enough(number: int) -> None:
     assert len({trial.segment for trial in plan}) == len(plan) == 7
 
 
-def test_the_order_within_a_group_is_random() -> None:
-    study = make("rating")
-    plans = [study.plan(study.arms[0], n, make_segments(["anger"] * 8)) for n in range(60)]
-
-    orders = Counter(trial.conditions for plan in plans for trial in plan if trial.part == "three")
-
-    assert len(orders) == 6
-
-
 @pytest.mark.parametrize(
     ("named", "values", "steps"),
     [
@@ -79,10 +70,6 @@ def test_scales_run_from_the_worst_to_the_best(
 ) -> None:
     assert named.values == values
     assert {value: named.step(value) for value in steps} == steps
-
-
-def test_a_slider_and_the_mean_opinion_have_the_five_quality_categories() -> None:
-    assert scale("slider").labels == scale("mean_opinion").labels == QUALITY_CATEGORIES
 
 
 @pytest.mark.parametrize(

@@ -25,14 +25,6 @@ def problems(**recruitment: Any) -> str:
     return str(refused.value)
 
 
-def test_a_study_is_open_by_link_and_pays_whoever_fails_fewer_than_two_checks() -> None:
-    recruitment = make_study().recruitment
-
-    assert recruitment.channel == "link"
-    assert recruitment.unpaid_failed_checks == 2
-    assert recruitment.missing_codes == []
-
-
 def test_one_failed_check_costs_pay_in_short_studies_only() -> None:
     assert "no ground for refusing pay" in problems(unpaid_failed_checks=1)
     short = make_study(
@@ -71,11 +63,6 @@ def test_each_channel_has_its_own_key_for_what_is_paid() -> None:
     assert (prolific.amount, prolific.currency) == (Decimal("2.50"), "EUR")
     mturk = recruited(channel="mturk", pay=pay, mturk={"reward": "1.75"})
     assert (mturk.amount, mturk.currency) == (Decimal("1.75"), "USD")
-
-
-def test_what_is_not_stated_is_none() -> None:
-    assert recruited().amount is None
-    assert recruited(channel="prolific").amount is None
 
 
 @pytest.mark.parametrize(

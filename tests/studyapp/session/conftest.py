@@ -1,0 +1,32 @@
+"""What the tests of study sessions share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from studyapp.database.engine import Database
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from tests.redefining import redefine
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+Open = Callable[..., Participant]
+
+
+@pytest.fixture
+def open_changed(tiny_study: Path, database: Database, clock: SetClock) -> Open:
+    """Return a function that opens the tiny study, changed as `redefine` does.
+
+    It returns somebody who has not arrived yet.
+    """
+
+    def make(*changes: tuple[str, str], added: str = "") -> Participant:
+        redefine(tiny_study, *changes, added=added)
+        served = ServedStudy.read(tiny_study)
+        open_study(database, served, clock)
+        return Participant(database, served, clock)
+
+    return make
