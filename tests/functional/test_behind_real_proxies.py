@@ -19,7 +19,7 @@ from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, b
 from tests.hanging_lines import hanging, slow_body, whole_video
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.walking import filled
+from tests.studyapp.web.visitor import filled
 
 pytestmark = pytest.mark.slow
 

@@ -113,12 +113,18 @@ def postgresql() -> Iterator[ThrowawayPostgresql]:
         yield server
 
 
-@pytest.fixture
-def postgresql_url(postgresql: ThrowawayPostgresql) -> str:
-    """Return the address of a PostgreSQL database of the newest schema that holds nothing."""
+@pytest.fixture(scope="session")
+def shared_postgresql(postgresql: ThrowawayPostgresql) -> Iterator[Database]:
+    """Return the PostgreSQL database that tests share, with the newest schema."""
     database = Database.open(postgresql.url)
-    empty(database)
+    yield database
     database.close()
+
+
+@pytest.fixture
+def postgresql_url(postgresql: ThrowawayPostgresql, shared_postgresql: Database) -> str:
+    """Return the address of a PostgreSQL database of the newest schema that holds nothing."""
+    empty(shared_postgresql)
     return postgresql.url
 
 

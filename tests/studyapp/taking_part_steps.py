@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -66,9 +66,10 @@ class Participant:
         self.token = enrol(self.database, self.served, arrival, self.clock)
         return self
 
-    def another(self, name: str = "another") -> Participant:
-        """Return somebody else, who arrives now."""
-        return Participant(self.database, self.served, self.clock).enrol(name)
+    def in_study(self, served: ServedStudy, *, new_version: bool = False) -> Participant:
+        """Open `served` on the same database; return this participant, who takes part in it."""
+        open_study(self.database, served, self.clock, new_version=new_version)
+        return replace(self, served=served)
 
     def withdraw(self) -> None:
         withdraw(self.database, self.token, self.clock)

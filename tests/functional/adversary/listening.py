@@ -16,7 +16,7 @@ from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.walking import filled
+from tests.studyapp.web.visitor import filled
 
 MOST_STEPS: Final = 40
 

@@ -10,7 +10,6 @@ from studyapp.session.answers import skip_unplayable
 from studyapp.session.ending import FEWEST_LEFT_OUT
 from studyapp.session.refusal import (
     ConflictError,
-    NotTheirsError,
     UnacceptableError,
 )
 from studyapp.session.watch_evidence import Playback
@@ -83,15 +82,6 @@ def test_an_answer_before_watching_is_refused(participant: Participant) -> None:
     assert stored(participant) == []
 
 
-def test_a_trial_of_somebody_else_is_refused(participant: Participant) -> None:
-    other = Participant(participant.database, participant.served, participant.clock)
-    theirs = ready(other.enrol("another").begin())
-
-    with pytest.raises(NotTheirsError):
-        participant.answer(theirs)
-    assert stored(participant) == []
-
-
 def test_there_is_no_code_before_the_last_answer_and_one_with_it(
     participant: Participant,
 ) -> None:
@@ -109,7 +99,7 @@ def test_there_is_no_code_before_the_last_answer_and_one_with_it(
     assert set(code) <= set(CODE_LETTERS)
     participant.answer(last)
     assert participant.look().completion_code == code
-    assert participant.another().begin().take_all() != code
+    assert participant.another().enrol("another").begin().take_all() != code
 
 
 def test_an_unplayable_video_is_noted_and_left_without_an_answer(

@@ -75,7 +75,7 @@ def test_looking_at_a_break_keeps_the_place(resting: Participant) -> None:
     for number in range(3):
         resting.clock.advance(minutes=40)
         assert resting.look().rest is not None
-        resting.another(f"other {number}")
+        resting.another().enrol(f"other {number}")
 
     go_on(resting, 3)
     assert resting.look().state == "started"

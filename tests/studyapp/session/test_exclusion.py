@@ -59,7 +59,7 @@ def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
     assert participant.look().completion_code
     assert holders(participant.database) == 0
     assert len(read_once(participant.database, responses_table)) == 14
-    participant.another("next")
+    participant.another().enrol("next")
     with participant.database.reading() as session:
         numbers = [known.number for known in session.scalars(select(StudySession))]
     assert numbers == [0, 0]

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession
+from studyapp.database.tables import Place, StudySession, Trial
 from studyapp.session.places import release_stale
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.state import find
@@ -35,12 +35,13 @@ def arrive(database: Database, clock: SetClock, places: int, count: int) -> Many
 
 def finish(participant: Participant, *, careless: bool = False) -> None:
     participant.begin()
+    with participant.database.reading() as session:
+        query = (
+            select(Trial).join(Trial.study_session).where(StudySession.token == participant.token)
+        )
+        trials = session.scalars(query).all()
     while (shown := participant.look().trial) is not None:
-        with participant.database.reading() as session:
-            known = session.scalars(
-                select(StudySession).where(StudySession.token == participant.token)
-            ).one()
-            expected = next(t.expected for t in known.trials if t.token == shown.token)
+        expected = next(t.expected for t in trials if t.token == shown.token)
         value = str((1 if expected == 2 else -1) * (-1 if careless else 1))
         participant.answer(shown.token, {"rhythm": value, "emotion": value})
 

@@ -103,7 +103,7 @@ def test_nothing_is_spoken_once_the_check_is_over(listener: Participant) -> None
 
 
 def test_participants_hear_different_digits(listener: Participant) -> None:
-    assert len({digits(listener.another(f"visit {number}")) for number in range(3)}) > 1
+    assert len({digits(listener.another().enrol(f"visit {number}")) for number in range(3)}) > 1
 
 
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
@@ -117,9 +117,9 @@ def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Pa
     assert listener.look().left_unheard
     assert listener.stored().sound_tries == 3
     for number in range(4):
-        listener.another(f"visit {number}")
+        listener.another().enrol(f"visit {number}")
     with pytest.raises(StudyFullError):
-        listener.another("visit")
+        listener.another().enrol("visit")
     assert listener.look().left_unheard
 
 

@@ -68,53 +68,40 @@ def test_several_servers_may_open_the_study_at_once(
         assert sorted(session.scalars(select(Place.number))) == [0, 1, 2, 3]
 
 
-def test_opening_twice_changes_nothing(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    open_study(opened, served, clock)
-
-    assert len(versions(opened)) == 1
-    assert audit(opened) == []
+def test_opening_twice_changes_nothing(participant: Participant) -> None:
+    participant.in_study(participant.served)
+    assert len(versions(participant.database)) == 1
+    assert audit(participant.database) == []
 
 
-def test_a_design_that_nobody_has_seen_may_change(
-    opened: Database, change: Change, clock: SetClock
-) -> None:
-    served = change("trials = 4", "trials = 3")
-
-    open_study(opened, served, clock)
-
-    assert [(v.number, v.design) for v in versions(opened)] == [(1, served.design)]
-
-
-def test_a_server_of_a_design_that_was_replaced_lets_nobody_in(
+def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody_in(
     opened: Database, served: ServedStudy, change: Change, clock: SetClock
 ) -> None:
-    open_study(opened, change("trials = 4", "trials = 3"), clock)
-
+    changed = change("trials = 4", "trials = 3")
+    open_study(opened, changed, clock)
+    assert [(v.number, v.design) for v in versions(opened)] == [(1, changed.design)]
     with pytest.raises(ConflictError, match="just been changed"):
         Participant(opened, served, clock).enrol("late")
 
 
 def test_a_changed_design_is_refused_once_somebody_has_come(
-    participant: Participant, change: Change
+    participant: Participant, tiny_study: Path, change: Change
 ) -> None:
-    changed = change("rhythm of the speech", "beat of the speech")
-
-    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
-        open_study(participant.database, changed, participant.clock)
+    other_words = change("rhythm of the speech", "beat of the speech")
+    change("beat of the speech", "rhythm of the speech")
+    make_videos_anew(tiny_study)
+    for changed in (other_words, ServedStudy.read(tiny_study)):
+        with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+            participant.in_study(changed)
     assert len(versions(participant.database)) == 1
 
 
 def test_a_new_version_keeps_earlier_answers_apart(
-    participant: Participant, change: Change
+    participant: Participant, tiny_study: Path
 ) -> None:
     participant.take_all()
-    changed = change("rhythm of the speech", "beat of the speech")
-
-    open_study(participant.database, changed, participant.clock, new_version=True)
-    Participant(participant.database, changed, participant.clock).enrol("later")
-
+    make_videos_anew(tiny_study)
+    participant.in_study(ServedStudy.read(tiny_study), new_version=True).another().enrol("another").begin().trial()
     with participant.database.reading() as session:
         known = session.scalars(select(StudySession).order_by(StudySession.id))
         numbers = [study_session.version.number for study_session in known]
@@ -122,67 +109,52 @@ def test_a_new_version_keeps_earlier_answers_apart(
         assert len({place.design for place in places}) == 2
     assert numbers == [1, 2]
     assert audit(participant.database) == [("new_version", "version 2")]
+    seen = read_once(participant.database, watching_table).groupby("version")["made_from"].agg(set)
+    assert all(key.endswith("anew") for key in seen[2])
+    assert seen[1] and not seen[1] & seen[2]
 
 
 def test_a_new_version_that_nobody_has_seen_may_change_too(
     participant: Participant, change: Change
 ) -> None:
     second = change("rhythm of the speech", "beat of the speech")
-    open_study(participant.database, second, participant.clock, new_version=True)
+    participant.in_study(second, new_version=True)
     third = change("beat of the speech", "pulse of the speech")
-
-    open_study(participant.database, third, participant.clock)
-
+    participant.in_study(third)
     known = [(version.number, version.design) for version in versions(participant.database)]
     assert known == [(1, participant.served.design), (2, third.design)]
 
 
-def test_a_design_that_replaces_a_mistake_which_was_undone_is_asked_about(
-    participant: Participant, change: Change
-) -> None:
-    by_mistake = change("rhythm of the speech", "beat of the speech")
-    open_study(participant.database, by_mistake, participant.clock, new_version=True)
-    undone = change("beat of the speech", "rhythm of the speech")
-    open_study(participant.database, undone, participant.clock)
-    Participant(participant.database, undone, participant.clock).enrol("another")
-
-    another = change("rhythm of the speech", "pulse of the speech")
-    assert must_be_new_version(participant.database, another.design)
-    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
-        open_study(participant.database, another, participant.clock)
-    assert participant.look().state == "started"
-
-
-def test_who_is_unfinished_keeps_the_place_where_a_mistaken_new_version_is_undone(
+def test_who_is_unfinished_goes_on_where_a_mistaken_new_version_is_undone(
     participant: Participant, change: Change
 ) -> None:
     participant.take_trial()
     by_mistake = change("rhythm of the speech", "beat of the speech")
-    open_study(participant.database, by_mistake, participant.clock, new_version=True)
+    participant.in_study(by_mistake, new_version=True)
     undone = change("beat of the speech", "rhythm of the speech")
-    open_study(participant.database, undone, participant.clock)
-
-    Participant(participant.database, undone, participant.clock).enrol("another")
-
+    participant.in_study(undone).another().enrol("another")
     assert participant.trial().position == 2
+
+    another = change("rhythm of the speech", "pulse of the speech")
+    assert must_be_new_version(participant.database, another.design)
+    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+        participant.in_study(another)
+    assert participant.look().state == "started"
 
 
 def test_going_back_is_asked_about_once_somebody_has_come_to_the_new_version(
     participant: Participant, change: Change
 ) -> None:
-    database, clock = participant.database, participant.clock
+    database = participant.database
     second = change("rhythm of the speech", "beat of the speech")
-    open_study(database, second, clock, new_version=True)
-    later = Participant(database, second, clock).enrol("later")
+    later = participant.in_study(second, new_version=True).another().enrol("later")
     first = change("beat of the speech", "rhythm of the speech")
-
     assert must_be_new_version(database, first.design)
     with pytest.raises(InputError, match=r"design has changed.*--new-version"):
-        open_study(database, first, clock)
+        participant.in_study(first)
     assert later.look().state == "instructed"
-
-    open_study(database, first, clock, new_version=True)
-    open_study(database, first, clock)
+    participant.in_study(first, new_version=True)
+    participant.in_study(first)
     assert [version.in_force for version in versions(database)] == [True, False]
 
 
@@ -191,11 +163,7 @@ def test_who_is_in_the_middle_of_what_has_changed_cannot_go_on(
 ) -> None:
     participant.take_trial()
     changed = change("rhythm of the speech", "beat of the speech")
-
-    open_study(participant.database, changed, participant.clock, new_version=True)
-
-    later = Participant(participant.database, changed, participant.clock, participant.token)
-    assert later.look().state == "lapsed"
+    assert participant.in_study(changed, new_version=True).look().state == "lapsed"
 
 
 def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
@@ -203,44 +171,16 @@ def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
 ) -> None:
     participant.take_trial()
     add_condition(tiny_study)
-    changed = ServedStudy.read(tiny_study)
-
-    open_study(participant.database, changed, participant.clock, new_version=True)
-
-    later = Participant(participant.database, changed, participant.clock, participant.token)
+    later = participant.in_study(ServedStudy.read(tiny_study), new_version=True)
     assert later.trial().position == 2
-    others = [Participant(participant.database, changed, participant.clock) for _ in range(3)]
-    with participant.database.reading() as session:
-        for number, other in enumerate(others):
-            other.enrol(f"visit {number}")
-        arms = sorted(session.scalars(select(StudySession.arm)))
-    assert arms == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
-
-
-def test_stimuli_that_are_made_from_something_else_are_another_design(
-    participant: Participant, tiny_study: Path
-) -> None:
-    participant.take_all()
-    make_videos_anew(tiny_study)
-    changed = ServedStudy.read(tiny_study)
-
-    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
-        open_study(participant.database, changed, participant.clock)
-
-    open_study(participant.database, changed, participant.clock, new_version=True)
-    Participant(participant.database, changed, participant.clock).enrol("later").begin().trial()
-    seen = read_once(participant.database, watching_table).groupby("version")["made_from"].agg(set)
-    assert all(key.endswith("anew") for key in seen[2])
-    assert seen[1] and not seen[1] & seen[2]
+    arms = [later.stored().arm, *(later.another().enrol(f"visit {n}").stored().arm for n in range(3))]
+    assert sorted(arms) == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
 
 
 def test_operation_may_change_and_leaves_a_line(participant: Participant, change: Change) -> None:
-    changed = change("participants_per_comparison = 4", "participants_per_comparison = 6")
+    change("participants_per_comparison = 4", "participants_per_comparison = 6")
     change('contact = "gestures@example.org"', 'contact = "lab@example.org"')
-    changed = change("minutes = 10", "minutes = 12")
-
-    open_study(participant.database, changed, participant.clock)
-
+    later = participant.in_study(change("minutes = 10", "minutes = 12"))
     assert len(versions(participant.database)) == 1
     assert audit(participant.database) == [
         (
@@ -251,54 +191,47 @@ def test_operation_may_change_and_leaves_a_line(participant: Participant, change
     ]
     with participant.database.reading() as session:
         assert len(session.scalars(select(Place)).all()) == 6
-    assert participant.trial().position == 1
+    assert later.trial().position == 1
 
 
 def test_a_closed_study_lets_nobody_in_and_everybody_finish(
     participant: Participant, change: Change
 ) -> None:
-    closed = change('title = "Gestures', 'open = false\ntitle = "Gestures')
-    open_study(participant.database, closed, participant.clock)
-    inside = Participant(participant.database, closed, participant.clock, participant.token)
-
+    inside = participant.in_study(change('title = "Gestures', 'open = false\ntitle = "Gestures'))
     with pytest.raises(StudyFullError, match="takes no new participants"):
-        Participant(participant.database, closed, participant.clock).enrol("new")
+        inside.another().enrol("new")
     assert inside.take_all()
+
+
+OTHER_RULES = ("[catch]", '[[exclusions]]\nrule = "catch"\nmore_than = 0\n[catch]')
+
+
+def stated_rules(database: Database) -> list[str]:
+    stated = read_once(database, stated_study, 1)
+    assert stated is not None
+    return [rule.written() for rule in stated.settled_exclusions]
 
 
 def test_rules_that_change_before_the_first_participant_are_those_that_were_stated(
     opened: Database, change: Change, clock: SetClock
 ) -> None:
-    served = change("[catch]", '[[exclusions]]\nrule = "catch"\nmore_than = 0\n[catch]')
-
-    open_study(opened, served, clock)
-
-    stated = read_once(opened, stated_study, 1)
-    assert stated is not None
-    assert [each.written() for each in stated.settled_exclusions] == ["catch>0"]
+    open_study(opened, change(*OTHER_RULES), clock)
+    assert stated_rules(opened) == ["catch>0"]
 
 
 def test_rules_that_change_later_need_no_new_version_but_leave_the_stated_ones_as_they_were(
     participant: Participant, change: Change
 ) -> None:
-    served = change("[catch]", '[[exclusions]]\nrule = "catch"\nmore_than = 0\n[catch]')
-
-    open_study(participant.database, served, participant.clock)
-
-    stated = read_once(participant.database, stated_study, 1)
-    assert stated is not None
-    assert [each.written() for each in stated.settled_exclusions] == ["incomplete", "catch>1"]
+    participant.in_study(change(*OTHER_RULES))
+    assert stated_rules(participant.database) == ["incomplete", "catch>1"]
     assert audit(participant.database) == [
         ("operation_changed", "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']")
     ]
     assert len(versions(participant.database)) == 1
 
 
-def test_nothing_is_known_of_a_version_that_cannot_be_read(
-    participant: Participant,
-) -> None:
+def test_nothing_is_known_of_a_version_that_cannot_be_read(participant: Participant) -> None:
     with participant.database.writing() as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
-
     assert read_once(participant.database, stated_study, 1) is None
     assert read_once(participant.database, stated_study, 2) is None

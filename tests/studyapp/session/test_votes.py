@@ -1,17 +1,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from sqlalchemy import select
 
-from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trial_rows import votes_so_far
-from studyapp.session.versions import open_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.session.conftest import Open
+from tests.studyapp.taking_part_steps import Participant
 
 
 def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str], float]:
@@ -91,13 +89,9 @@ def test_other_studies_look_at_no_votes(participant: Participant) -> None:
     assert tally(participant, participant.served) == {}
 
 
-def test_an_adaptive_study_asks_next_about_what_is_least_known(
-    tiny_study: Path, database: Database, clock: SetClock
-) -> None:
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8").replace("participants_per_comparison = 4", "participants = 4")
-    path.write_text(f'comparisons = "adaptive"\n{text}', "utf-8")
-    served = ServedStudy.read(tiny_study)
-    open_study(database, served, clock)
-
-    assert Participant(database, served, clock).enrol().begin().take_all()
+def test_an_adaptive_study_asks_next_about_what_is_least_known(open_changed: Open) -> None:
+    newcomer = open_changed(
+        ("participants_per_comparison = 4", "participants = 4"),
+        ('name = "tiny"', 'comparisons = "adaptive"\nname = "tiny"'),
+    )
+    assert newcomer.enrol().begin().take_all()

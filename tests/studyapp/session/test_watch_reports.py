@@ -6,7 +6,6 @@ from sqlalchemy import select
 from studyapp.database.tables import Trial, WatchRecord
 from studyapp.session.refusal import (
     ConflictError,
-    NotTheirsError,
     RefusalError,
     TooMuchWatchedError,
     UnacceptableError,
@@ -198,14 +197,6 @@ def test_a_trial_that_is_not_shown_cannot_be_watched(participant: Participant) -
 
     with pytest.raises(ConflictError):
         participant.report(following, (0.0, 2.0))
-
-
-def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> None:
-    other = Participant(participant.database, participant.served, participant.clock)
-    theirs = other.enrol("another").begin().trial().videos[0].token
-
-    with pytest.raises(NotTheirsError):
-        participant.report(theirs)
 
 
 def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:

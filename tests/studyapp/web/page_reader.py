@@ -34,5 +34,9 @@ class PageReader:
     def heading(self) -> str:
         return self.one("h1").get_text(strip=True)
 
+    def words(self, selector: str = "body") -> str:
+        """Return the text of what `selector` chooses, with single blanks."""
+        return " ".join(self.one(selector).get_text().split())
+
     def checked(self) -> dict[str, str]:
         return {str(radio["name"]): str(radio["value"]) for radio in self.soup.select("[checked]")}

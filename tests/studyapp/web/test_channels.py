@@ -22,7 +22,7 @@ from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
-from tests.studyapp.web.visitor import Visitor
+from tests.studyapp.web.visitor import Visitor, stored_in
 
 CODES = {
     "completed": "KX7QM2PWTR",
@@ -95,8 +95,7 @@ def test_failed_attention_checks_are_counted_from_the_answers(
     page = visitor.begin().page()
     while not page.soup.select("#completion-code"):
         visitor.watch()
-        with app.app_context(), running().database.reading() as session:
-            trial = session.scalars(select(Trial).where(Trial.token == page.trial)).one()
+        (trial,) = stored_in(app, select(Trial).where(Trial.token == page.trial))
         wrong = {} if trial.instructed is None else _other_than(trial.instructed)
         assert visitor.post(page, **wrong)[0] == 303
         page = visitor.page()
@@ -121,9 +120,8 @@ def test_another_study_in_the_address_makes_no_other_participant(
     again.enrol(BY_PROLIFIC.replace("p1", "P1").replace("s1", "s2").replace("x1", "x2"))
 
     assert again.address == first.address
-    with app.app_context(), running().database.reading() as session:
-        known = session.scalars(select(StudySession)).one()
-        assert (known.recruiter_study, known.recruiter_session) == ("s2", "x2")
+    (known,) = stored_in(app, select(StudySession))
+    assert (known.recruiter_study, known.recruiter_session) == ("s2", "x2")
 
 
 def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
@@ -169,9 +167,8 @@ def test_where_links_are_signed_no_other_name_counts(
     # A new browser, another submission: the signature shows who it is.
     again = PageReader(stranger.get("/?prolific_token=signed").text)
     assert sent(stranger, again).location == first.location
-    with app.app_context(), running().database.reading() as session:
-        known = session.scalars(select(StudySession)).one()
-        assert known.recruiter_participant == "p1"
+    (known,) = stored_in(app, select(StudySession))
+    assert known.recruiter_participant == "p1"
 
 
 def test_nobody_is_let_in_whom_prolific_did_not_name(opened: Opened) -> None:
@@ -195,9 +192,8 @@ def test_who_comes_too_late_is_led_back_to_prolific_without_a_code(opened: Opene
     assert (answer.status_code, page.heading[:17]) == (409, "The study is over")
     assert page.value("#leave", "href") == "https://app.prolific.com"
     assert all(code not in str(page.soup) for code in CODES.values())
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(StudySession)).all() == []
-        assert session.scalars(select(ScreenOut)).all() == []
+    assert not stored_in(app, select(StudySession))
+    assert not stored_in(app, select(ScreenOut))
 
 
 def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: Opened) -> None:
@@ -221,11 +217,10 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
     ):
         assert again.status_code == 403
         assert shown_code(PageReader(again.text)) == CODES["screened_out"]
-    with app.app_context(), running().database.reading() as session:
-        stored = session.scalars(select(ScreenOut)).one()
-        assert stored.participant == "p1"
-        assert session.scalars(select(StudySession)).all() == []
-        assert session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all() == []
+    (stored,) = stored_in(app, select(ScreenOut))
+    assert stored.participant == "p1"
+    assert not stored_in(app, select(StudySession))
+    assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
 
 
 def test_who_misunderstands_twice_is_screened_out_and_stays_so(opened: Opened) -> None:
@@ -289,9 +284,8 @@ def test_a_preview_takes_no_place_and_offers_no_start(opened: Opened) -> None:
     assert "preview" in page.text
     assert page.soup.select("form, script") == []
     assert client.post("/", data={"assignmentId": "ASSIGNMENT_ID_NOT_AVAILABLE"}).status_code == 403
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(StudySession)).all() == []
-        assert session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all() == []
+    assert not stored_in(app, select(StudySession))
+    assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
 
 
 def test_a_worker_comes_back_by_another_assignment_of_the_study(
@@ -339,8 +333,7 @@ def test_looking_at_an_invitation_uses_nothing_up(opened: Opened, clock: SetCloc
     curious = app.test_client()
     for _ in range(3):
         assert curious.get(f"/?invitation={token}").status_code == 200
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(StudySession)).all() == []
+    assert not stored_in(app, select(StudySession))
 
     first = Visitor(app, clock).enrol(f"?invitation={token}")
     assert Visitor(app, clock).enrol(f"?invitation={token}").address == first.address

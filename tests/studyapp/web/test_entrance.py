@@ -21,6 +21,7 @@ from studyapp.web.running import running
 from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.visitor import stored_in
 
 CONSENT = """
 [[form.consent]]
@@ -46,9 +47,8 @@ def sent(client: FlaskClient, page: PageReader, **given: str) -> TestResponse:
 
 
 def nobody_is_stored(app: Flask) -> bool:
-    with app.app_context(), running().database.reading() as session:
-        taken = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
-        return not taken and not session.scalars(select(StudySession)).all()
+    taken = stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
+    return not taken and not stored_in(app, select(StudySession))
 
 
 def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Flask) -> None:
@@ -66,11 +66,10 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert nobody_is_stored(asking)
 
     assert sent(client, second, read="yes").status_code == 303
-    with asking.app_context(), running().database.reading() as session:
-        known = session.scalars(select(StudySession)).one()
-        names = (known.recruiter_participant, known.recruiter_study, known.recruiter_session)
-        assert names == ("p1", "s1", "x1")
-        assert [answer.question for answer in known.form_answers] == ["adult", "read"]
+    (known,) = stored_in(asking, select(StudySession))
+    names = (known.recruiter_participant, known.recruiter_study, known.recruiter_session)
+    assert names == ("p1", "s1", "x1")
+    assert [answer.question for answer in known.form_answers] == ["adult", "read"]
 
 
 def test_who_is_screened_out_is_told_kindly_and_stored_nowhere(asking: Flask) -> None:
@@ -170,8 +169,7 @@ def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
         page = PageReader(answer.text)
         assert (answer.status_code, words in page.heading) == (409, True)
         assert "please return your place there" in page.text
-    with asking.app_context(), running().database.reading() as session:
-        assert len(session.scalars(select(StudySession)).all()) == (4 if happens is filled else 0)
+    assert len(stored_in(asking, select(StudySession))) == (4 if happens is filled else 0)
 
 
 @pytest.mark.parametrize("happens", [partial(steered, state="closed"), filled])
@@ -197,18 +195,6 @@ def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     form = unnamed.one("form#returning")
     assert client.post(str(form["action"]), data=by_window).location == begun[1]
     assert not PageReader(client.get("/?PROLIFIC_PID=new").text).soup.select("#returning")
-
-
-def test_every_field_about_the_participant_has_a_name(asking: Flask) -> None:
-    client = asking.test_client()
-    consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)
-    page = PageReader(client.get(sent(client, consent, read="yes").location).text)
-
-    for field in page.soup.select("main input:not([type=hidden]):not([type=radio])"):
-        label = page.one(f"label[for='{field['id']}']").get_text()
-        assert ("*" in label) is field.has_attr("required")
-    for group in page.soup.select("[role=radiogroup]"):
-        assert page.one(f"#{group['aria-labelledby']}").get_text(strip=True)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.walking import Walker
+from tests.studyapp.web.visitor import Visitor, stored_in
 
 SCALE = """
 [[form.demographics]]
@@ -34,8 +34,7 @@ def asking(serve: Serve) -> Flask:
 
 
 def stored(app: Flask) -> dict[str, str]:
-    with app.app_context(), running().database.reading() as session:
-        return {answer.question: answer.value for answer in session.scalars(select(FormAnswer))}
+    return {answer.question: answer.value for answer in stored_in(app, select(FormAnswer))}
 
 
 @pytest.fixture
@@ -70,7 +69,7 @@ def test_questions_are_asked_before_the_instructions_and_can_be_corrected(
 def test_a_closing_question_has_room_for_several_lines(asking: Flask, clock: SetClock) -> None:
     with asking.app_context():
         attach(asking, replace(running(), clock=clock))
-    *_, asked, _ = Walker(asking, clock).pages()
+    *_, asked, _ = Visitor(asking, clock).every_page()
     assert asked.one("textarea")["name"] == "form:comment"
     assert stored(asking)["comment"] == "–"
 

@@ -16,15 +16,14 @@ from studyapp.web.running import attach, running
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.added_condition import make_videos_anew
 from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.web.visitor import Visitor
+from tests.studyapp.web.visitor import Visitor, stored_in
 
 
 @pytest.fixture
 def address(app: Flask, clock: SetClock) -> str:
     """Return where the present video of a participant is."""
     Visitor(app, clock).enrol().begin().page()
-    with app.app_context(), running().database.reading() as session:
-        token = session.scalars(select(Video.token).order_by(Video.id)).first()
+    token = stored_in(app, select(Video.token).order_by(Video.id))[0]
     return f"/media/{token}.mp4"
 
 
@@ -165,5 +164,4 @@ def test_nobody_is_shown_a_video_that_is_rendered_anew_while_it_is_served(
 
 
 def address_of_participant(app: Flask) -> str:
-    with app.app_context(), running().database.reading() as session:
-        return f"/take/{session.scalars(select(StudySession.token)).one()}"
+    return f"/take/{stored_in(app, select(StudySession.token))[0]}"

@@ -32,7 +32,7 @@ from tests.studyapp.s3_stand_in import (
 )
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
-from tests.studyapp.web.visitor import Visitor
+from tests.studyapp.web.visitor import Visitor, stored_in
 
 
 @pytest.fixture(scope="module")
@@ -91,8 +91,7 @@ def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
 
 def first_video(app: Flask, clock: SetClock) -> str:
     Visitor(app, clock).enrol().begin().page()
-    with app.app_context(), running().database.reading() as session:
-        token = session.scalars(select(Video.token).order_by(Video.id)).first()
+    token = stored_in(app, select(Video.token).order_by(Video.id))[0]
     return f"/media/{token}.mp4"
 
 
@@ -109,16 +108,6 @@ def test_a_video_is_loaded_from_the_store_by_byte_ranges(
     assert (piece.status_code, piece.content[:4]) == (206, b"ftyp")
     assert SECRET not in answer.location
     assert store.gets()[0][0].startswith(f"/{BUCKET}/my-study/")
-
-
-def test_a_page_may_ask_for_the_server_s_own_copy_as_the_store_may_be_down(
-    from_store: Flask, clock: SetClock
-) -> None:
-    address = first_video(from_store, clock)
-
-    headers = {"Range": "bytes=4-7"}
-    with from_store.test_client().get(f"{address}?own=1", headers=headers) as answer:
-        assert (answer.status_code, answer.data) == (206, b"ftyp")
 
 
 def test_what_is_shown_again_cannot_be_told_from_what_is_new(

@@ -12,14 +12,14 @@ import pytest
 from flask import Flask
 
 from studyapp.study.settings.study import Study
-from studyapp.web.language import Language, language_of, speak
+from studyapp.web.language import speak
 from studyapp.web.running import running
 from tests.functional.shown_studies import NAMES, write_shown_study
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.walking import Walker
+from tests.studyapp.web.visitor import Visitor
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +41,9 @@ def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
 
 
 @pytest.fixture
-def walker(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Walker:
+def visitor(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Visitor:
     database_url = f"sqlite:///{tmp_path / 'walked.db'}"
-    return Walker(serve(folder=folder, database_url=database_url), clock)
+    return Visitor(serve(folder=folder, database_url=database_url), clock)
 
 
 def study_of(app: Flask) -> Study:
@@ -52,51 +52,39 @@ def study_of(app: Flask) -> Study:
 
 
 @pytest.mark.parametrize("folder", NAMES, indirect=True)
-def test_no_page_of_a_study_says_anything_that_is_not_translated(walker: Walker) -> None:
-    speak(walker.app, bracketed())
-    study = study_of(walker.app)
+def test_no_page_of_a_study_says_anything_that_is_not_translated(visitor: Visitor) -> None:
+    speak(visitor.app, bracketed())
+    study = study_of(visitor.app)
 
-    for page in walker.pages():
+    for page in visitor.every_page():
         assert left_in_english(page, study) == "", page.heading
 
 
 @pytest.mark.parametrize("folder", ["players"], indirect=True)
-def test_neither_does_a_page_beside_the_way(walker: Walker, clock: SetClock) -> None:
-    speak(walker.app, bracketed())
-    study = study_of(walker.app)
-    pages = walker.pages()
-    while not walker.address:
+def test_neither_does_a_page_beside_the_way(visitor: Visitor, clock: SetClock) -> None:
+    speak(visitor.app, bracketed())
+    study = study_of(visitor.app)
+    pages = visitor.every_page()
+    while not visitor.address:
         next(pages)
     beside = [
-        walker.client.get(f"{walker.address}/withdraw"),
-        walker.client.get("/nowhere"),
-        walker.client.get("/take/nobody"),
-        walker.client.put("/"),
-        walker.client.post("/", data={"visit": "too short"}),
-        walker.client.post("/", data={"visit": "x" * 70_000}),
-        walker.client.post(f"{walker.address}/answers", data={"trial": "none"}),
-        walker.client.post(f"{walker.address}/form/closing", data={}),
+        visitor.client.get(f"{visitor.address}/withdraw"),
+        visitor.client.get("/nowhere"),
+        visitor.client.get("/take/nobody"),
+        visitor.client.put("/"),
+        visitor.client.post("/", data={"visit": "too short"}),
+        visitor.client.post("/", data={"visit": "x" * 70_000}),
+        visitor.client.post(f"{visitor.address}/answers", data={"trial": "none"}),
+        visitor.client.post(f"{visitor.address}/form/closing", data={}),
     ]
     withdrawal = PageReader(beside[0].text)
     beside += [
-        walker.client.post(withdrawal.action, follow_redirects=True),
-        walker.client.post(f"{walker.address}/answers", data={"trial": "none"}),
+        visitor.client.post(withdrawal.action, follow_redirects=True),
+        visitor.client.post(f"{visitor.address}/answers", data={"trial": "none"}),
     ]
 
     for answer in beside:
         assert left_in_english(PageReader(answer.text), study) == "", answer.status
-
-
-@pytest.mark.parametrize(
-    ("folder", "code"), [("composed", "de"), ("players", "ja"), ("ties", "de")], indirect=["folder"]
-)
-def test_a_whole_study_can_be_taken_in_every_language(walker: Walker, code: str) -> None:
-    language: Language = language_of(code)
-    speak(walker.app, language)
-
-    *_, last = walker.pages()
-
-    assert last.heading == language.texts.gettext("Thank you – you have finished")
 
 
 def test_what_is_not_bracketed_is_seen(serve: Serve) -> None:

@@ -12,11 +12,10 @@ from sqlalchemy import select
 
 from studyapp.database.tables import Response, StudySession, Trial
 from studyapp.web.protection import AT_ONCE
-from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
+from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 
 
 @pytest.fixture
@@ -26,8 +25,7 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
 
 
 def stored(app: Flask) -> int:
-    with app.app_context(), running().database.reading() as session:
-        return len(session.scalars(select(Response)).all())
+    return len(stored_in(app, select(Response)))
 
 
 def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
@@ -38,8 +36,7 @@ def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
     assert position == 6
 
     code = visitor.page().one("output#completion-code").get_text()
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(StudySession.completion_code)).one() == code
+    assert stored_in(app, select(StudySession.completion_code))[0] == code
     assert stored(app) == 12
 
 
@@ -48,8 +45,7 @@ def test_the_consent_page_states_the_terms_and_stores_nothing(app: Flask) -> Non
 
     for words in ("Institute of Gestures", "10 minutes", "2.50 EUR", "gestures@example.org"):
         assert words in page
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(StudySession)).all() == []
+    assert not stored_in(app, select(StudySession))
 
 
 @pytest.mark.parametrize(
@@ -72,8 +68,7 @@ def test_nothing_is_preselected_and_every_answer_has_words(visitor: Visitor) -> 
 def test_the_question_names_the_emotion_of_the_speech(app: Flask, visitor: Visitor) -> None:
     emotion = visitor.page().one(".emotion").get_text()
 
-    with app.app_context(), running().database.reading() as session:
-        assert session.scalars(select(Trial).where(Trial.position == 1)).one().emotion == emotion
+    assert stored_in(app, select(Trial).where(Trial.position == 1))[0].emotion == emotion
 
 
 NO_REPORTS: list[object] = [
@@ -174,19 +169,22 @@ GENERATED = (
 
 
 def test_instructions_say_that_no_motion_is_recorded_where_all_of_it_is_generated(
-    serve: Serve, tiny_study: Path
+    serve: Serve, tiny_study: Path, tmp_path: Path
 ) -> None:
+    urls = (f"sqlite:///{tmp_path / name}.db" for name in ("brought", "recorded"))
     generated = instructions(serve(*GENERATED))
     assert "made by a computer" in generated
     assert "Judge the gestures, not the face" in generated
     assert "kept still" not in generated
     assert "practice" not in generated
     brought = (GENERATED[1][1], GENERATED[1][0])
-    assert "made by a computer" not in instructions(serve(brought))
+    assert "made by a computer" not in instructions(serve(brought, database_url=next(urls)))
     stimuli = tiny_study / "stimuli.json"
     stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
     recorded = serve(
-        (GENERATED[0][1], "[conditions.ground_truth]"), ('"rule_based"', '"ground_truth"')
+        (GENERATED[0][1], "[conditions.ground_truth]"),
+        ('"rule_based"', '"ground_truth"'),
+        database_url=next(urls),
     )
     assert "made by a computer" not in instructions(recorded)
 

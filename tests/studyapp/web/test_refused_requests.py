@@ -12,7 +12,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.studyapp.web.visitor import WATCHED, Visitor
+from tests.studyapp.web.visitor import WATCHED, Visitor, stored_in
 
 TOO_MUCH = "More of the video was reported as played than there was time for."
 ANSWERED = "You have already answered this page, and your first answer is stored."
@@ -25,9 +25,8 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
 
 
 def noted(app: Flask) -> list[tuple[int | None, str, str]]:
-    with app.app_context(), running().database.reading() as session:
-        lines = session.scalars(select(RefusalLine).order_by(RefusalLine.id))
-        return [(line.study_session_id, line.kind, line.detail) for line in lines]
+    lines = stored_in(app, select(RefusalLine).order_by(RefusalLine.id))
+    return [(line.study_session_id, line.kind, line.detail) for line in lines]
 
 
 def test_what_is_refused_is_noted_by_its_kind(

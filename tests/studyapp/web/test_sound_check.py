@@ -19,7 +19,6 @@ from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
-from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
 
 LANGUAGES = get_args(Language)
@@ -66,11 +65,6 @@ def visitor(listening: Flask) -> Visitor:
     return Visitor(listening, SetClock()).enrol()
 
 
-def digits(app: Flask) -> str:
-    with app.app_context(), running().database.reading() as session:
-        return session.scalars(select(StudySession.sound_digits)).one()
-
-
 def test_page_and_headers_are_the_same_whatever_the_digits(
     listening: Flask, visitor: Visitor
 ) -> None:
@@ -101,32 +95,3 @@ def test_the_sound_is_sent_in_parts_to_browsers_that_ask_so(visitor: Visitor) ->
 
     assert (part.status_code, part.data) == (206, whole[:2])
     assert part.headers["Content-Range"] == f"bytes 0-1/{len(whole)}"
-
-
-def test_the_right_digits_lead_on_also_when_sent_twice(listening: Flask, visitor: Visitor) -> None:
-    page = visitor.page()
-    spoken_to_them = digits(listening)
-
-    for _ in range(2):
-        answer = visitor.client.post(page.action, data={"digits": spoken_to_them})
-        assert answer.status_code == 303
-    assert visitor.page().heading == "What you will do"
-    assert visitor.client.post(page.action, data={"digits": "x"}).status_code == 303
-
-
-def test_wrong_digits_are_helped_with_and_leaving_is_offered_after_three(
-    listening: Flask, visitor: Visitor
-) -> None:
-    page = visitor.page()
-    wrong = "".join(str((int(digit) + 5) % 10) for digit in digits(listening))
-    for tries in range(1, 4):
-        answer = visitor.client.post(page.action, data={"digits": wrong})
-        refused = PageReader(answer.text)
-        assert answer.status_code == 422
-        assert "volume" in refused.one("[role=alert]").get_text()
-        assert len(refused.soup.select("#unheard")) == (tries == 3)
-
-    leave = str(visitor.page().one("#unheard form")["action"])
-    assert visitor.client.post(leave).status_code == 303
-    assert visitor.page().heading == "You have left the study"
-    assert visitor.client.get(f"{visitor.address}/sound-check.wav").status_code == 409

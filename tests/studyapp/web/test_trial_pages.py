@@ -9,15 +9,13 @@ from pathlib import Path
 
 import pytest
 from bs4 import Tag
-from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import Response, Trial, Video
-from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import Visitor
+from tests.studyapp.web.visitor import Visitor, filled, stored_in
 
 Arrive = Callable[..., Visitor]
 
@@ -41,42 +39,17 @@ def arrive(
     return make
 
 
-def application(visitor: Visitor) -> Flask:
-    return visitor.client.application
-
-
 def stored(visitor: Visitor) -> int:
-    with application(visitor).app_context(), running().database.reading() as session:
-        return len(session.scalars(select(Response)).all())
+    return len(stored_in(visitor.app, select(Response)))
 
 
 def trial_at(visitor: Visitor, position: int) -> Trial:
-    with application(visitor).app_context(), running().database.reading() as session:
-        return session.scalars(select(Trial).where(Trial.position == position)).one()
-
-
-def first_answers(page: PageReader) -> dict[str, str]:
-    """Return the first choice of every question on `page`; ranks in the videos' order."""
-    ranks = [str(rank["name"]) for rank in page.soup.select("#answers select")]
-    chosen = {name: name.partition(":")[2] for name in ranks}
-    for radio in page.soup.select("#answers [type=radio]"):
-        chosen.setdefault(str(radio["name"]), str(radio["value"]))
-    return chosen
+    return stored_in(visitor.app, select(Trial).where(Trial.position == position))[0]
 
 
 def send(visitor: Visitor, page: PageReader, answers: dict[str, str]) -> tuple[int, PageReader]:
     sent = visitor.client.post(page.action, data={"trial": page.trial, **answers})
     return sent.status_code, PageReader(sent.text)
-
-
-def every_trial(visitor: Visitor) -> list[PageReader]:
-    """Take all trials, and return their pages."""
-    seen = []
-    while (page := visitor.page()).soup.select("#answers"):
-        seen.append(page)
-        visitor.watch()
-        assert send(visitor, page, first_answers(page))[0] == 303
-    return seen
 
 
 def words(tag: Tag | PageReader) -> str:
@@ -117,14 +90,14 @@ def test_what_was_answered_is_kept_when_something_is_missing(arrive: Arrive) -> 
     visitor = arrive("rating")
     visitor.watch()
     page = visitor.page()
-    given = first_answers(page)
+    given = filled(page)
     del given["synchrony:2"]
 
     status, refused = send(visitor, page, given)
 
     assert status == 422
     assert "Question 2 about B is not answered" in refused.one("#problem").get_text()
-    assert refused.checked() == given
+    assert refused.checked() == {name: given[name] for name in given.keys() - {"trial"}}
     assert stored(visitor) == 0
 
 
@@ -138,7 +111,7 @@ def test_every_video_must_have_been_played(arrive: Arrive) -> None:
         str(first["data-watched-url"]), json={"batch": 0, "intervals": [[0.0, 2.0]]}
     )
 
-    status, refused = send(visitor, page, first_answers(page))
+    status, refused = send(visitor, page, filled(page))
 
     assert status == 422
     assert "About 2 s of the videos have not been played yet" in words(refused.one("#problem"))
@@ -165,16 +138,15 @@ def test_of_several_videos_the_one_that_does_not_play_is_named(
 
     assert answer.status_code == 303
     assert trial_at(visitor, 1).unplayable_at is not None
-    with application(visitor).app_context(), running().database.reading() as session:
-        named = session.scalars(select(Video.token).where(Video.unplayable_at.is_not(None)))
-        assert named.all() == [token]
+    named = stored_in(visitor.app, select(Video.token).where(Video.unplayable_at.is_not(None)))
+    assert named == [token]
     assert stored(visitor) == 0
 
 
 def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:
     visitor = arrive("mismatch")
 
-    seen = every_trial(visitor)
+    seen = list(visitor.take_trials())
 
     parts = [trial_at(visitor, position).part for position in range(1, len(seen) + 1)]
     muted = [part == "realism" for part in parts]
@@ -187,7 +159,7 @@ def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:
 def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Arrive) -> None:
     visitor = arrive("rating")
 
-    seen = every_trial(visitor)
+    seen = list(visitor.take_trials())
 
     (check,) = (n for n in range(1, 4) if trial_at(visitor, n).kind == "attention")
     wanted = trial_at(visitor, check).instructed or 0
@@ -204,7 +176,7 @@ def test_the_next_trials_videos_are_named_in_order(arrive: Arrive) -> None:
     following = visitor.page().value("[data-following]", "data-following").split()
     page = visitor.page()
     visitor.watch()
-    send(visitor, page, first_answers(page))
+    send(visitor, page, filled(page))
 
     assert [video["src"] for video in visitor.page().soup.select("video")] == following
 
@@ -212,7 +184,7 @@ def test_the_next_trials_videos_are_named_in_order(arrive: Arrive) -> None:
 @pytest.mark.parametrize("protocol", ["pairwise", "rating", "ranking", "mismatch"])
 def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
     visitor = arrive(protocol)
-    page = Visitor(application(visitor), visitor.clock).enrol().page()
+    page = Visitor(visitor.app, visitor.clock).enrol().page()
 
     expected = {
         "pairwise": "6 pairs",
@@ -224,12 +196,6 @@ def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
     assert "one after the other" in words(page)
     assert ("Some pairs come more than once" in words(page)) == (protocol == "pairwise")
     assert not any(re.search(r"[.:]\w", words(said)) for said in page.soup.select("main p"))
-
-
-def test_a_page_of_several_players_stays_small(arrive: Arrive) -> None:
-    visitor = arrive("rating")
-
-    assert len(visitor.client.get(visitor.address).data) < 20_000
 
 
 def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive: Arrive) -> None:
@@ -275,21 +241,6 @@ def test_a_ranking_that_is_no_order_is_refused_and_kept(
     assert stored(visitor) == 0
 
 
-def test_reasons_may_be_ticked_beside_an_answer(arrive: Arrive) -> None:
-    visitor = arrive("rating")
-    visitor.watch()
-    page = visitor.page()
-    boxes = page.soup.select('[name="synchrony:2:reasons"]')
-    assert [box["value"] for box in boxes] == ["hands", "face"]
-
-    data = {"trial": page.trial, **first_answers(page), "synchrony:2:reasons": ["face"]}
-
-    assert visitor.client.post(page.action, data=data).status_code == 303
-    with application(visitor).app_context(), running().database.reading() as session:
-        told = session.scalars(select(Response).where(Response.question == "synchrony"))
-        assert [response.reasons for response in told] == [[], ["face"], []]
-
-
 def test_a_slider_is_a_number_field_with_bands_and_no_preset(arrive: Arrive) -> None:
     visitor = arrive("rating", scale="slider")
     visitor.watch()
@@ -304,9 +255,9 @@ def test_a_slider_is_a_number_field_with_bands_and_no_preset(arrive: Arrive) -> 
     first = next(iter(numbers))
 
     for wrong in ("", "101", "37.5"):
-        status, refused = send(visitor, page, {**first_answers(page), **numbers, first: wrong})
+        status, refused = send(visitor, page, {**filled(page), **numbers, first: wrong})
         assert status == 422
         assert stored(visitor) == 0
         assert str(refused.one(f'[name="{first}"]')["value"]) == wrong
 
-    assert send(visitor, page, {**first_answers(page), **numbers})[0] == 303
+    assert send(visitor, page, {**filled(page), **numbers})[0] == 303

@@ -47,10 +47,6 @@ def drawn_key(tiny_study: Path) -> PseudonymKey:
     return PseudonymKey.read_or_make(StudyFolder(tiny_study).pseudonym_key)
 
 
-def words(page: PageReader) -> str:
-    return " ".join(page.one("main").get_text().split())
-
-
 def reasons(database: Database) -> list[str]:
     found: list[str] = (
         read_once(database, stored_answers).study_sessions["excluded_because"].tolist()
@@ -66,15 +62,15 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     people: list[Participant], log_in: LogIn, stored: Database
 ) -> None:
     analyst, owner, viewer = log_in("analyst"), log_in("owner"), log_in("viewer")
-    assert "No researcher has excluded" in words(analyst.get(ONE))
+    assert "No researcher has excluded" in analyst.get(ONE).words("main")
 
     assert decide(analyst, "exclude", SCRIPT) == 303
 
     page = analyst.get(ONE)
-    assert f"Excluded by Charles: {SCRIPT}" in words(page)
+    assert f"Excluded by Charles: {SCRIPT}" in page.words("main")
     assert SCRIPT not in page.text
     assert page.value("main [name=decision]", "value") == "reinstate"
-    assert f"Excluded by Charles: {SCRIPT}" in words(viewer.get(ONE))
+    assert f"Excluded by Charles: {SCRIPT}" in viewer.get(ONE).words("main")
     assert not viewer.get(ONE).soup.select("[name=decision]")
     assert reasons(stored) == [SCRIPT, ""]
     assert decide(owner, "reinstate", "it was another one") == 303
@@ -87,7 +83,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
         ["Ada", "excluded", "included", "it was another one"],
         ["Charles", "included", "excluded", SCRIPT],
     ]
-    log = words(owner.get("/research/changes"))
+    log = owner.get("/research/changes").words("main")
     assert f"participant excluded: study session 1 {SCRIPT}" in log
     assert "participant reinstated: study session 1 it was another one" in log
 
@@ -95,7 +91,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
 def test_the_page_says_what_a_decision_does_and_what_it_does_not(
     people: list[Participant], log_in: LogIn
 ) -> None:
-    said = words(log_in("analyst").get(ONE))
+    said = log_in("analyst").get(ONE).words("main")
 
     assert "leave out participants who did not finish; who failed more than 1 catch trial." in said
     assert "Reinstating somebody does not overrule them." in said
@@ -130,7 +126,7 @@ def test_who_withdrew_cannot_be_excluded(
     withdraw(stored, people[1].token, clock)
     gone = f"{LIST}/2"
 
-    assert "Nothing from participants who withdrew is analysed." in words(analyst.get(gone))
+    assert "Nothing from participants who withdrew is analysed." in analyst.get(gone).words("main")
     assert not analyst.get(gone).soup.select("[name=decision]")
     assert decide(analyst, "exclude", "r", gone) == 422
 
@@ -144,8 +140,10 @@ def test_the_overview_counts_who_is_excluded_and_leads_to_them(
 
     overview = analyst.get("/research/")
 
-    assert "1 is left out of the analysis by researchers, and keeps the place" in words(overview)
-    assert "1 of 4 places done" in words(overview)
+    assert "1 is left out of the analysis by researchers, and keeps the place" in overview.words(
+        "main"
+    )
+    assert "1 of 4 places done" in overview.words("main")
     (link,) = [a["href"] for a in overview.soup.select("#live a") if "excluded" in str(a["href"])]
     listed = analyst.get(str(link))
     assert listed.one("[role=status]").get_text().startswith("1 study session left out of the")
@@ -166,7 +164,7 @@ def test_participants_go_by_the_pseudonyms_of_the_export(
 
     assert listed == [exported[number] for number in "321"]
     for number, name in exported.items():
-        assert name in words(analyst.get(f"{LIST}/{number}"))
+        assert name in analyst.get(f"{LIST}/{number}").words("main")
         for called in (name, f" sub-{name} ", number):
             found = analyst.client.get(LIST, query_string={"called": called})
             assert found.location == f"{LIST}/{number}"
@@ -202,7 +200,7 @@ def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
             key.chmod(0o600)
 
         for address in (ONE, LIST):
-            assert reason in words(analyst.get(address))
+            assert reason in analyst.get(address).words("main")
     assert key.read_text() == "nonsense"
 
 

@@ -37,7 +37,7 @@ def test_the_line_of_truth_leads_to_what_it_counts(
 
     page = viewer.get("/research/")
 
-    truth = " ".join(page.one(".truth").get_text().split())
+    truth = page.words(".truth")
     assert truth == (
         "1 of 4 places done, 1 active, 0 stale, 2 open; "
         "too few have finished lately to tell when it is done."
@@ -162,7 +162,7 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     page = viewer.get("/research/rehearsal/")
 
     assert "simulated" in page.one(".ribbon").get_text()
-    assert "0 of 4 places done, 1 active" in " ".join(page.one(".truth").get_text().split())
+    assert "0 of 4 places done, 1 active" in page.words(".truth")
     assert {str(link["href"]).split("?")[0] for link in page.soup.select("#live a")} == {
         "/research/rehearsal/study-sessions"
     }

@@ -69,7 +69,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert (unexplained.status_code, asked.status_code) == (422, 303)
     assert "being computed" in waiting.text and "rule based" not in waiting.text
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
-    assert "rule based against mismatched" in " ".join(shown.soup.get_text().split())
+    assert "rule based against mismatched" in shown.words()
     assert "a video <b>broke</b>" in shown.soup.get_text()
     logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(stored)]
     assert logged == [(clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
@@ -112,7 +112,7 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
 
     assert "being computed" in analyst.get(RESULTS).text
     figures.work()
-    closed = " ".join(analyst.get(RESULTS).soup.get_text().split())
+    closed = analyst.get(RESULTS).words()
     assert "The study is closed: 3 of 4 participants finished. These are the final" in closed
     assert "Interim" not in closed and "You look because" not in closed
     for _ in range(6):
@@ -120,7 +120,7 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     clock.advance(minutes=2)
     analyst.get(RESULTS)
     figures.work()
-    everybody = " ".join(analyst.get(RESULTS).soup.get_text().split())
+    everybody = analyst.get(RESULTS).words()
 
     assert "All 4 participants have finished" in everybody and "Interim" not in everybody
     logged = [(each.finished, each.reason) for each in looks(stored)]
@@ -132,7 +132,7 @@ def test_the_page_tells_what_a_look_costs_this_study(
 ) -> None:
     arrive(app, clock, "one", "two")
 
-    text = " ".join(log_in("owner").get(RESULTS).soup.get_text().split())
+    text = log_in("owner").get(RESULTS).words()
 
     assert "with no look and the end at 4 participants it would be 5.0 %" in text
     assert f"with a look now at 2 it would be {100 * equally_spaced(2):.1f} %" in text
