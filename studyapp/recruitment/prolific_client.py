@@ -256,9 +256,9 @@ class ProlificClient:
                 where=where,
                 remedy="Make a new one on Prolific, and check that its account may do this",
             )
-        said = _said(answer).replace(self._token, "…")
+        reason = _reason_in(answer).replace(self._token, "…")
         return ProlificRefusedError(
-            f"Prolific answered {answer.status_code}: {said}",
+            f"Prolific answered {answer.status_code}: {reason}",
             where=where,
             remedy="Correct what it names, and run the command again",
         )
@@ -289,7 +289,7 @@ def _unreadable(what: str) -> InputError:
     )
 
 
-def _said(answer: httpx.Response) -> str:
+def _reason_in(answer: httpx.Response) -> str:
     """Return what Prolific says of an error, shortened."""
     body = _json_of(answer)
     error = body.get("error", body) if isinstance(body, dict) else body

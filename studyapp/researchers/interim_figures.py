@@ -157,8 +157,8 @@ class FigureProcess:
         except OSError as error:
             raise NoFiguresError(f"The process could not be started ({error.strerror}).") from error
         if done.returncode:
-            said = done.stderr.strip().splitlines()
-            raise NoFiguresError(said[-1] if said else f"It ended with {done.returncode}.")
+            lines = done.stderr.strip().splitlines()
+            raise NoFiguresError(lines[-1] if lines else f"It ended with {done.returncode}.")
         return done.stdout
 
 

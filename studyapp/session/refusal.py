@@ -124,14 +124,14 @@ def note_refusal(
         return
     try:
         with database.reading() as session:
-            of = session.scalar(select(StudySession.id).where(StudySession.token == token))
+            number = session.scalar(select(StudySession.id).where(StudySession.token == token))
             whose = RefusalLine.study_session_id
-            same: ColumnElement[bool] = whose.is_(None) if of is None else whose == of
+            same: ColumnElement[bool] = whose.is_(None) if number is None else whose == number
             noted = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
-        if noted >= (MOST_OF_NOBODY if of is None else MOST_OF_ONE):
+        if noted >= (MOST_OF_NOBODY if number is None else MOST_OF_ONE):
             return
         detail = f"{asked}: {refusal.what}"[:LONGEST]
-        line = RefusalLine(at=clock.now(), study_session_id=of, kind=kind, detail=detail)
+        line = RefusalLine(at=clock.now(), study_session_id=number, kind=kind, detail=detail)
         with database.writing() as session:
             session.add(line)
     except SQLAlchemyError:

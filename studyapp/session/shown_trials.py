@@ -136,22 +136,45 @@ def shown_trial(
 ) -> ShownTrial:
     """Return the present trial of a participant, whose videos are loaded."""
     later = following(study_session, trial)
-    parts = list(dict.fromkeys(known.part for known in study_session.trials))
-    first = next(known for known in study_session.trials if known.part == trial.part)
-    return ShownTrial(
+    return _shown(
+        study_session.trials,
+        trial,
+        study,
+        minutes,
         token=trial.token,
         videos=tuple(_shown_video(video, study.watching.coverage) for video in trial.videos),
         next_videos=tuple(video.token for video in later[0].videos) if later else (),
+        emotion=trial.emotion,
+    )
+
+
+def _shown(
+    trials: Sequence[Trial] | Sequence[PlannedTrial],
+    trial: Trial | PlannedTrial,
+    study: Study,
+    minutes: int,
+    *,
+    token: str,
+    videos: tuple[ShownVideo, ...],
+    next_videos: tuple[str, ...],
+    emotion: str,
+) -> ShownTrial:
+    """Return `trial` among the `trials` of its participant."""
+    parts = list(dict.fromkeys(each.part for each in trials))
+    return ShownTrial(
+        token=token,
+        videos=videos,
+        next_videos=next_videos,
         position=trial.position,
-        presentations=len(study_session.trials),
+        presentations=len(trials),
         part=trial.part,
         part_number=1 + parts.index(trial.part),
         parts=len(parts),
-        begins_part=trial is first,
+        begins_part=trial is next(each for each in trials if each.part == trial.part),
         asks=study.asks(trial),
         instructed=trial.instructed,
         is_practice=trial.kind == "practice",
-        emotion=trial.emotion,
+        emotion=emotion,
         minutes_left=minutes,
     )
 
@@ -178,30 +201,20 @@ def previewed_trial(
 
     All of its videos count as watched, so that its questions can be answered at once.
     """
-    planned = trials[position - 1]
-    parts = list(dict.fromkeys(trial.part for trial in trials))
-    first = next(trial for trial in trials if trial.part == planned.part)
-    return ShownTrial(
+    planned, study = trials[position - 1], served.study
+    remaining = [
+        expected_seconds(_durations(served, trial), len(study.asks(trial)))
+        for trial in trials[position - 1 :]
+    ]
+    return _shown(
+        trials,
+        planned,
+        study,
+        minutes_left((), remaining),
         token=TOKEN,
         videos=_videos(served, planned),
         next_videos=(),
-        position=position,
-        presentations=len(trials),
-        part=planned.part,
-        part_number=1 + parts.index(planned.part),
-        parts=len(parts),
-        begins_part=planned is first,
-        asks=served.study.asks(planned),
-        instructed=planned.instructed,
-        is_practice=planned.kind == "practice",
         emotion=planned.segment.emotion,
-        minutes_left=minutes_left(
-            (),
-            [
-                expected_seconds(_durations(served, trial), len(served.study.asks(trial)))
-                for trial in trials[position - 1 :]
-            ],
-        ),
     )
 
 

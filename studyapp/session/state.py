@@ -248,12 +248,12 @@ ROW = "the_row"
 def note(session: Session, row: StudySession | Trial, **values: object) -> None:
     """Store `values` in the columns of the stored `row`; `row` has them afterwards."""
     table = cast(Table, type(row).__table__)
-    session.connection().execute(_noting(table, tuple(values)), {ROW: row.id, **values})
+    session.connection().execute(_update_of(table, tuple(values)), {ROW: row.id, **values})
     for name, value in values.items():
         set_committed_value(row, name, value)
 
 
 @cache
-def _noting(table: Table, names: tuple[str, ...]) -> Update:
+def _update_of(table: Table, names: tuple[str, ...]) -> Update:
     values: dict[str, Any] = {name: bindparam(name) for name in names}
     return update(table).where(table.c.id == bindparam(ROW)).values(values)

@@ -62,8 +62,8 @@ def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
 
 def read_source(text: str, folder: Path) -> Condition:
     """Return a condition from where its motion comes from; see `read_condition`."""
-    kind, _, of = text.partition(":")
-    if kind in (FILES, VIDEOS) and not of:
+    kind, _, details = text.partition(":")
+    if kind in (FILES, VIDEOS) and not details:
         return Condition(videos=kind == VIDEOS)
     if kind not in generator_names():
         raise InputError(
@@ -71,13 +71,13 @@ def read_source(text: str, folder: Path) -> Condition:
             remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_sources())}",
         )
     if needed := _needed_files(kind):
-        weights = zip(needed, _weights(kind, of, needed), strict=True)
+        weights = zip(needed, _weights(kind, details, needed), strict=True)
         return condition_of(kind, dict(weights), folder)
-    if needs_source(kind) != bool(of):
+    if needs_source(kind) != bool(details):
         says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
         example = f"{kind}:OTHER" if needs_source(kind) else kind
         raise InputError(f"the generator {kind!r} {says}", remedy=f"Give {example}")
-    return Condition(generator=kind, source=check_name(of, "condition") if of else None)
+    return Condition(generator=kind, source=check_name(details, "condition") if details else None)
 
 
 def _needed_files(generator: str) -> list[str]:
@@ -103,8 +103,10 @@ def _weights(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
 
 def source_words(generator: str) -> str:
     """Return a generator as a source is written."""
-    of = "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _needed_files(generator))
-    return f"{generator}:{of}" if of else generator
+    details = (
+        "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _needed_files(generator))
+    )
+    return f"{generator}:{details}" if details else generator
 
 
 def generator_sources() -> tuple[str, ...]:
@@ -117,9 +119,9 @@ def source_of(condition: Condition, folder: Path) -> str:
     if condition.generator is None:
         return VIDEOS if condition.videos else FILES
     keys = _needed_files(condition.generator)
-    of = ",".join(str(folder / getattr(condition.settings, key)) for key in keys)
-    of = of or condition.source or ""
-    return f"{condition.generator}:{of}" if of else condition.generator
+    details = ",".join(str(folder / getattr(condition.settings, key)) for key in keys)
+    details = details or condition.source or ""
+    return f"{condition.generator}:{details}" if details else condition.generator
 
 
 def condition_of(
@@ -132,7 +134,7 @@ def condition_of(
     generator : str or None
         Who moves.
     given : mapping
-        What was said in options of `SettingsCommand`, None where nothing was.
+        What was stated in options of `SettingsCommand`, None where nothing was.
     folder : Path
         Files that lie outside it are named by their full path.
 
@@ -142,9 +144,9 @@ def condition_of(
         If an option is of another generator, or its value cannot be used.
     """
     values: dict[str, Any] = {"generator": generator}
-    said = {name: value for name, value in given.items() if value is not None}
+    stated = {name: value for name, value in given.items() if value is not None}
     for setting in () if generator is None else settings_of(settings_type(generator)):
-        value = said.pop(setting.key, None)
+        value = stated.pop(setting.key, None)
         if value is None:
             continue
         if isinstance(value, Path):
@@ -152,7 +154,7 @@ def condition_of(
         elif isinstance(value, str) and value.isdecimal():
             value = int(value) if int in (setting.type, *get_args(setting.type)) else value
         values[setting.key] = value
-    for option in said:
+    for option in stated:
         raise InputError(
             f"--{option.replace('_', '-')} is of a learned generator, not of "
             f"{generator or 'motion that is brought in'}",

@@ -123,10 +123,10 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         stated["trials"] = wanted.trials
         stated["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
     text = template_text(file, **stated)
-    said = in_language(text, file, wanted.language, title=wanted.title)
-    said = _worded(said, wanted)
-    parse_text(said, where=where)
-    return said
+    text = in_language(text, file, wanted.language, title=wanted.title)
+    text = _worded(text, wanted)
+    parse_text(text, where=where)
+    return text
 
 
 def _worded(text: str, wanted: WantedStudy) -> str:

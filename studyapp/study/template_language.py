@@ -78,15 +78,17 @@ def _say(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
     """Replace what `texts` say of each of `questions`, found by its name."""
     by_name = {text["name"]: text for text in texts}
     for question in questions:
-        for key, said in by_name[question["name"]].items():
+        for key, translation in by_name[question["name"]].items():
             if key != "name":
-                question[key] = _listed(said) if isinstance(said, list) else said
+                question[key] = (
+                    _listed(translation) if isinstance(translation, list) else translation
+                )
 
 
-def _listed(said: list[Any]) -> tomlkit.items.Array:
+def _listed(items: list[Any]) -> tomlkit.items.Array:
     """Return a list with a line for each item."""
     array = tomlkit.array()
-    for each in said:
+    for each in items:
         if isinstance(each, dict):
             table = tomlkit.inline_table()
             table.update(each)

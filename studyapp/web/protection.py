@@ -27,7 +27,7 @@ PROTECTION: Final = {
 }
 
 
-PARTICIPANTS: Final = ("entrance", "participant", "sound_check", "withdrawal")
+PARTICIPANTS: Final = ("entrance", "participant", "sound_check")
 """Blueprints of the pages that a recruiter may show in a frame."""
 
 

@@ -116,10 +116,10 @@ def _known_keys(section: type[BaseModel] | None, place: Sequence[object]) -> lis
     """Return the keys that may stand at a place below a section."""
     sections = [] if section is None else [section]
     for step in place:
-        fields = [one.model_fields[step] for one in sections if step in one.model_fields]
+        fields = [each.model_fields[step] for each in sections if step in each.model_fields]
         if fields:
-            sections = [one for field in fields for one in _sections_in(field.annotation)]
-    return sorted({name for one in sections for name in one.model_fields})
+            sections = [each for field in fields for each in _sections_in(field.annotation)]
+    return sorted({name for each in sections for name in each.model_fields})
 
 
 def _sections_in(annotation: object) -> Iterator[type[BaseModel]]:

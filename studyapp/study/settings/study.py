@@ -307,7 +307,7 @@ class Study(Section, ABC):
         if self.family is None:
             return []
         try:
-            read_family(self.family, list(self.conditions), [one.name for one in self.questions])
+            read_family(self.family, list(self.conditions), [each.name for each in self.questions])
         except InputError as error:
             return [f"family: {error.what} ({error.remedy})"]
         return []

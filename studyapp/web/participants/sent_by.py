@@ -119,7 +119,7 @@ def signed_names(token: str, host: str) -> dict[str, str] | None:
 def _is_for(audience: Any, host: str) -> bool:
     """Tell whether a token is made for `host`, which it names alone or in an address."""
     named = audience if isinstance(audience, list) else [audience]
-    return any((urlsplit(str(one)).hostname or str(one)) == host for one in named)
+    return any((urlsplit(str(each)).hostname or str(each)) == host for each in named)
 
 
 PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")

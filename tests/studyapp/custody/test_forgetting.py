@@ -24,8 +24,8 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
-from tests.studyapp.session.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.asked_forms import ADULT, FORM
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"

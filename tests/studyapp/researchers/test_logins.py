@@ -35,6 +35,13 @@ def who(database: Database, clock: SetClock, login: str, *, by_hand: bool = True
     return logged_in(database, login, clock.now(), by_hand=by_hand)
 
 
+def guess(database: Database, clock: SetClock, names: list[str], address: str = HERE) -> None:
+    """Try a wrong password for each of `names`."""
+    for name in names:
+        with pytest.raises(WrongLoginError):
+            enter(database, clock, name, "wrong", address=address)
+
+
 def test_who_does_nothing_for_an_hour_is_logged_out(database: Database, clock: SetClock) -> None:
     joined(database, clock, "Ada")
     login = enter(database, clock, "Ada")
@@ -75,13 +82,13 @@ def test_nobody_stays_logged_in_for_ever(database: Database, clock: SetClock) ->
 
 def test_logging_out_ends_one_login_and_no_other(database: Database, clock: SetClock) -> None:
     joined(database, clock, "Ada")
-    one, other = enter(database, clock, "Ada"), enter(database, clock, "Ada")
-    assert one != other
+    ended, kept = enter(database, clock, "Ada"), enter(database, clock, "Ada")
+    assert ended != kept
 
-    end_login(database, one)
+    end_login(database, ended)
 
-    assert who(database, clock, one) is None
-    assert who(database, clock, other) is not None
+    assert who(database, clock, ended) is None
+    assert who(database, clock, kept) is not None
     assert who(database, clock, "") is None
 
 
@@ -166,9 +173,7 @@ def test_after_the_clock_went_back_an_hour_nobody_is_locked_out_for_longer(
     database: Database, clock: SetClock
 ) -> None:
     joined(database, clock, "Ada")
-    for _ in range(MOST_OF_NAME):
-        with pytest.raises(WrongLoginError):
-            enter(database, clock, "ada", "wrong")
+    guess(database, clock, ["ada"] * MOST_OF_NAME)
     clock.advance(hours=-1)
 
     enter(database, clock, "Ada")
@@ -178,9 +183,7 @@ def test_wrong_passwords_from_elsewhere_lock_nobody_out(
     database: Database, clock: SetClock
 ) -> None:
     joined(database, clock, "Ada")
-    for _ in range(MOST_OF_NAME):
-        with pytest.raises(WrongLoginError):
-            enter(database, clock, "ada", "wrong", address="192.0.2.9")
+    guess(database, clock, ["ada"] * MOST_OF_NAME, address="192.0.2.9")
 
     enter(database, clock, "Ada")
 
@@ -190,9 +193,7 @@ def test_wrong_passwords_from_elsewhere_lock_nobody_out(
 
 def test_one_address_cannot_try_many_names(database: Database, clock: SetClock) -> None:
     joined(database, clock, "Ada")
-    for number in range(MOST_OF_ADDRESS):
-        with pytest.raises(WrongLoginError):
-            enter(database, clock, f"name {number}", "wrong")
+    guess(database, clock, [f"name {number}" for number in range(MOST_OF_ADDRESS)])
 
     with pytest.raises(TooManyAttemptsError):
         enter(database, clock, "Ada")

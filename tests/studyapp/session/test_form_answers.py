@@ -11,34 +11,7 @@ from studyapp.session.refusal import ConflictError, UnacceptableError
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
 from tests.studyapp.taking_part_steps import Participant
-
-FORM = """
-[[form.eligibility]]
-name = "adult"
-text = "Are you 18 or older?"
-choices = ["yes", "no"]
-eligible = ["yes"]
-
-[[form.demographics]]
-name = "age"
-text = "How old are you?"
-kind = "number"
-low = 18
-
-[[form.demographics]]
-name = "work"
-text = "What do you work on?"
-kind = "text"
-required = false
-
-[[form.closing]]
-name = "comment"
-text = "Is there anything you want to tell us?"
-kind = "text"
-required = false
-"""
-ADULT = {"adult": "yes"}
-ABOUT = {"age": "31", "work": ""}
+from tests.support.asked_forms import ABOUT, ADULT, FORM
 
 
 @pytest.fixture

@@ -19,8 +19,9 @@ from studyapp.study.settings.study import Study
 from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM, tell
+from tests.studyapp.session.test_form_answers import tell
 from tests.studyapp.taking_part_steps import Participant
+from tests.support.asked_forms import ABOUT, ADULT, FORM
 
 SOUND_CHECK = ("[page]\n", "[page]\nsound_check = true\n")
 

@@ -101,7 +101,9 @@ def test_a_new_version_keeps_earlier_answers_apart(
 ) -> None:
     participant.take_all()
     make_videos_anew(tiny_study)
-    participant.in_study(ServedStudy.read(tiny_study), new_version=True).another().enrol("another").begin().trial()
+    participant.in_study(ServedStudy.read(tiny_study), new_version=True).another().enrol(
+        "another"
+    ).begin().trial()
     with participant.database.reading() as session:
         known = session.scalars(select(StudySession).order_by(StudySession.id))
         numbers = [study_session.version.number for study_session in known]
@@ -173,7 +175,10 @@ def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
     add_condition(tiny_study)
     later = participant.in_study(ServedStudy.read(tiny_study), new_version=True)
     assert later.trial().position == 2
-    arms = [later.stored().arm, *(later.another().enrol(f"visit {n}").stored().arm for n in range(3))]
+    arms = [
+        later.stored().arm,
+        *(later.another().enrol(f"visit {n}").stored().arm for n in range(3)),
+    ]
     assert sorted(arms) == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
 
 

@@ -26,8 +26,8 @@ from tests.redefining import redefine
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.session.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant
+from tests.support.asked_forms import ADULT, ELIGIBILITY
 
 ABOUT_THEM: tuple[type[Base], ...] = (
     Trial,
@@ -40,7 +40,6 @@ ABOUT_THEM: tuple[type[Base], ...] = (
 )
 
 
-ELIGIBILITY = FORM.split("[[form.d")[0]
 RECRUITED = Arrival(
     recruiter_participant="p1", recruiter_study="s1", recruiter_session="x1", form=ADULT
 )

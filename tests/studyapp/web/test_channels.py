@@ -17,12 +17,12 @@ from studyapp.study.settings.study import Study
 from studyapp.web.participants.sent_by import COOKIE
 from studyapp.web.running import running
 from tests.studyapp.session.test_comprehension import COMPREHENSION
-from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
 from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.asked_forms import FORM
 
 CODES = {
     "completed": "KX7QM2PWTR",

@@ -10,21 +10,11 @@ from sqlalchemy import select
 
 from studyapp.database.tables import FormAnswer
 from studyapp.web.running import attach, running
-from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, stored_in
-
-SCALE = """
-[[form.demographics]]
-name = "often"
-text = "How often do you watch animated films?"
-kind = "scale"
-low = 1
-high = 3
-choices = ["never", "every day"]
-"""
+from tests.support.asked_forms import FORM, SCALE
 
 
 @pytest.fixture
