@@ -72,6 +72,16 @@ def test_unusable_answers_are_refused_and_nothing_is_stored(
     assert participant.trial().token == first
 
 
+def test_a_trial_ahead_of_the_present_one_is_refused(participant: Participant) -> None:
+    ready(participant)
+    with participant.database.reading() as session:
+        following = session.scalars(select(StudySession)).one().trials[1].token
+
+    with pytest.raises(ConflictError, match="not the page you are on"):
+        participant.answer(following)
+    assert stored(participant) == []
+
+
 def test_an_answer_before_watching_is_refused(participant: Participant) -> None:
     first = participant.trial().token
     participant.clock.advance(seconds=60)

@@ -124,7 +124,9 @@ def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Pa
     assert listener.look().left_unheard
 
 
-RECRUITED = Arrival(recruiter_participant="left", recruiter_study="study")
+RECRUITED = Arrival(
+    recruiter_participant="left", recruiter_study="study", recruiter_session="session"
+)
 
 
 @pytest.mark.parametrize("arrival", [Arrival(visit="visit"), RECRUITED])

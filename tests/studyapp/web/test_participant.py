@@ -40,6 +40,16 @@ def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
     assert stored(app) == 12
 
 
+def test_a_start_pressed_twice_takes_one_place(app: Flask) -> None:
+    client = app.test_client()
+    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
+
+    first, second = (client.post("/", data={"visit": visit}).location for _ in "ab")
+
+    assert first == second
+    assert len(stored_in(app, select(StudySession))) == 1
+
+
 def test_the_consent_page_states_the_terms_and_stores_nothing(app: Flask) -> None:
     page = app.test_client().get("/").text
 

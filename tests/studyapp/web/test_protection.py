@@ -26,6 +26,12 @@ def test_every_answer_is_protected(app: Flask) -> None:
         assert "Set-Cookie" not in headers
 
 
+def test_pages_are_never_kept_by_a_browser(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol().begin()
+
+    assert visitor.client.get(visitor.address).headers["Cache-Control"] == "no-store"
+
+
 @pytest.mark.parametrize(
     "template", sorted((WEB / "templates").rglob("*.html")), ids=lambda p: p.name
 )

@@ -9,10 +9,10 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import RefusalLine
+from studyapp.database.tables import RefusalLine, Response
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.studyapp.web.visitor import WATCHED, Visitor, stored_in
+from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 
 TOO_MUCH = "More of the video was reported as played than there was time for."
 ANSWERED = "You have already answered this page, and your first answer is stored."
@@ -50,6 +50,8 @@ def test_what_is_refused_is_noted_by_its_kind(
         visitor.post(page, rhythm="2")[0],
     ]
     assert statuses == [422, 422, 422, 403, 404, 303, 303, 409]
+    stored = stored_in(app, select(Response).order_by(Response.id))
+    assert [(row.question, str(row.value)) for row in stored] == list(ANSWERS.items())
 
     assert noted(app) == [
         (1, "too-much-watched", f"watched: {TOO_MUCH}"),
