@@ -19,7 +19,7 @@ from tests.functional.mturk_frame import (
     launched_for_frames,
 )
 from tests.functional.passing_on import passing_on
-from tests.functional.redefining import redefine
+from tests.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
