@@ -18,7 +18,7 @@ from sqlalchemy import update
 from studyapp.database.tables import StudySession
 from studyapp.web.language import language_of, speak
 from studyapp.web.running import attach, running
-from tests.functional.browsing import IN_A_BROWSER, begin_study, watched_page
+from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import fill, first_trial, shown, spoken_digits, walk
 from tests.functional.looking import (
     LAPTOP,
@@ -137,7 +137,10 @@ def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path:
 
 def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     """Come to the pages of trouble with places, answers and videos; give the name of each."""
-    begin_study(page, address)
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect(page.locator("#answers")).to_be_visible()
     # As a browser without scripts sends it.
     page.locator("#answers").evaluate("form => form.submit()")
     expect(page.locator("#problem")).to_contain_text("not answered yet")

@@ -14,7 +14,6 @@ from studyapp.database.tables import Response
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
-    begin_study,
     expect_playing,
     expect_watched,
     playing_on,
@@ -61,7 +60,10 @@ def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
 def page(browser: Browser, study: Path) -> Iterator[Page]:
     """Return a page at the first trial."""
     with shown(study) as (address, _), watched_page(browser, address) as opened:
-        begin_study(opened, address)
+        opened.goto(address)
+        opened.get_by_role("button", name="I agree").click()
+        opened.get_by_role("button", name="Begin").click()
+        expect(opened.locator(".play").first).to_be_visible()
         yield opened
 
 

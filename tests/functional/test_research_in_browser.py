@@ -108,3 +108,34 @@ def test_no_page_of_researchers_has_a_severe_barrier(
         assert "/research/log-in?next=/research/changes" in page.url
 
     assert {name: each for name, each in found.items() if each} == {}
+
+
+def test_the_overview_shows_who_comes_while_one_looks(
+    browser: Browser, served_at: str, stored: Database, tiny_study: Path
+) -> None:
+    with watched_page(browser, served_at) as page:
+        page.clock.install()
+        join_as_owner(page, served_at, stored)
+        expect(page.locator(".truth")).to_contain_text("0 active")
+
+        come(stored, tiny_study, "one")
+        page.clock.fast_forward(21_000)
+
+        expect(page.locator(".truth")).to_contain_text("1 active")
+        stays = page.locator("#live time").last
+        expect(stays).not_to_contain_text("UTC")
+        follow(page.get_by_role("link", name="Keep it still"))
+        expect(page.locator("footer")).to_contain_text("stays as it is")
+
+
+def test_without_scripts_the_overview_is_the_same_and_asks_for_itself(
+    browser: Browser, served_at: str, stored: Database
+) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+
+    join_as_owner(page, served_at, stored)
+
+    expect(page.locator("#live time").last).to_contain_text("UTC")
+    expect(page.locator("meta[http-equiv=refresh]")).to_have_count(1)
+    context.close()
