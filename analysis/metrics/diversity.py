@@ -26,17 +26,13 @@ _FEW: Final = 300
 """Clips up to which distances are taken one by one; of more, by matrix products."""
 
 
-def l1_deviation(
-    values: FloatArray, *, unit: str = "m", settings: Mapping[str, str] | None = None
-) -> MetricResult:
+def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = None) -> MetricResult:
     """Return the mean L1 distance of a clip's frames from their mean (L1div).
 
     Parameters
     ----------
     values : ndarray, shape (T, ...)
-        One pose per frame, in any representation.
-    unit : str
-        Unit of `values`.
+        One pose per frame, positions in metres.
     settings : mapping, optional
         What `values` are.
 
@@ -48,7 +44,7 @@ def l1_deviation(
     """
     flat = values.reshape(len(values), -1)
     deviation = np.abs(flat - flat.mean(axis=0)).sum(axis=1)
-    metric = Metric("deviation from the mean pose (L1div)", unit, "near the reference")
+    metric = Metric("deviation from the mean pose (L1div)", "m", "near the reference")
     return metric.score(float(deviation.mean()), len(flat), settings)
 
 

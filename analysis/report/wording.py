@@ -115,9 +115,9 @@ def fixed(value: float, decimal_places: int) -> str:
     return f"−{text}" if value < 0 and float(text) else text
 
 
-def count(number: int, noun: str, plural: str = "") -> str:
+def count(number: int, noun: str) -> str:
     """Return a number with its noun, '1 segment', '8 segments'."""
-    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+    return f"{number:,} {noun if number == 1 else noun + 's'}"
 
 
 CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"

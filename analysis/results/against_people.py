@@ -130,9 +130,6 @@ def metrics_against_people(
     analysed: pd.DataFrame,
     metrics: StudyMetrics | None,
     recorded: str | None = None,
-    *,
-    resamples: int = RESAMPLES,
-    seed: int = SEED,
 ) -> ByQuestion[AgainstPeople]:
     """Set all metrics beside the answers, question by question.
 
@@ -146,10 +143,6 @@ def metrics_against_people(
         Automatic metrics by condition and clip; None where nothing was measured.
     recorded : str, optional
         The condition that is recorded motion.
-    resamples : int
-        How many to draw.
-    seed : int
-        The same seed gives the same resamples.
 
     Returns
     -------
@@ -161,9 +154,7 @@ def metrics_against_people(
     return by_question(
         table,
         analysed,
-        lambda answers: against_people(
-            table.protocol, answers, metrics, recorded, resamples=resamples, seed=seed
-        ),
+        lambda answers: against_people(table.protocol, answers, metrics, recorded),
     )
 
 

@@ -235,9 +235,7 @@ class Family:
 EVERYTHING = Family()
 
 
-def read_family(
-    text: str, conditions: Sequence[str], questions: Sequence[str], *, where: str = "family"
-) -> Family:
+def read_family(text: str, conditions: Sequence[str], questions: Sequence[str]) -> Family:
     """Return the family that `text` declares.
 
     Raises
@@ -253,7 +251,7 @@ def read_family(
     wanted = {"against": (1,), "primary": (2, 3)}.get(form.strip(), ())
     if len(parts) not in wanted or not all(parts):
         raise InputError(
-            f"{text!r} is not a family of tests", where=where, remedy=f"Write one of: {FORMS}"
+            f"{text!r} is not a family of tests", where="family", remedy=f"Write one of: {FORMS}"
         )
     about, question = parts[:2] if form.strip() == "primary" else parts, "".join(parts[2:])
     for name, known in ((about, conditions), ((question,) if question else (), questions)):
@@ -261,7 +259,7 @@ def read_family(
         if unknown:
             raise InputError(
                 f"the family names {unknown[0]}, which is not among {', '.join(known)}",
-                where=where,
+                where="family",
                 remedy="Write the name as the study does",
             )
     return Family(text=words, conditions=about, question=question)

@@ -195,9 +195,6 @@ def retest_agreement(
     first: NDArray[np.integer],
     again: NDArray[np.integer],
     participants: NDArray[np.generic],
-    *,
-    resamples: int = RESAMPLES,
-    seed: int = 0,
 ) -> Retest:
     """Compare the answers to trials with those to their repeats (Cohen 1968).
 
@@ -207,8 +204,6 @@ def retest_agreement(
         Answers as equally spaced numbers.
     participants : ndarray, shape (N,)
         Who gave them.
-    resamples, seed : int
-        Bootstrap resamples of the participants, and what draws them.
     """
     before, after = np.asarray(first, np.int64), np.asarray(again, np.int64)
     who = np.unique(participants, return_inverse=True)[1]
@@ -230,7 +225,7 @@ def retest_agreement(
     )
     if people < 2:
         return replace(found, reason="one participant gives no interval")
-    drawn = list(_drawn_tables(tables, resamples, seed))
+    drawn = list(_drawn_tables(tables, RESAMPLES, 0))
     equal_low, equal_high = percentile_interval(
         np.concatenate([np.trace(one, axis1=1, axis2=2) / one.sum(axis=(1, 2)) for one in drawn])
     )
@@ -238,7 +233,7 @@ def retest_agreement(
         found,
         equal_low=equal_low,
         equal_high=equal_high,
-        method=f"bootstrap over participants, {resamples} resamples",
+        method=f"bootstrap over participants, {RESAMPLES} resamples",
     )
     if math.isnan(found.kappa):
         return replace(found, reason="all answers alike")
