@@ -155,19 +155,16 @@ def test_missing_table_is_refused(tmp_path: Path) -> None:
         read_segments(tmp_path)
 
 
-def test_table_without_rows_is_refused(speech: Path) -> None:
-    with pytest.raises(InputError, match="holds no segment"):
-        read_segments(table(speech, ""))
-
-
-def test_table_with_a_cell_beyond_measure_is_refused(speech: Path) -> None:
-    with pytest.raises(InputError, match=r"segments\.csv: the table is not CSV"):
-        read_segments(table(speech, f's1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n'))
-
-
-def test_table_in_another_encoding_is_refused(speech: Path) -> None:
-    (speech / "segments.csv").write_bytes(
-        HEADER.encode() + "s1,a.wav,0,5,jörg,neutral,".encode("latin-1")
-    )
-    with pytest.raises(InputError, match="not UTF-8"):
+@pytest.mark.parametrize(
+    ("rows", "complaint"),
+    [
+        ("", "holds no segment"),
+        (f's1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n', r"segments\.csv: the table is not CSV"),
+        ("s1,a.wav,0,5,jörg,neutral,", "not UTF-8"),
+    ],
+    ids=["empty", "endless cell", "another encoding"],
+)
+def test_a_table_that_cannot_be_read_is_refused(speech: Path, rows: str, complaint: str) -> None:
+    (speech / "segments.csv").write_text(HEADER + rows, encoding="latin-1")
+    with pytest.raises(InputError, match=complaint):
         read_segments(speech)

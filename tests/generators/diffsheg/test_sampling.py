@@ -46,6 +46,7 @@ SMALL = replace(
 )
 SAMPLING = Sampling(steps=8, overlap=3)
 WIDTH, FRAMES = SMALL.motion_width, SMALL.frames
+GUIDED_OR_NOT = ((None, False), (1.3, True))
 PERSON = torch.tensor([0.0, 1.0, 0.0])
 
 
@@ -193,9 +194,13 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
     assert (means[1:5] > means[:4]).all()
 
 
-@pytest.mark.parametrize("number", [1, 2])
-@pytest.mark.parametrize(("guidance", "skip"), [(None, False), (1.3, True)])
-@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize(
+    ("flow", "guidance", "skip", "number"),
+    [
+        *((flow, guidance, skip, 2) for flow in FLOWS for guidance, skip in GUIDED_OR_NOT),
+        *(("joint", guidance, skip, 1) for guidance, skip in GUIDED_OR_NOT),
+    ],
+)
 def test_the_motion_is_that_of_the_plain_network(
     flow: Flow, guidance: float | None, skip: bool, number: int
 ) -> None:

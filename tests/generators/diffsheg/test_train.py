@@ -93,7 +93,7 @@ def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
     learn: Train, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
-    said = learn(40, out)
+    said = learn(24, out)
     facts = read(out).training
     for measure in ("noise", "loss"):
         assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]

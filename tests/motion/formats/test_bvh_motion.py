@@ -126,14 +126,16 @@ def test_a_glitch_later_on_does_not_keep_the_calibration_pose(tmp_path: Path) ->
     np.testing.assert_allclose(motion.values, rows[[1, *range(1, 90)]])
 
 
-def test_quick_start_of_a_motion_is_kept(tmp_path: Path) -> None:
-    motion = chain(tmp_path, _bending(hip=(80, 0, 0), knee=(0, 0, 60)))
-    assert settle_first_frame(motion) is motion
-
-
-def test_jumps_all_along_are_no_calibration(tmp_path: Path) -> None:
+def _jumping() -> np.ndarray:
     rows = _bending(hip=(170, 0, 0), knee=(0, 0, 90))
     rows[3] = columns_of(CHAIN, {"hip": (-170, 0, 90), "knee": (0, 90, 0)})
+    return rows
+
+
+@pytest.mark.parametrize("rows", [_bending(hip=(80, 0, 0), knee=(0, 0, 60)), _jumping()])
+def test_a_quick_start_and_jumps_all_along_are_no_calibration(
+    tmp_path: Path, rows: np.ndarray
+) -> None:
     motion = chain(tmp_path, rows)
     assert settle_first_frame(motion) is motion
 
