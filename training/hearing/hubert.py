@@ -236,35 +236,10 @@ def check_hubert(folder: Path) -> None:
         )
 
 
-def stand_in(*, full_size: bool = False) -> Hubert:
-    """Return what stands in for HuBERT where its weights are not at hand.
-
-    Parameters
-    ----------
-    full_size : bool
-        A network of HuBERT-large's own size with seeded weights, which takes as long as the real
-        one. Else `SoundContext`, which hears ten seconds in no time.
-    """
-    network: _Network
-    if full_size:
-        from transformers import HubertConfig, HubertModel
-
-        config = HubertConfig(
-            hidden_size=FEATURES,
-            num_hidden_layers=24,
-            num_attention_heads=16,
-            intermediate_size=4096,
-            feat_extract_norm="layer",
-            conv_bias=True,
-            do_stable_layer_norm=True,
-        )
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(_SEED)
-            network = HubertModel(config).eval().requires_grad_(False)
-        name = f"stand-in for HuBERT, full size, seed {_SEED}"
-    else:
-        network = SoundContext(FEATURES, _SEED).eval()
-        name = f"stand-in for HuBERT, pitch bands and syllables of a second, seed {_SEED}"
+def stand_in() -> Hubert:
+    """Return what stands in for HuBERT where its weights are not at hand: `SoundContext`."""
+    name = f"stand-in for HuBERT, pitch bands and syllables of a second, seed {_SEED}"
+    network = SoundContext(FEATURES, _SEED).eval()
     return Hubert(network=network, description=name, stands_in=True, identity=name)
 
 

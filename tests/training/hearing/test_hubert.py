@@ -80,15 +80,6 @@ def test_loudness_and_offset_do_not_matter() -> None:
     torch.testing.assert_close(plain, other, rtol=1e-3, atol=1e-3)
 
 
-@pytest.mark.slow
-def test_the_full_size_stand_in_is_as_large_as_hubert_large() -> None:
-    hubert = stand_in(full_size=True)
-    assert isinstance(hubert.network, HubertModel)
-    count = sum(weight.numel() for weight in hubert.network.parameters())
-    assert count == pytest.approx(315.4e6, rel=0.005)
-    assert hubert.hear(speech(0.5)).shape == (24, 1024)
-
-
 def test_weights_of_a_folder_are_heard_with_and_named_by_their_hash(saved: Path) -> None:
     hubert = load_hubert(saved)
     assert not hubert.stands_in
