@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from motion.errors import InputError
+from motion.files import write_text
 from studyapp.cli.arguments import study_folder
 from studyapp.cli.output import counted, sign_of_life
 from studyapp.preflight.check import check, finished_videos
@@ -26,6 +27,13 @@ from studyapp.study.folder import StudyFolder
     help="Tell notes too, and all findings of one kind one by one.",
 )
 @click.option(
+    "--record",
+    "recorded_in",
+    metavar="FILE",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the findings as JSON into FILE too.",
+)
+@click.option(
     "--address",
     metavar="URL",
     help="Where participants will come to; the running study is asked for there.",
@@ -36,7 +44,12 @@ from studyapp.study.folder import StudyFolder
     help="A study folder that people have taken: their pace tells how long this study takes.",
 )
 def command(
-    folder: StudyFolder, as_json: bool, everything: bool, address: str | None, pilot: Path | None
+    folder: StudyFolder,
+    as_json: bool,
+    recorded_in: Path | None,
+    everything: bool,
+    address: str | None,
+    pilot: Path | None,
 ) -> None:
     """Say everything that can go wrong before the study FOLDER is launched.
 
@@ -51,6 +64,8 @@ def command(
             on_step=show,
         )
     made = record(folder.root.resolve().name, findings)
+    if recorded_in is not None:
+        write_text(recorded_in, made.model_dump_json(indent=1))
     if as_json:
         click.echo(made.model_dump_json(indent=1))
         if made.errors:

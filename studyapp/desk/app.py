@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from flask import Flask, redirect, url_for
 from flask.typing import ResponseReturnValue
@@ -12,6 +12,7 @@ from jinja2 import StrictUndefined
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
+from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE
 from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.pages import desk_pages
 from studyapp.study.settings.recruitment import Recruitment
@@ -22,14 +23,17 @@ from studyapp.web.running import attach
 if TYPE_CHECKING:
     from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment
 
-LARGEST_PIECE: Final = 1024 * 1024
-"""Bytes that one request to the desk may bring; a study's pages take less."""
 
-
-def open_desk(folder: Path, *, origin: str = "") -> Lab:
+def open_desk(folder: Path, *, origin: str = "", largest_file: int = LARGEST_FILE) -> Lab:
     """Return the desk of the studies in `folder`, with its database."""
     database = Database.open(sqlite_url(folder / ACCOUNTS))
-    return Lab(folder=folder.resolve(), database=database, clock=Clock(), origin=origin)
+    return Lab(
+        folder=folder.resolve(),
+        database=database,
+        clock=Clock(),
+        origin=origin,
+        largest_file=largest_file,
+    )
 
 
 def create_desk(lab: Lab) -> Flask:

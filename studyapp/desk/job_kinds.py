@@ -85,9 +85,24 @@ def _fixed(*command: str) -> Callable[[OpenedStudy, Form], tuple[str, ...]]:
     return lambda study, form: command
 
 
+RECORD: Final = "jobs/check/findings.json"
+"""What the last check found, in the study's folder."""
+
+
 def _check(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     has_address = lab().origin and study.study.served() is not None
-    return ("check", *(["--address", f"{lab().origin}/{study.name}/"] if has_address else []))
+    return (
+        "check",
+        "--record",
+        RECORD,
+        *(["--address", f"{lab().origin}/{study.name}/"] if has_address else []),
+    )
+
+
+def _import(study: OpenedStudy, form: Form) -> tuple[str, ...]:
+    given = {key: form.get(key, "").strip() for key in ("speaker", "emotion", "segment", "fps")}
+    stated = [f"--{key}={value}" for key, value in given.items() if value]
+    return ("import", study.folder.inbox.name, ".", "--move", *stated)
 
 
 def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
@@ -129,6 +144,18 @@ def segment_names(study: OpenedStudy) -> list[str]:
     except InputError:
         return []
 
+
+BRING_IN: Final = (
+    JobKind(
+        name="import",
+        title="Bring in",
+        words="Bring what was uploaded into the study",
+        command=_import,
+        sees=Right.STEER,
+        asks="files",
+    ),
+)
+"""What is run from the page of uploads."""
 
 RUN: Final = (
     JobKind(
@@ -217,4 +244,4 @@ TAKE_HOME: Final = (
 )
 """What can be downloaded."""
 
-KINDS: Final = {kind.name: kind for kind in (*RUN, *TAKE_HOME)}
+KINDS: Final = {kind.name: kind for kind in (*BRING_IN, *RUN, *TAKE_HOME)}

@@ -10,7 +10,16 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.desk import belonging, job_page, list_page, making, settings_page, study_page
+from studyapp.desk import (
+    belonging,
+    bring_in_page,
+    job_page,
+    list_page,
+    making,
+    material_page,
+    settings_page,
+    study_page,
+)
 from studyapp.desk.lab import OpenedStudy, lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
 from studyapp.researchers.account import Right
@@ -42,10 +51,12 @@ STUDY_PAGES: Final[tuple[StudyPage, ...]] = (
     *study_page.PAGES,
     *settings_page.PAGES,
     *job_page.PAGES,
+    *bring_in_page.PAGES,
+    *material_page.PAGES,
 )
 """Pages of one study, for which the role in it counts."""
 
-SECTIONS: Final[tuple[Section, ...]] = (*job_page.SECTIONS,)
+SECTIONS: Final[tuple[Section, ...]] = (*material_page.SECTIONS, *job_page.SECTIONS)
 """Parts of a study's first page, in their order."""
 
 

@@ -67,6 +67,7 @@ WORDS: Final[Mapping[Event, str]] = MappingProxyType(
         Event.JOB_BEGUN: "job started",
         Event.JOB_STOPPED: "job stopped",
         Event.DOWNLOADED: "downloaded",
+        Event.MATERIAL_REMOVED: "file removed",
     }
 )
 """How events are told to people."""

@@ -23,15 +23,16 @@ from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of, plays_at_o
 from studyapp.stimuli.recordings import Take, import_clips, import_take
 from studyapp.stimuli.stored_speech import import_speech
 from studyapp.study.finished_videos import seconds_of
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import (
+    BESIDE_ENDINGS,
+    MOTION_ENDINGS,
+    SPEECH_ENDINGS,
+    VIDEO_ENDING,
+    StudyFolder,
+)
 from studyapp.study.study_file import add_condition
 
-MOTION: Final = (".bvh", ".npz", ".npy")
-SPEECH: Final = (".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff")
-VIDEO: Final = ".mp4"
 TABLE: Final = ".csv"
-BESIDE: Final = (".json", ".textgrid", ".lab", ".txt", TABLE)
-"""Endings of what may lie beside a motion or its speech."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,12 +117,12 @@ class _Place:
         table = self._left.get(SEGMENTS_FILE)
         if table is not None:
             told = {one.strip() for line in _lines(table) for one in line.split(",")}
-            named = [path for path in self._of(SPEECH) if path.name in told]
+            named = [path for path in self._of(SPEECH_ENDINGS) if path.name in told]
             files = self._taken([table, *named])
             yield FolderItem(
                 files=files, bring_in=partial(import_speech, self._study, self._folder)
             )
-        for speech in self._of(SPEECH):
+        for speech in self._of(SPEECH_ENDINGS):
             motion = next((one for one in self._moving() if one.stem == speech.stem), None)
             files = self._taken([*([motion] if motion else []), speech, *self._beside(speech)])
             yield FolderItem(files=files, bring_in=partial(self._bring_take, motion, speech))
@@ -134,7 +135,7 @@ class _Place:
 
     def videos(self) -> Iterator[FolderItem]:
         """Yield finished videos."""
-        for video in self._of((VIDEO,)):
+        for video in self._of((VIDEO_ENDING,)):
             bring_in = partial(self._bring_video, video)
             yield FolderItem(files=self._taken([video]), bring_in=bring_in)
 
@@ -148,10 +149,10 @@ class _Place:
 
     def _moving(self) -> list[Path]:
         tables = [path for path in self._of((TABLE,)) if is_joint_table(path)]
-        return [*self._of(MOTION), *tables]
+        return [*self._of(MOTION_ENDINGS), *tables]
 
     def _beside(self, path: Path) -> list[Path]:
-        return [one for one in self._of(BESIDE) if one.stem == path.stem]
+        return [one for one in self._of(BESIDE_ENDINGS) if one.stem == path.stem]
 
     def _taken(self, files: Sequence[Path]) -> tuple[Path, ...]:
         for path in files:
@@ -230,7 +231,7 @@ def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
     # A segment, or a segment with another one's speech: no name holds an @.
     names = [check_name(name, "segment", video) for name in video.stem.split("@", 1)]
     _check_video(video, _seconds(study, names, video))
-    stored = study.videos / condition / f"{video.stem}{VIDEO}"
+    stored = study.videos / condition / f"{video.stem}{VIDEO_ENDING}"
     if stored.is_file() and not filecmp.cmp(stored, video, shallow=False):
         raise InputError(
             f"condition {condition!r} has another video for segment {video.stem} already",
@@ -279,8 +280,8 @@ def _refuse_unknown(path: Path) -> list[str]:
     raise InputError(
         "this is neither speech, motion nor a finished video, nor named after one that lies here",
         where=path,
-        remedy=f"Bring motion as {', '.join(MOTION)} or a table of joints, speech as "
-        f"{', '.join(SPEECH)}, videos as {VIDEO}",
+        remedy=f"Bring motion as {', '.join(MOTION_ENDINGS)} or a table of joints, speech as "
+        f"{', '.join(SPEECH_ENDINGS)}, videos as {VIDEO_ENDING}",
     )
 
 

@@ -8,12 +8,24 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from motion.errors import InputError
 from motion.segment import Segment, read_segments
 from studyapp.study.finished_videos import finished_segments
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
+
+MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy")
+SPEECH_ENDINGS: Final = (
+    ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",
+)  # fmt: skip
+VIDEO_ENDING: Final = ".mp4"
+BESIDE_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
+"""Of tables of joints or of segments, and of what may lie beside a motion or its speech."""
+
+BRINGABLE: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *BESIDE_ENDINGS)
+"""Endings of files that can be brought into a study."""
 
 
 class _Inside:

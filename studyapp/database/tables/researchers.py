@@ -171,6 +171,7 @@ class Event(StrEnum):
     JOB_BEGUN = "job_begun"
     JOB_STOPPED = "job_stopped"
     DOWNLOADED = "downloaded"
+    MATERIAL_REMOVED = "material_removed"
 
 
 class AuditLine(Base):

@@ -1,0 +1,285 @@
+"""What a study has of each segment and condition: a table of all, and a page for each of them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal, Self
+
+from flask import Response, abort, redirect, request, send_file, url_for
+from flask.typing import ResponseReturnValue
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from motion.errors import InputError
+from motion.segment import Segment
+from studyapp.database.tables import Event
+from studyapp.desk.inbox import Inbox
+from studyapp.desk.job_kinds import RECORD
+from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.page import Section, StudyPage, page
+from studyapp.researchers.account import Right
+from studyapp.researchers.audit import log_change
+from studyapp.study.design.trial import Stimulus
+from studyapp.study.finished_videos import finished_video
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Stimuli, read_stimuli
+from studyapp.study.settings.study import Study
+
+State = Literal["missing", "motion", "video"]
+
+
+class _CheckFinding(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    severity: str
+    where: str
+    what: str
+    remedy: str
+
+
+class _CheckRecord(BaseModel):
+    """What `motionjury check` writes down, see ``docs/check.schema.json``."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    findings: tuple[_CheckFinding, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """What there is of one segment in one condition.
+
+    Attributes
+    ----------
+    brought : Path
+        Where its motion, or its finished video, lies if it is there.
+    video : Path or None
+        What shows it; None while there is nothing to play.
+    findings : tuple
+        What the last check found wrong with its files, and that they have not been changed since.
+    """
+
+    condition: str
+    segment: Segment
+    brought: Path
+    video: Path | None
+    findings: tuple[_CheckFinding, ...]
+
+    @property
+    def state(self) -> State:
+        """Whether it can be played, is there, or is missing."""
+        if self.video is not None:
+            return "video"
+        return "motion" if self.brought.is_file() else "missing"
+
+    @property
+    def is_bad(self) -> bool:
+        """Whether something must be fixed."""
+        return any(found.severity == "error" for found in self.findings)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Everything that a study has, by segment and condition.
+
+    Attributes
+    ----------
+    conditions : tuple of str
+        The catch condition comes last.
+    checked_at : float or None
+        When the desk checked the study last, in seconds since 1970; None where it has not.
+    """
+
+    folder: StudyFolder
+    study: Study
+    segments: Mapping[str, Segment]
+    conditions: tuple[str, ...]
+    checked_at: float | None
+    _clips: Mapping[tuple[str, str], str]
+    _shown_in: Mapping[tuple[str, str], list[str]]
+    _findings: Mapping[str, list[_CheckFinding]]
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> Self:
+        """Read what is in a study's folder.
+
+        Raises
+        ------
+        InputError
+            If the study file, the segments or the list of videos cannot be read.
+        """
+        study = folder.study()
+        stimuli = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
+        caught = (study.catch.condition,) if study.catch.trials else ()
+        shown_in: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
+        for pair in stimuli.pairs:
+            for condition in (pair.left, pair.right):
+                shown_in[pair.segment, condition].append(pair.file)
+        for copy in stimuli.copies:
+            shown_in[copy.segment, copy.condition].append(copy.file)
+        checked = folder.root / RECORD
+        findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
+        for found in _found(checked):
+            findings[found.where].append(found)
+        return cls(
+            folder=folder,
+            study=study,
+            segments={segment.name: segment for segment in folder.segments_of(study)},
+            conditions=(*study.conditions, *caught),
+            checked_at=_changed(checked) if checked.exists() else None,
+            _clips={
+                (clip.segment, clip.condition): clip.file
+                for clip in stimuli.clips
+                if clip.speech is None
+            },
+            _shown_in=shown_in,
+            _findings=findings,
+        )
+
+    def cell(self, segment: str, condition: str) -> Cell:
+        """Return what there is of a segment in a condition."""
+        clip = self._clips.get((segment, condition), "")
+        if self.study.is_finished(condition):
+            brought = finished_video(self.folder.videos, Stimulus.own(condition, segment))
+            video = brought
+        else:
+            brought = self.folder.clip(condition, segment)
+            video = self.folder.root / clip
+        own = brought.relative_to(self.folder.root).as_posix()
+        files = dict.fromkeys((own, clip, *self._shown_in.get((segment, condition), ())))
+        return Cell(
+            condition=condition,
+            segment=self.segments[segment],
+            brought=brought,
+            video=video if video.is_file() else None,
+            findings=tuple(found for file in files for found in self._still_found(file)),
+        )
+
+    def _still_found(self, file: str) -> list[_CheckFinding]:
+        """Return what the check has found of a file that was not changed since."""
+        found = self._findings.get(file, [])
+        is_older = _changed(self.folder.root / file) <= (self.checked_at or 0)
+        return found if is_older else []
+
+    def rows(self) -> list[tuple[Segment, list[Cell]]]:
+        """Return each segment with its cell in every condition."""
+        return [
+            (segment, [self.cell(name, condition) for condition in self.conditions])
+            for name, segment in self.segments.items()
+        ]
+
+
+def _found(checked: Path) -> tuple[_CheckFinding, ...]:
+    """Return what the last check found; nothing where it was none, or of another version."""
+    try:
+        return _CheckRecord.model_validate_json(checked.read_bytes()).findings
+    except (OSError, ValidationError):
+        return ()
+
+
+def _changed(path: Path) -> float:
+    """Return when a file was changed, in seconds since 1970; 0 where there is none."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+def material(study: OpenedStudy) -> ResponseReturnValue:
+    """Show the table of segments and conditions."""
+    try:
+        found = Material.of(study.folder)
+    except InputError as error:
+        return page("material", study=study, problem=error, rows=[], found=None)
+    return page(
+        "material",
+        study=study,
+        problem=None,
+        found=found,
+        rows=found.rows(),
+        counts=_counts(found),
+    )
+
+
+def _summary(study: OpenedStudy) -> Mapping[str, Any]:
+    """Return what the study's page says of its material."""
+    waiting = len(Inbox(study.folder).files())
+    try:
+        found = Material.of(study.folder)
+    except InputError as error:
+        return {"problem": error, "waiting": waiting}
+    return {"problem": None, "waiting": waiting, "counts": _counts(found), "found": found}
+
+
+def _counts(found: Material) -> Mapping[str, int]:
+    cells = [cell for _, row in found.rows() for cell in row]
+    return {
+        "all": len(cells),
+        "there": sum(cell.state != "missing" for cell in cells),
+        "bad": sum(cell.is_bad for cell in cells),
+    }
+
+
+def clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
+    """Show what there is of one segment in one condition."""
+    found, cell = _cell(study, condition, segment)
+    names = list(found.segments)
+    at = names.index(segment)
+    return page(
+        "clip",
+        study=study,
+        found=found,
+        cell=cell,
+        file=cell.brought.relative_to(study.folder.root),
+        before=names[at - 1] if at else None,
+        after=names[at + 1] if at + 1 < len(names) else None,
+        is_generated=condition in found.study.generated(),
+    )
+
+
+def clip_video(study: OpenedStudy, condition: str, segment: str) -> Response:
+    """Send the video of one segment in one condition."""
+    _, cell = _cell(study, condition, segment)
+    if cell.video is None:
+        abort(404)
+    return send_file(cell.video.resolve(), mimetype="video/mp4", conditional=True)
+
+
+def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
+    """Remove the motion or the finished video of one segment in one condition."""
+    _, cell = _cell(study, condition, segment)
+    if "sure" not in request.form:
+        raise InputError("nothing was removed", remedy="Say that the file may be removed for good")
+    with study.database.writing() as session:
+        cell.brought.unlink(missing_ok=True)
+        log_change(
+            session,
+            lab().clock.now(),
+            Event.MATERIAL_REMOVED,
+            by=study.account.name,
+            detail=cell.brought.relative_to(study.folder.root).as_posix(),
+        )
+    return redirect(
+        url_for("research.clip", study=study.name, condition=condition, segment=segment), 303
+    )
+
+
+def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, Cell]:
+    found = Material.of(study.folder)
+    if condition not in found.conditions or segment not in found.segments:
+        abort(404)
+    return found, found.cell(segment, condition)
+
+
+SECTIONS: Final = (Section("material", "Material", Right.WATCH, _summary),)
+
+CLIP: Final = "/material/<condition>/<segment>"
+
+PAGES: Final = (
+    StudyPage("GET", "/material", material, Right.WATCH),
+    StudyPage("GET", CLIP, clip, Right.WATCH),
+    StudyPage("GET", f"{CLIP}/video.mp4", clip_video, Right.WATCH),
+    StudyPage("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
+)

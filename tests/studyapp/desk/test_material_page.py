@@ -1,0 +1,149 @@
+"""The table of segments and conditions tells what is there, missing and bad, and plays it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+
+import pytest
+
+from studyapp.database.tables import Event
+from studyapp.desk.job_kinds import RECORD
+from studyapp.desk.lab import Lab
+from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.links import invite
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
+from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.takes import write_motion
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+TINY = "/research/studies/tiny/"
+MATERIAL = f"{TINY}material"
+
+
+@pytest.fixture
+def ada(researcher: Researcher) -> ResearchBrowser:
+    """Return the browser of the study's owner."""
+    browser = researcher("Ada")
+    browser.post(f"{TINY}take-over")
+    return browser
+
+
+@pytest.fixture
+def folder(lab: Lab) -> StudyFolder:
+    """Return the study, with one motion, one rendered clip, and nothing else of its conditions."""
+    folder = StudyFolder(lab.folder / "tiny")
+    write_motion(folder.clip("rule_based", "take-0"), 2.0)
+    write_motion(folder.clip("mismatched", "take-1"), 2.0)
+    stimuli = read_stimuli(folder.stimuli)
+    file = "videos/rule_based/take-0.mp4"
+    (folder.root / file).parent.mkdir()
+    shutil.copy(folder.root / stimuli.pairs[0].file, folder.root / file)
+    clip = ClipVideo(segment="take-0", condition="rule_based", file=file, duration=2.0, key="k")
+    write_stimuli(folder.stimuli, stimuli.model_copy(update={"clips": (clip,)}))
+    return folder
+
+
+def cells(page: PageReader) -> dict[tuple[str, str], str]:
+    """Return what each cell of the table says."""
+    table = page.soup.select_one("table.material")
+    assert table is not None
+    _, _, *conditions = [each.text for each in table.select("thead th")]
+    found = {}
+    for row in table.select("tbody tr"):
+        segment = row.select_one("th").text  # type: ignore[union-attr]
+        for condition, cell in zip(conditions, row.select("td")[1:], strict=True):
+            found[segment, condition] = cell.text.split(" ")[0]
+    return found
+
+
+def found_by_check(folder: StudyFolder, where: str, what: str) -> None:
+    path = folder.root / RECORD
+    path.parent.mkdir(parents=True, exist_ok=True)
+    found = {"name": "x", "severity": "error", "where": where, "what": what, "remedy": "Do it"}
+    path.write_text(json.dumps({"format": 1, "findings": [found]}), "utf-8")
+
+
+def test_the_table_says_what_is_there_missing_and_bad(
+    folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    found_by_check(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
+    found = cells(ada.get(MATERIAL))
+    assert len(found) == 12
+    assert found["take-0", "rule_based"] == "video"
+    assert found["take-1", "mismatched"] == "bad"
+    assert set(found.values()) == {"video", "bad", "missing"}
+    page = ada.get(f"{MATERIAL}/mismatched/take-1")
+    assert "The archive is damaged. Do it." in page.text
+
+
+def test_what_was_brought_anew_since_the_check_is_not_bad(
+    folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    found_by_check(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
+    os.utime(folder.root / RECORD, (1, 1))
+    assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
+
+
+def test_what_is_wrong_with_a_pair_is_told_of_both_sides(
+    folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    found_by_check(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
+    found = cells(ada.get(MATERIAL))
+    assert found["take-0", "rule_based"] == found["take-0", "mismatched"] == "bad"
+
+
+def test_a_viewer_plays_a_video_and_removes_nothing(
+    lab: Lab, folder: StudyFolder, ada: ResearchBrowser, researcher: Researcher
+) -> None:
+    study = lab.study("tiny")
+    assert study is not None
+    token = invite(study.database, lab.clock, role="viewer", by="Ada")
+    mary = researcher("Mary")
+    mary.post(f"{TINY}join/{token}", name="Mary")
+    page = mary.get(f"{MATERIAL}/rule_based/take-0")
+    (video,) = page.soup.select("video")
+    answer = mary.client.get(str(video["src"]), headers={"Range": "bytes=0-99"})
+    assert (answer.status_code, len(answer.data)) == (206, 100)
+    assert not page.soup.select("form[action$=remove]")
+    removed = mary.post(f"{MATERIAL}/rule_based/take-0/remove", sure="on")
+    assert removed.status_code == 403
+    assert folder.clip("rule_based", "take-0").is_file()
+
+
+@pytest.mark.parametrize(
+    "where",
+    ["no_such/take-0", "rule_based/no_such", "rule_based/..", "rule_based/take-3/video.mp4"],
+)
+def test_there_is_nothing_beside_the_studys_own_clips(
+    folder: StudyFolder, ada: ResearchBrowser, where: str
+) -> None:
+    ada.get(f"{MATERIAL}/{where}", 404)
+
+
+def test_a_file_is_removed_for_good_once_somebody_says_so(
+    lab: Lab, folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    path = folder.clip("mismatched", "take-1")
+    assert ada.post(f"{MATERIAL}/mismatched/take-1/remove").status_code == 409
+    assert path.is_file()
+    assert ada.post(f"{MATERIAL}/mismatched/take-1/remove", sure="on").status_code == 303
+    assert not path.exists()
+    study = lab.study("tiny")
+    assert study is not None
+    newest = logged_changes(study.database)[0]
+    assert (newest.event, newest.detail) == (
+        Event.MATERIAL_REMOVED,
+        "motion/mismatched/take-1.npz",
+    )
+
+
+def test_a_study_without_speech_says_so(
+    lab: Lab, folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    shutil.rmtree(folder.speech)
+    assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
+    ada.get(TINY)
