@@ -114,7 +114,7 @@ largest_file: Callable[[Callable[..., None]], Callable[..., None]] = click.optio
     type=_BytesType(),
     default=LARGEST_FILE,
     show_default="10GB",
-    help="How large a file may be that is uploaded, such as 500MB.",
+    help="Largest file that researchers may upload, such as 500MB.",
 )
 
 

@@ -32,7 +32,7 @@ class Lab:
     folder : Path
         Holds the studies as sub-folders.
     largest_file : int
-        Bytes that a file may have that is uploaded.
+        Bytes that an uploaded file may have.
     """
 
     folder: Path

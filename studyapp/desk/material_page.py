@@ -251,7 +251,7 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
     """Remove the motion or the finished video of one segment in one condition."""
     _, cell = _cell(study, condition, segment)
     if "sure" not in request.form:
-        raise InputError("nothing was removed", remedy="Say that the file may be removed for good")
+        raise InputError("nothing was removed", remedy="Tick the box to remove the file for good")
     with study.database.writing() as session:
         cell.brought.unlink(missing_ok=True)
         log_change(

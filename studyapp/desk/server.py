@@ -48,7 +48,7 @@ def run_desk(
     origin : str
         What public addresses begin with; empty where nobody has said so.
     largest_file : int
-        Bytes that a file may have that is uploaded.
+        Bytes that an uploaded file may have.
     host, port, workers, threads, on_ready
         See `studyapp.web.server.run_server`.
 

@@ -38,7 +38,7 @@ def files(tmp_path: Path) -> Path:
     folder.mkdir()
     write_speech(folder / "long.wav", SECONDS)
     for name in ("take-0", "take-1", "take-2", "take-9"):
-        write_motion(folder / f"{name}.npz", 2.0)
+        write_motion(folder / f"{name}.npz", 1.0)
     return folder
 
 

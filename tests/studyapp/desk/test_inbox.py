@@ -146,7 +146,7 @@ def test_what_can_never_be_brought_in_is_refused_at_once(
 def test_another_file_of_a_name_never_takes_the_place_of_one(inbox: Inbox) -> None:
     inbox.append(upload(), 0, CONTENT)
     other = upload(changed=1_800_000_000_000)
-    with pytest.raises(InputError, match="another take.wav is here already"):
+    with pytest.raises(InputError, match=r"another take\.wav is here already"):
         inbox.append(other, 0, CONTENT)
     inbox.remove("", "take.wav")
     assert inbox.append(other, 0, CONTENT) == len(CONTENT)
@@ -156,7 +156,7 @@ def test_the_disk_keeps_room_for_answers(inbox: Inbox, monkeypatch: pytest.Monke
     usage = namedtuple("usage", "total used free")
     free = KEPT_FREE + len(CONTENT) - 1
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage(free, 0, free))
-    with pytest.raises(InputError, match="no room for take.wav"):
+    with pytest.raises(InputError, match=r"no room for take\.wav"):
         inbox.append(upload(), 0, CONTENT[:10])
     assert inbox.received(upload()) == 0
 

@@ -8,7 +8,6 @@ import shutil
 
 import pytest
 
-from studyapp.database.tables import Event
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab
 from studyapp.researchers.audit import logged_changes
@@ -108,6 +107,7 @@ def test_a_viewer_plays_a_video_and_removes_nothing(
     (video,) = page.soup.select("video")
     answer = mary.client.get(str(video["src"]), headers={"Range": "bytes=0-99"})
     assert (answer.status_code, len(answer.data)) == (206, 100)
+    answer.close()
     assert not page.soup.select("form[action$=remove]")
     removed = mary.post(f"{MATERIAL}/rule_based/take-0/remove", sure="on")
     assert removed.status_code == 403
@@ -136,7 +136,7 @@ def test_a_file_is_removed_for_good_once_somebody_says_so(
     assert study is not None
     newest = logged_changes(study.database)[0]
     assert (newest.event, newest.detail) == (
-        Event.MATERIAL_REMOVED,
+        "file removed",
         "motion/mismatched/take-1.npz",
     )
 
