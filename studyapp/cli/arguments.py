@@ -12,7 +12,6 @@ import click
 
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap, read_joint_map
-from studyapp.desk.inbox import LARGEST_FILE
 from studyapp.study.folder import StudyFolder
 
 
@@ -106,15 +105,6 @@ cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     metavar="ADDRESS",
     help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
     "Its workers need this version and see the study under the same path.",
-)
-
-
-largest_file: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "--largest-file",
-    type=_BytesType(),
-    default=LARGEST_FILE,
-    show_default="10GB",
-    help="Largest file that researchers may upload, such as 500MB.",
 )
 
 

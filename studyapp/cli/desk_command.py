@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import largest_file, public_address
+from studyapp.cli.arguments import public_address
 from studyapp.clock import Clock
 from studyapp.desk.app import open_desk
 from studyapp.desk.server import run_desk
@@ -29,7 +29,6 @@ from studyapp.web.server import THREADS, WORKERS
     help="Requests that each worker works on side by side; slow lines need none.",
 )
 @public_address(default=None, help="Where a proxy serves the desk; the links shown begin so.")
-@largest_file
 @click.option(
     "--reset",
     metavar="NAME",
@@ -42,7 +41,6 @@ def command(
     workers: int,
     threads: int,
     address: str,
-    largest_file: int,
     reset: str | None,
 ) -> None:
     """Serve all studies in FOLDER, each a sub-folder, behind one login.
@@ -69,7 +67,6 @@ def command(
         workers,
         threads=threads,
         origin=address,
-        largest_file=largest_file,
         on_ready=lambda: _say_where(folder, where),
     )
 

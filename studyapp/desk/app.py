@@ -12,7 +12,7 @@ from jinja2 import StrictUndefined
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE
+from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.pages import desk_pages
 from studyapp.study.settings.recruitment import Recruitment
@@ -24,16 +24,10 @@ if TYPE_CHECKING:
     from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment
 
 
-def open_desk(folder: Path, *, origin: str = "", largest_file: int = LARGEST_FILE) -> Lab:
+def open_desk(folder: Path, *, origin: str = "") -> Lab:
     """Return the desk of the studies in `folder`, with its database."""
     database = Database.open(sqlite_url(folder / ACCOUNTS))
-    return Lab(
-        folder=folder.resolve(),
-        database=database,
-        clock=Clock(),
-        origin=origin,
-        largest_file=largest_file,
-    )
+    return Lab(folder=folder.resolve(), database=database, clock=Clock(), origin=origin)
 
 
 def create_desk(lab: Lab) -> Flask:

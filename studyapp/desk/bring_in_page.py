@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from studyapp.desk.inbox import LARGEST_PIECE, Inbox, Upload, WrongOffsetError
+from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE, Inbox, Upload, WrongOffsetError
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
 from studyapp.desk.lab import OpenedStudy, lab
@@ -84,7 +84,7 @@ def remove_upload(study: OpenedStudy) -> ResponseReturnValue:
 
 
 def _inbox(study: OpenedStudy) -> Inbox:
-    return Inbox(study.folder, largest=lab().largest_file)
+    return Inbox(study.folder)
 
 
 def _stated() -> Upload:
@@ -112,7 +112,7 @@ def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
         emotions=EMOTIONS,
         endings=BRINGABLE,
         piece=LARGEST_PIECE,
-        largest=lab().largest_file,
+        largest=LARGEST_FILE,
         last=job_standings(study.folder.jobs).get(IMPORT),
         refusals=[
             line.removeprefix(REFUSED).removeprefix(f"{study.folder.inbox.name}/")

@@ -30,7 +30,7 @@ LARGEST_PIECE: Final = 1024 * 1024
 """Bytes that one request to the desk may bring; a study's pages take less."""
 
 LARGEST_FILE: Final = 10 * 10**9
-"""Bytes that a file may have where nobody says otherwise."""
+"""Bytes that an uploaded file may have."""
 
 KEPT_FREE: Final = 10**9
 """Bytes of the disk that uploads leave free: participants' answers need room too."""
@@ -213,7 +213,7 @@ class Inbox:
             limit = f"{self._largest / 10**9:g} GB"
             raise InputError(
                 f"{upload.name} is empty" if not upload.size else f"{upload.name} is too large",
-                remedy=f"A file may have up to {limit}; whoever runs the desk can allow more",
+                remedy=f"A file may have up to {limit}; 'motionjury import' takes larger ones",
             )
         place = self._root
         if upload.condition:

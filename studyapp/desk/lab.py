@@ -12,7 +12,6 @@ from flask import current_app
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.desk.inbox import LARGEST_FILE
 from studyapp.desk.studies import NAME, RESERVED, LabStudy
 from studyapp.researchers.account import Account, account_of_identity
 from studyapp.study.folder import StudyFolder
@@ -31,15 +30,12 @@ class Lab:
     ----------
     folder : Path
         Holds the studies as sub-folders.
-    largest_file : int
-        Bytes that an uploaded file may have.
     """
 
     folder: Path
     database: Database
     clock: Clock
     origin: str = ""
-    largest_file: int = LARGEST_FILE
     kind: Literal["study", "desk"] = field(default="desk", init=False)
     desk: Desk | None = field(default=None, init=False)
     _known: dict[tuple[str, int], LabStudy] = field(default_factory=dict, init=False, repr=False)

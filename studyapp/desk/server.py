@@ -14,7 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.desk.app import create_desk, open_desk
-from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE
+from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.lab import Lab
 from studyapp.monitoring.alarms import LOG, SECONDS_BETWEEN, AlarmChannels, raise_alarms
 from studyapp.web.app import LARGEST_REQUEST
@@ -36,7 +36,6 @@ def run_desk(
     *,
     threads: int = THREADS,
     origin: str = "",
-    largest_file: int = LARGEST_FILE,
     on_ready: Callable[[], None] | None = None,
 ) -> None:
     """Serve the studies in `folder` until the process is told to stop (SIGINT or SIGTERM).
@@ -47,8 +46,6 @@ def run_desk(
         Holds the studies as sub-folders.
     origin : str
         What public addresses begin with; empty where nobody has said so.
-    largest_file : int
-        Bytes that an uploaded file may have.
     host, port, workers, threads, on_ready
         See `studyapp.web.server.run_server`.
 
@@ -74,7 +71,7 @@ def run_desk(
         pass
 
     def make() -> Flask:
-        lab = open_desk(folder, origin=origin, largest_file=largest_file)
+        lab = open_desk(folder, origin=origin)
         threading.Thread(target=_watch, args=(lab,), name="alarms", daemon=True).start()
         return create_desk(lab)
 
