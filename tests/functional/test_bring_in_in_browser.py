@@ -64,7 +64,7 @@ def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
         look_at("empty")
         _upload_long_recording(page, files / "long.wav", look_at_waiting=lambda: look_at("waiting"))
         page.get_by_label("Condition").fill("rule_based")
-        page.get_by_label("Files").set_input_files(sorted(files.glob("*.npz")))
+        page.get_by_label("Files", exact=True).set_input_files(sorted(files.glob("*.npz")))
         with page.expect_navigation():
             page.get_by_role("button", name="Upload").click()
         expect(page.get_by_role("row")).to_have_count(1 + 5)
@@ -101,7 +101,7 @@ def _upload_long_recording(page: Page, recording: Path, *, look_at_waiting: obje
         route.abort("internetdisconnected")
 
     page.route(pattern, lose)
-    page.get_by_label("Files").set_input_files(recording)
+    page.get_by_label("Files", exact=True).set_input_files(recording)
     page.get_by_role("button", name="Upload").click()
     expect(page.get_by_text("Waiting for the server")).to_be_visible()
     assert callable(look_at_waiting)
@@ -111,7 +111,7 @@ def _upload_long_recording(page: Page, recording: Path, *, look_at_waiting: obje
     expect(page.get_by_text("choose it again to go on")).to_be_visible()
     sent: list[str] = []
     page.on("request", lambda request: sent.append(request.url))
-    page.get_by_label("Files").set_input_files(recording)
+    page.get_by_label("Files", exact=True).set_input_files(recording)
     with page.expect_navigation():
         page.get_by_role("button", name="Upload").click()
     expect(page.get_by_text("choose it again to go on")).to_have_count(0)

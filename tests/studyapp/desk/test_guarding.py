@@ -9,7 +9,8 @@ from flask import Flask
 from werkzeug.routing import Rule
 
 from motion.errors import InputError
-from studyapp.desk.app import LARGEST_PIECE, open_desk
+from studyapp.desk.app import open_desk
+from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.pages import PAGES, STUDY_PAGES
 from studyapp.desk.server import run_desk
 from tests.studyapp.desk.conftest import Researcher
