@@ -27,10 +27,10 @@ class Row {
   show(here, size) {
     this.bar.max = size || 1;
     this.bar.value = here;
-    this.say(`${Math.floor((100 * here) / (size || 1))} %`);
+    this.describe(`${Math.floor((100 * here) / (size || 1))} %`);
   }
 
-  say(words) {
+  describe(words) {
     this.words.textContent = words;
   }
 
@@ -38,7 +38,7 @@ class Row {
     refused += 1;
     this.bar.remove();
     this.item.className = "problem";
-    this.say(words);
+    this.describe(words);
   }
 }
 
@@ -83,7 +83,7 @@ async function upload(file, of, row) {
       seconds = 1;
       row.show(here, file.size);
     } catch {
-      row.say("Waiting for the server …");
+      row.describe("Waiting for the server …");
       await pause(seconds);
       seconds = Math.min(2 * seconds, LONGEST_PAUSE);
       here = null;
