@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help develop rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page three-systems worked-examples clean
+.PHONY: help develop rehearsal-tables setup setup-browser setup-engines setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens engines command-pages guide deploy-page three-systems worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -16,6 +16,9 @@ develop: setup $(VENV)/.developed  ## Install what tests, checks and benchmarks 
 
 setup-browser: develop
 	@scripts/debian-packages chromium fonts-dejavu-core fonts-ipafont-gothic
+
+setup-engines: develop
+	@scripts/debian-packages firefox-esr webkit2gtk-driver xvfb gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-libav
 
 setup-database: develop
 	@scripts/debian-packages postgresql
@@ -117,6 +120,9 @@ pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 
 screens: setup-browser  ## Take every page of every protocol, in every size, light and dark.
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
+
+engines: setup-engines  ## Take part in a study and watch it in Firefox and WebKit, and take every page.
+	ENGINES=1 SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_engines.py
 
 command-pages: $(VENV)/.developed  ## Bring docs/commands up to date with the commands' options.
 	$(BIN)/python -m tools.handbook.command_pages
