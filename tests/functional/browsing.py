@@ -176,3 +176,16 @@ def expect_playing(page: Page, name: str) -> None:
     """Wait until the player `name` plays, and no other."""
     expect(page.locator(f".playing[aria-label='{name}']")).to_have_count(1)
     expect(page.locator(".playing")).to_have_count(1)
+
+
+def begin_study(page: Page, address: str) -> None:
+    """Go to the first trial of a study that asks nothing before it, and wait for its players."""
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect(page.locator(".play").first).to_be_visible()
+
+
+def expect_trial(page: Page, number: int) -> None:
+    """Wait until the page shows the trial of that number."""
+    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of ")

@@ -14,6 +14,7 @@ from studyapp.database.tables import Response
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
+    begin_study,
     expect_playing,
     expect_watched,
     playing_on,
@@ -60,10 +61,7 @@ def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
 def page(browser: Browser, study: Path) -> Iterator[Page]:
     """Return a page at the first trial."""
     with shown(study) as (address, _), watched_page(browser, address) as opened:
-        opened.goto(address)
-        opened.get_by_role("button", name="I agree").click()
-        opened.get_by_role("button", name="Begin").click()
-        expect(opened.locator(".play").first).to_be_visible()
+        begin_study(opened, address)
         yield opened
 
 

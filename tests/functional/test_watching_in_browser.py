@@ -17,6 +17,7 @@ from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
     PATIENCE_MS,
+    begin_study,
     expect_playing,
     expect_watched,
     follow,
@@ -63,13 +64,6 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def take_part(page: Page, address: str) -> None:
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    page.get_by_role("button", name="Begin").click()
-    expect(play_button(page, "A")).to_be_visible()
-
-
 def player(page: Page, label: str) -> Locator:
     return page.get_by_role("region", name=f"Video {label}")
 
@@ -110,7 +104,7 @@ def played(database: Database, video_token: str) -> float:
 def test_playing_faster_does_not_count_and_says_so(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     reports = reports_of(page)
     video = player(page, "A").locator("video")
     video.evaluate(FORCED_RATE)
@@ -129,7 +123,7 @@ def test_playing_faster_does_not_count_and_says_so(
 
 
 def test_playing_out_of_view_does_not_count_and_says_so(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     reports = reports_of(page)
     page.evaluate(PRETENDED_HIDDEN)
 
@@ -147,7 +141,7 @@ def test_playing_out_of_view_does_not_count_and_says_so(page: Page, address: str
 def test_frames_are_reported_with_what_was_played(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
 
     with page.expect_response(is_enough) as answered:
         play_button(page, "A").click()
@@ -164,7 +158,7 @@ def test_frames_are_reported_with_what_was_played(
 
 
 def test_what_plays_while_the_page_is_busy_counts(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     expect(player(page, "A").locator("video")).to_have_js_property("readyState", 4)
 
     play_button(page, "A").evaluate(BUSY_AS_IT_BEGINS)
@@ -173,7 +167,7 @@ def test_what_plays_while_the_page_is_busy_counts(page: Page, address: str) -> N
 
 
 def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
     follow(play_button(page, "A"))
 
@@ -222,7 +216,7 @@ def test_a_broken_video_is_named_and_the_trial_left(
 
 def test_a_broken_video_that_loads_again_plays(page: Page, address: str) -> None:
     page.route("**/media/*.mp4", lambda route: route.fulfill(status=200, body="no video"))
-    take_part(page, address)
+    begin_study(page, address)
     expect(player(page, "A").get_by_role("alert")).to_be_visible()
     page.unroute("**/media/*.mp4")
 
@@ -240,7 +234,7 @@ def test_a_video_that_gets_no_data_says_so_and_plays_when_it_is_loaded_again(
     # A video that is loaded again has another address.
     unanswered: list[Route] = []
     page.route("**/media/*.mp4", lambda route: unanswered.append(route))
-    take_part(page, address)
+    begin_study(page, address)
     reports = reports_of(page)
 
     play_button(page, "A").click()
@@ -259,7 +253,7 @@ def test_a_video_that_gets_no_data_says_so_and_plays_when_it_is_loaded_again(
 def test_a_video_loaded_again_keeps_its_place_and_what_was_watched(
     page: Page, address: str
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     play_button(page, "A").click()
     expect(page.locator("#watched")).to_have_text("Still to watch: B")
 
@@ -278,7 +272,7 @@ def test_a_video_loaded_again_keeps_its_place_and_what_was_watched(
 def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     arrived: list[str] = []
 
     def lose_the_answer(route: Route) -> None:
@@ -302,7 +296,7 @@ def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
 ) -> None:
     page = browser.new_page()  # the browser itself complains of status 429
     page.set_default_timeout(PATIENCE_MS)
-    take_part(page, address)
+    begin_study(page, address)
     token = page.url.rsplit("/", 1)[1]
     refused: list[str] = []
 
@@ -332,7 +326,7 @@ def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
 
 
 def test_the_key_k_plays_the_video_that_has_the_focus(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
 
     with playing_on(*page.locator("video").all()):
         page.keyboard.press("k")
