@@ -265,7 +265,7 @@ def _count(number: int, what: str) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.4g} %"
+    return f"{100 * share:.4g}%"
 
 
 def apply_rules(

@@ -46,7 +46,7 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     DataFrame
         Columns as in `COLUMNS`. First the scores of whole conditions, whose `segment` is empty and
         which say how many clips they are a mean over; then those of single clips, whose `n` says
-        how many things they are a mean over. ``low`` and ``high`` are the 95 % interval of a score
+        how many things they are a mean over. ``low`` and ``high`` are the 95% interval of a score
         that has one. A missing value is empty, with its reason.
     """
     rows = chain(

@@ -70,7 +70,7 @@ class ConditionScore:
         Which scores speak for a condition; `analysis.report.sections.metric` has what each paper
         says.
     interval : (float, float) or None
-        95 % interval of a score of the whole condition; `settings` say how it was made.
+        95% interval of a score of the whole condition; `settings` say how it was made.
     remark : str
         What a reader must know before trusting `value`.
     """

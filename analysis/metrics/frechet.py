@@ -37,10 +37,10 @@ FEWEST_PER_DIMENSION: Final = 2
 """Fewer samples than this many times the dimensions are flagged."""
 
 RESAMPLES: Final = 200
-"""Bootstrap samples behind an interval; its standard error is then known to 5 %."""
+"""Bootstrap samples behind an interval; its standard error is then known to 5%."""
 
 RESAMPLES_OF_MANY: Final = 60
-"""The same of samples of more than `MANY` rows, which take seconds each; known to 9 %."""
+"""The same of samples of more than `MANY` rows, which take seconds each; known to 9%."""
 
 MANY: Final = 2000
 

@@ -33,7 +33,7 @@ class MetricResult:
     reason : str
         Why `value` is NaN; empty otherwise.
     interval : (float, float) or None
-        95 % interval of `value`; `settings` say how it was made.
+        95% interval of `value`; `settings` say how it was made.
     remark : str
         What a reader must know before trusting `value`, such as too small a sample.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}

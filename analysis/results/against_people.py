@@ -46,7 +46,7 @@ class Place:
     score : float
         What the metric says of it, as in the table of metrics, over the segments shown.
     preference, low, high : float
-        How much people prefer it, and the ends between which 95 % of resamples lie.
+        How much people prefer it, and the ends between which 95% of resamples lie.
     """
 
     condition: str

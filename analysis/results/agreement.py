@@ -47,7 +47,7 @@ class AgreedSoFar:
     measure : {'alpha', 'w'}
         Krippendorff's alpha for ordered answers; of rankings, Kendall's W.
     estimate, low, high : float
-        With its 95 % interval; NaN where there is none.
+        With its 95% interval; NaN where there is none.
     n, participants : int
         Answers (of rankings: orders) and participants that it rests on.
     reason : str

@@ -29,7 +29,7 @@ class WithinCorrelation:
     Attributes
     ----------
     estimate, low, high : float
-        Pearson's, in [-1, 1], with a 95 % interval clustered by segment; NaN where there is none.
+        Pearson's, in [-1, 1], with a 95% interval clustered by segment; NaN where there is none.
     cells, segments, answers : int
         Clips (of pairwise comparisons, pairs of clips), segments and answers that it rests on.
     reason : str

@@ -73,7 +73,7 @@ class Decision:
         the win share; where it has no test either, the exact sign test of participants.
     estimate, low, high : float
         Of what decides, for the one: log-odds, a win share, or the share of participants who
-        prefer it among those who prefer either; with its 95 % interval.
+        prefer it among those who prefer either; with its 95% interval.
     p_value, p_holm : float
         Its test; corrected over the report's family, NaN outside of it.
     why : str

@@ -30,7 +30,7 @@ _LEAST_USABLE: Final = 0.5
 """Share of resamples that must have a correlation."""
 
 METHOD: Final = (
-    "95 % interval: the widest ends of the percentiles of resamples that draw conditions, "
+    "95% interval: the widest ends of the percentiles of resamples that draw conditions, "
     "participants and segments again together, of these percentiles reflected about the estimate, "
     "and of the correlations of which the estimate would be an ordinary sample with so many "
     "conditions"
@@ -81,7 +81,7 @@ class SamplingRange:
     tau : float
         Kendall's tau among all conditions such as these.
     low, high : float
-        Ends between which 95 % of studies with `conditions` conditions find it.
+        Ends between which 95% of studies with `conditions` conditions find it.
     conditions : int
         How many conditions a study has.
     """
@@ -234,7 +234,7 @@ def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
 
 
 def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
-    """Return between which values Kendall's tau lies in 95 % of studies, if it is `tau` truly.
+    """Return between which values Kendall's tau lies in 95% of studies, if it is `tau` truly.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
 def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, float]:
     """Return the correlations of which `estimate` would be an ordinary sample.
 
-    They are those whose 95 % sampling range holds it (the interval that inverts a test), so that
+    They are those whose 95% sampling range holds it (the interval that inverts a test), so that
     few conditions give a wide interval even where they agree entirely.
 
     Parameters

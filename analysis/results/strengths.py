@@ -62,10 +62,10 @@ class Standings:
     errors : mapping of condition to float
         Clustered by participant.
     errors_two_way, low, high : mapping of condition to float
-        Errors clustered by participant and segment, and the ends of the 95 % intervals; NaN where
+        Errors clustered by participant and segment, and the ends of the 95% intervals; NaN where
         a condition is unbeaten.
     ranks : mapping of condition to RankInterval
-        At 95 %, all together; empty where nothing is known.
+        At 95%, all together; empty where nothing is known.
     omnibus : FTest
         Whether conditions differ at all.
     log_likelihood : float

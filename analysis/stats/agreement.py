@@ -37,7 +37,7 @@ class Alpha:
     estimate : float
         At most 1; NaN where there is none.
     low, high : float
-        Ends of its 95 % interval over items; NaN where there is none.
+        Ends of its 95% interval over items; NaN where there is none.
     level : {'nominal', 'ordinal', 'interval', 'ratio'}
         How far apart two values are taken to be.
     n, items, participants : int
@@ -163,11 +163,11 @@ class Retest:
         Cohen's weighted kappa, quadratic weights: 1 for the same answers, 0 for as much agreement
         as chance gives; NaN where there is none.
     low, high : float
-        Ends of its 95 % interval, participants drawn again; NaN where there is none.
+        Ends of its 95% interval, participants drawn again; NaN where there is none.
     equal_share : float
         Share of the pairs with the same answer; NaN without any.
     equal_low, equal_high : float
-        Ends of its 95 % interval; NaN where there is none.
+        Ends of its 95% interval; NaN where there is none.
     spearman : float
         Rank correlation; NaN where one side's answers are all alike.
     n, participants : int

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Verdict = Literal["equivalent", "different", "equivalent and different", "undecided", "unknown"]
 
 LEVEL: Final = 0.05
-"""Level of each of the two tests; the interval that decides is therefore the 90 % one."""
+"""Level of each of the two tests; the interval that decides is therefore the 90% one."""
 
 STUDENT: Final = "two one-sided t tests"
 NORMAL: Final = "two one-sided z tests"
@@ -35,7 +35,7 @@ class Equivalence:
     estimate : float
         The difference; NaN where it is unknown.
     low, high : float
-        90 % interval; the conditions are equivalent where it lies within the margin.
+        90% interval; the conditions are equivalent where it lies within the margin.
     standard_error, df : float
         Of the difference; infinite degrees of freedom for a normal one.
     p_value : float

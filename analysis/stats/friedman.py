@@ -229,7 +229,7 @@ class Concordance:
     estimate : float
         Mean over the segments that have one; NaN where none has.
     low, high : float
-        Ends of its 95 % interval, participants and segments drawn again; NaN where there is none.
+        Ends of its 95% interval, participants and segments drawn again; NaN where there is none.
     overall : float
         Of the participants about the conditions, each ranked by the participant's mean ranks
         over segments (see `Friedman`).

@@ -36,7 +36,7 @@ class Correlation:
     estimate : float
         In [-1, 1]; below 0 where items differ less than chance would make them.
     low, high : float
-        Ends of its 95 % interval.
+        Ends of its 95% interval.
     """
 
     estimate: float = math.nan
@@ -197,7 +197,7 @@ def _variances(
 
 
 def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tuple[float, float]:
-    """Return the 95 % interval of the single correlation (McGraw & Wong 1996, case A,1)."""
+    """Return the 95% interval of the single correlation (McGraw & Wong 1996, case A,1)."""
     if not found.rater_variance and not found.residual_variance:
         return 1.0, 1.0
     k, n = found.participants_per_item, items_per_rater

@@ -94,7 +94,7 @@ def table_of(
 
 
 def percentile_interval(draws: Floats) -> tuple[float, float]:
-    """Return the ends between which the middle 95 % of the draws lie."""
+    """Return the ends between which the middle 95% of the draws lie."""
     low, high = np.nanquantile(draws, [(1 - 0.95) / 2, (1 + 0.95) / 2])
     return float(low), float(high)
 

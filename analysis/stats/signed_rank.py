@@ -24,7 +24,7 @@ class SignTest:
     estimate : float
         Share of the values above zero among those that are not zero; NaN without any.
     low, high : float
-        Ends of its exact 95 % interval (Clopper & Pearson 1934); NaN without any.
+        Ends of its exact 95% interval (Clopper & Pearson 1934); NaN without any.
     p_value : float
         Two-sided p of the share being one half; NaN without any.
     above, below, zeros : int

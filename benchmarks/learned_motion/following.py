@@ -109,7 +109,7 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
 
 @dataclass(frozen=True, kw_only=True)
 class MeanFollowed:
-    """A mean over clips with its 95 % interval.
+    """A mean over clips with its 95% interval.
 
     Attributes
     ----------

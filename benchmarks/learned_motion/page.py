@@ -115,7 +115,7 @@ def page(found: Findings, facts: Sequence[str]) -> str:
             "speech without chance, and beat alignment minus chance: with the clip's own speech, "
             "and with that of another take. Stroke alignment is beat alignment with the times at "
             "which the process lets strokes arrive in place of the onsets of sounds. The first and "
-            "the last second, silent and at rest in all takes, do not count. 95 % intervals over "
+            "the last second, silent and at rest in all takes, do not count. 95% intervals over "
             "takes, those of one text by one speaker drawn together. Recorded motion, of which the "
             "process also leaves much to chance, shows how much there is to be had. Of beat "
             "alignment it is little: about four sounds begin in a second and a third of them has a "

@@ -1,7 +1,7 @@
 """How the report's numbers fare: ``python -m benchmarks.validity``.
 
 Simulates studies with known truth and prints, for every headline number and beside the tests of
-papers, how often it finds an effect that is not there, how often its 95 % interval contains the
+papers, how often it finds an effect that is not there, how often its 95% interval contains the
 truth, and how often it finds an effect that is there, each with its Monte-Carlo error.
 """
 

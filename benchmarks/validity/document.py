@@ -24,7 +24,7 @@ from motion.files import write_text
 HEAD: Final = f"""# What the report's numbers are worth
 
 `make bench-validity` simulates studies whose truth is known and counts how often each number of
-the report finds something where there is nothing (*false +*, nominally .05), how often its 95 %
+the report finds something where there is nothing (*false +*, nominally .05), how often its 95%
 interval contains the truth (*covered*), and how often it finds an effect of {EFFECT:g} logits
 (*power*). *None* is the share of studies in which there is no such number. ± is one Monte-Carlo
 standard error. Sizes are participants × segments; SDs are how much participants and segments

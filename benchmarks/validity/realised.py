@@ -19,7 +19,7 @@ MOST_FALSE: Final = 0.065
 """Above this false-positive rate a number is no headline."""
 
 LEAST_COVERED: Final = 0.93
-"""Below this coverage of a 95 % interval a number is no headline."""
+"""Below this coverage of a 95% interval a number is no headline."""
 
 CONSERVATIVE: Final = 0.03
 """Below this false-positive rate a test is called conservative."""

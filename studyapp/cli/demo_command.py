@@ -90,7 +90,7 @@ def prepare_demo(folder: StudyFolder) -> bool:
 
 SEED: Final = 2
 """Of the rehearsal. In about one of five, as with seed 1, one of the four intervals misses what the
-raters were given, as 95 % intervals do; a first report shows the usual case."""
+raters were given, as 95% intervals do; a first report shows the usual case."""
 
 
 @click.command("demo")

@@ -64,7 +64,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
             tables=(
                 _table(
                     "Each true value, and its estimate after exclusions. Inside: "
-                    "whether its 95 % interval, from low to high, holds the true value.",
+                    "whether its 95% interval, from low to high, holds the true value.",
                     values,
                     text_columns=["part", "question", "measure", "about"],
                 ),
@@ -82,7 +82,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
             tables=(
                 _table(
                     "How much better the first is than the second: of shares from one half, of "
-                    "ranks how much further in front. Low and high are the 95 % interval.",
+                    "ranks how much further in front. Low and high are the 95% interval.",
                     differences,
                     text_columns=["part", "question", "first", "second"],
                 ),

@@ -39,7 +39,7 @@ def part_shown(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
     """Return what a generator tells how far the clip `name` is, `done` others being made."""
 
     def on_part(made: int, parts: int) -> None:
-        on_clip(done, total, f"{name}: {100 * made // parts} %")
+        on_clip(done, total, f"{name}: {100 * made // parts}%")
 
     return on_part
 

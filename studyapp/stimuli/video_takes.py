@@ -153,7 +153,7 @@ def _reasons(parts: Sequence[Stretch]) -> str:
         frames[part.reason] = frames.get(part.reason, 0) + part.end - part.start
     total = max(sum(frames.values()), 1)
     ordered = sorted(frames.items(), key=lambda item: -item[1])
-    return ", ".join(f"{reason} in {100 * count / total:.0f} %" for reason, count in ordered)
+    return ", ".join(f"{reason} in {100 * count / total:.0f}%" for reason, count in ordered)
 
 
 def _add_left_out(table: Path, video: Path, left: Sequence[Stretch], rate: float) -> None:

@@ -78,7 +78,7 @@ def test_a_note_says_in_how_many_frames_and_how_far_arms_were_turned() -> None:
     clip = _with_left_arm(passing)
     cleared, (note,) = clear_of_body(clip)
     turns = _shoulder_turns(clip, cleared)
-    assert f" {round(100 * (turns > 1).mean())} % of the frames" in note
+    assert f" {round(100 * (turns > 1).mean())}% of the frames" in note
     assert f" {turns.max():.0f} degrees" in note
 
 

@@ -73,7 +73,7 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
             "",
             f"{people['recruited']} simulated participants took the study over HTTP, of whom "
             f"{people['attentive']} are analysed, with {len(segments)} segments. Strengths of "
-            "Bradley and Terry (logits, adding up to zero) with 95 % intervals over participants "
+            "Bradley and Terry (logits, adding up to zero) with 95% intervals over participants "
             "and segments, behind their true values, which are on another scale "
             "and from another zero: the order counts.",
             "",

@@ -51,7 +51,7 @@ class SharedAnswers:
     win_share : float
         As printed, a tie counting one half.
     low, high : float
-        The 95 % interval to be expected.
+        The 95% interval to be expected.
     p_value : float
         Two-sided p of one half, from the same t distribution.
     design_effect : float

@@ -178,7 +178,7 @@ def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> Sp
     number : int
         The speaker's, from 1.
     random : numpy Generator
-        Of the take: no two takes are spoken quite alike (speed within 5 %, loudness within 6 %,
+        Of the take: no two takes are spoken quite alike (speed within 5%, loudness within 6%,
         pitch within 4 of espeak-ng's steps).
     """
     usual = PROSODY_OF_EMOTION[emotion]

@@ -206,7 +206,7 @@ def _scatters(
                 name=f"metrics-against-people-{number}",
                 title=f"Metrics against preference: {one.name}",
                 caption=f"{wording.heading(one.name)}: each metric against people's preference "
-                f"({one.found.preference}; lines: 95 % of resamples of {subject.people} and "
+                f"({one.found.preference}; lines: 95% of resamples of {subject.people} and "
                 "segments). Axes run towards what the metric calls better, so where both agree "
                 f"marks rise.{left}",
                 data=_FILE,
@@ -236,7 +236,7 @@ def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
                 + (f"-{number}" if of else "")
                 + (f"-{sheet + 1}" if sheets > 1 else ""),
                 title=f"Correlations of metrics with preference{where}",
-                caption=f"Agreement of each metric with people{where}, with 95 % intervals: over "
+                caption=f"Agreement of each metric with people{where}, with 95% intervals: over "
                 "conditions, and over clips within conditions. Hollow marks have no interval; the "
                 "notes under the table say why.",
                 data=_FILE,
@@ -300,7 +300,7 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
             for heading, which in correlations.items()
             for column in (
                 (heading, partial(_estimate, which)),
-                ("95 % interval", partial(_interval, which, reasons)),
+                ("95% interval", partial(_interval, which, reasons)),
             )
         ),
         (

@@ -92,7 +92,7 @@ def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Tab
                 (measure, partial(_number, is_planned, place)),
             )
         ),
-        caption=f"{wording.heading(measure)}, with its 95 % interval, clustered by participant "
+        caption=f"{wording.heading(measure)}, with its 95% interval, clustered by participant "
         "and segment.",
         groups=(("", 2), *((group, 2) for group in groups)),
         notes=dict.fromkeys(

@@ -70,7 +70,7 @@ def _sides(results: PairwiseResults | MismatchResults) -> Table:
         _QUESTION,
         ("left share", lambda row: share_cell(row[2].left_share.estimate)),
         (
-            "95 % interval",
+            "95% interval",
             lambda row: _of_share(row[2].left_share),
         ),
         ("p", lambda row: p_cell(row[2].left_share.p_value)),
@@ -97,10 +97,10 @@ def _agreement(found: ByQuestion[Agreement]) -> Table:
         found.rows(),
         _QUESTION,
         ("α", lambda row: share_cell(row[2].estimate)),
-        ("95 % interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
+        ("95% interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
         ("ICC(A,1)", lambda row: share_cell(row[2].icc.single.estimate)),
         (
-            "95 % interval",
+            "95% interval",
             lambda row: _of_icc(row[2].icc),
         ),
         ("ICC(A,k)", lambda row: share_cell(row[2].icc.average.estimate)),
@@ -122,7 +122,7 @@ def _retest(found: ByQuestion[Retest]) -> Table:
         _QUESTION,
         ("trials", lambda row: count_cell(row[2].n)),
         ("κ", lambda row: share_cell(row[2].kappa)),
-        ("95 % interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
+        ("95% interval", lambda row: _interval(row[2].low, row[2].high, row[2].reason)),
         ("equal", lambda row: share_cell(row[2].equal_share)),
         ("ρ", lambda row: share_cell(row[2].spearman)),
         caption="Test and retest: practice trials against the same trials shown again at the end. "

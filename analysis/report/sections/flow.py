@@ -224,7 +224,7 @@ def _false_positives(found: LooksBefore) -> tuple[str, ...]:
     return (
         "A study that ends at the first of these looks, or of the answers reported here, that "
         f"shows p < {found.level:g} finds what is not there in "
-        f"{100 * found.false_positive_rate:.1f} % of cases instead of {100 * found.level:g} %, "
+        f"{100 * found.false_positive_rate:.1f}% of cases instead of {100 * found.level:g}%, "
         "for a single test of a normal mean (Armitage, McPherson and Rowe 1969). Where looks could "
         "change nothing, they did no harm; the reasons below are what was said at the time.",
     )

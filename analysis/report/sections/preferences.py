@@ -182,7 +182,7 @@ def preference_pictures(group: PreferenceGroup, about: About) -> tuple[Picture, 
         dict(zip(levels(group.one, group.other), FIVE, strict=True)),
         Scale(
             limits=(-reach, reach),
-            ticks={-50: "50 %", 0: "0", 50: "50 %"},
+            ticks={-50: "50%", 0: "0", 50: "50%"},
             ends=(group.one.removeprefix("the "), group.other.removeprefix("the ")),
             line=0,
         ),
@@ -214,7 +214,7 @@ def _bar(row: PreferenceRow | None) -> Bar:
             Part(
                 percent=percent,
                 colour=colour,
-                hint=f"{level}: {count} of {row.found.n} answers ({percent:.0f} %)",
+                hint=f"{level}: {count} of {row.found.n} answers ({percent:.0f}%)",
             )
             for percent, colour, count, level in zip(
                 percents, FIVE, row.levels, levels(row.one, row.other), strict=True

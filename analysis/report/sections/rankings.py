@@ -165,7 +165,7 @@ def _bar(ranked: RankedCondition | None, places: int) -> Bar:
             Part(
                 percent=percent,
                 colour=colour,
-                hint=f"{ordinal(place)} in {percent:.0f} % of {ranked.n} rankings",
+                hint=f"{ordinal(place)} in {percent:.0f}% of {ranked.n} rankings",
             )
             for (place, percent), colour in zip(
                 ranked.rank_percent.items(), place_colours(places), strict=False

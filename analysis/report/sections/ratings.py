@@ -163,7 +163,7 @@ def cumulative_pictures(
                 axes.add_line(_curve(place, rated.at_least))
         scale.dress(axes, panel.inches)
         axes.set_ylim(0, 104)
-        axes.set_yticks([0, 50, 100], labels=["0", "50", "100 %"] if panel.is_first else [""] * 3)
+        axes.set_yticks([0, 50, 100], labels=["0", "50", "100%"] if panel.is_first else [""] * 3)
         axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
         axes.grid(axis="y", color=LINE, linewidth=0.5)
         return {}
@@ -209,7 +209,7 @@ def _curve(place: int, at_least: Mapping[int, float], label: str = "") -> Line2D
 
 def _reached(rated: RatedCondition) -> str:
     return ", ".join(
-        f"{percent:.0f} % at least {score}" for score, percent in rated.at_least.items()
+        f"{percent:.0f}% at least {score}" for score, percent in rated.at_least.items()
     )
 
 
@@ -262,7 +262,7 @@ def _bar(rated: RatedCondition | None) -> Bar:
             Part(
                 percent=100 * count / rated.n,
                 colour=colour,
-                hint=f"score {score}: {count} of {rated.n} ratings ({100 * count / rated.n:.0f} %)",
+                hint=f"score {score}: {count} of {rated.n} ratings ({100 * count / rated.n:.0f}%)",
             )
             for (score, count), colour in zip(
                 rated.counts.items(), scale_colours(len(rated.counts)), strict=True

@@ -31,7 +31,7 @@ class Conclusion:
     p_value : float
         Of there being no effect; NaN where the report gives none.
     low, high : float
-        Ends of the 95 % interval; NaN where the report gives none.
+        Ends of the 95% interval; NaN where the report gives none.
     """
 
     p_value: float

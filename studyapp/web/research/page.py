@@ -172,7 +172,7 @@ def figure(value: float | None, measure: str = "") -> str:
     """Return a number with sensible digits; of a share, as a percentage; a dash for none."""
     if value is None:
         return "–"
-    return f"{100 * value:.1f} %" if measure in SHARES else _decimal(value)
+    return f"{100 * value:.1f}%" if measure in SHARES else _decimal(value)
 
 
 def interval(low: float | None, high: float | None, measure: str = "") -> str:
@@ -180,7 +180,7 @@ def interval(low: float | None, high: float | None, measure: str = "") -> str:
     if low is None or high is None:
         return "–"
     if measure in SHARES:
-        return f"{100 * low:.1f} to {100 * high:.1f} %"
+        return f"{100 * low:.1f} to {100 * high:.1f}%"
     return f"{_decimal(low)} to {_decimal(high)}"
 
 

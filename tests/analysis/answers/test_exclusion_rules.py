@@ -71,7 +71,7 @@ def test_who_did_not_reach_the_end_is_removed(
 
 
 @pytest.mark.parametrize(
-    ("watched", "why"), [(0.9, ""), (0.8999, "89.99 % of the videos watched"), (math.nan, None)]
+    ("watched", "why"), [(0.9, ""), (0.8999, "89.99% of the videos watched"), (math.nan, None)]
 )
 def test_who_watched_less_than_the_share_is_removed(watched: float, why: str | None) -> None:
     assert reason(watched_less(0.9), watched=watched) == why
@@ -172,7 +172,7 @@ def test_descriptions_read_well_after_a_count() -> None:
         "failed a catch trial",
         "failed more than 2 catch trials",
         "failed an attention check",
-        "watched less than 92.5 % of the videos",
-        "gave at least 50 % of the answers in less than 2.5 s",
-        "gave the same answer to at least 90 % of one question asked 12 times or more",
+        "watched less than 92.5% of the videos",
+        "gave at least 50% of the answers in less than 2.5 s",
+        "gave the same answer to at least 90% of one question asked 12 times or more",
     ]

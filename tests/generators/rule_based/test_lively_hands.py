@@ -1,4 +1,4 @@
-"""Hands move as much, and rest as seldom, as recorded ones (BEAT: 13 to 24 °/s, 0 to 23 %)."""
+"""Hands move as much, and rest as seldom, as recorded ones (BEAT: 13 to 24 °/s, 0 to 23%)."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ def test_how_far_the_first_one_is_is_said_before_it_is_done(
 ) -> None:
     with progress("generate", "clip") as show:
         clock[0] += 40
-        show(0, 2, "one: 50 %")
-    assert capsys.readouterr().err.splitlines() == ["generate: 0 of 2 clips, one: 50 %"]
+        show(0, 2, "one: 50%")
+    assert capsys.readouterr().err.splitlines() == ["generate: 0 of 2 clips, one: 50%"]
 
 
 def test_a_terminal_gets_a_bar_with_rate_and_time_left(

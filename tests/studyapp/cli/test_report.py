@@ -34,7 +34,7 @@ def test_a_table_is_reported_with_rules_that_are_marked_exploratory(tmp_path: Pa
     assert (tmp_path / "out" / "tables" / "conditions.csv").exists()
     found = results(tmp_path)
     assert found["protocol"] == "ranking"
-    assert found["exclusions"] == {"p02": "50 % of the videos watched"}
+    assert found["exclusions"] == {"p02": "50% of the videos watched"}
     assert [(rule["rule"], rule["removed"], rule["exploratory"]) for rule in found["rules"]] == [
         ("coverage", 1, True),
         ("time", 0, True),

@@ -174,7 +174,7 @@ def test_answers_before_the_end_are_for_whoever_has_said_why(
     made_before(tiny)
     answer_study(tiny.folder.root, people=2)
     page = ada.get(TINY)
-    assert "says why they look before the end" in page.text
+    assert "you must give a reason, which is logged" in page.text
     assert not page.soup.select("[action$='jobs/report']")
     for address in ("report/files/report.html", "tables/archive"):
         assert ada.client.get(JOBS + address).status_code == 409

@@ -214,7 +214,7 @@ REPEATED = " of 3 catch trials and attention checks have speech that comes in an
         ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
         (
             "note",
-            f"{EXCLUDED}1. who gave at least 50 % of the answers in less than 8 s "
+            f"{EXCLUDED}1. who gave at least 50% of the answers in less than 8 s "
             "(time<8,share=0.5); 2. who did not finish (incomplete)",
             {
                 "catch.trials": 0,

@@ -59,7 +59,7 @@ def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None
 
     generate(study, on_clip=show)
     first = study.segments()[0].name
-    assert (0, 1, f"learned/{first}: 100 %") in shown
+    assert (0, 1, f"learned/{first}: 100%") in shown
     assert shown[-1] == (1, 1, "")
 
 

@@ -140,7 +140,7 @@ def test_win_shares_of_simulated_studies_vary_as_much_as_is_said(
     )
 
     reach = stats.t.ppf(0.975, 21)
-    # The standard deviation of 600 shares is known within 6 % (two standard errors).
+    # The standard deviation of 600 shares is known within 6% (two standard errors).
     assert np.std(shares) == pytest.approx((found.high - found.low) / (2 * reach), rel=0.09)
     assert np.mean(shares) == pytest.approx(found.win_share, abs=0.01)
 

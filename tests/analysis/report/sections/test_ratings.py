@@ -64,8 +64,8 @@ def test_cumulative_curves_are_the_shares_that_reach_a_score(
 ) -> None:
     said = told(named_picture(sections["rating"][0], "cumulative-set-1"))
     for one in (c for c in results.conditions if c.set == "1"):
-        assert f"{one.condition}: 100 % at least 1" in said
-        assert f"{one.at_least[3]:.0f} % at least 3" in said
+        assert f"{one.condition}: 100% at least 1" in said
+        assert f"{one.at_least[3]:.0f}% at least 3" in said
 
 
 def test_the_best_mean_is_bold_and_the_second_best_underlined(

@@ -95,7 +95,7 @@ def test_bars(drawn: list[Figure], questions: int, count: int) -> None:
         {f"question {k} {LONG}": (bar,) * count for k in range(questions)},
         rows(count),
         {f"slightly {k} {LONG}": colour for k, colour in enumerate(FIVE)},
-        Scale(limits=(-60, 60), ticks={-60: "60 %", 0: "0", 60: "60 %"}, ends=(LONG, LONG)),
+        Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, ends=(LONG, LONG)),
         Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
         ABOUT,
     )

@@ -130,7 +130,7 @@ def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_
     assert section is not None
     assert section.paragraphs[0].startswith(SENTENCE)
     assert (
-        f"in {100 * before.false_positive_rate:.1f} % of cases instead of 5 %"
+        f"in {100 * before.false_positive_rate:.1f}% of cases instead of 5%"
         in (section.paragraphs[1])
     )
     [table] = section.tables

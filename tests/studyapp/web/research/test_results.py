@@ -134,8 +134,8 @@ def test_the_page_tells_what_a_look_costs_this_study(
 
     text = log_in("owner").get(RESULTS).words()
 
-    assert "with no look and the end at 4 participants it would be 5.0 %" in text
-    assert f"with a look now at 2 it would be {100 * equally_spaced(2):.1f} %" in text
+    assert "with no look and the end at 4 participants it would be 5.0%" in text
+    assert f"with a look now at 2 it would be {100 * equally_spaced(2):.1f}%" in text
     assert "Nobody has looked yet" in text
 
 
