@@ -19,11 +19,11 @@ import pandas as pd
 
 from analysis.answers.cells import Cells
 from analysis.answers.participant_facts import KnownFacts
+from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import PAIRWISE, AnswerTable
 from analysis.results.known_values import KnownValue
 from analysis.results.net_preference import sided
-from analysis.results.participants import LeftOut, leave_out
 from analysis.results.preference import win_share
 from motion.files import write_text
 from motion.segment import EMOTIONS, Segment

@@ -138,7 +138,7 @@ def metrics_against_people(
     table : AnswerTable
         The answers, of any protocol.
     analysed : DataFrame
-        Those of them that are analysed (`analysis.results.participants.LeftOut`).
+        Those of them that are analysed (`analysis.answers.participants.LeftOut`).
     metrics : StudyMetrics or None
         Automatic metrics by condition and clip; None where nothing was measured.
     recorded : str, optional

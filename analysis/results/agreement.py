@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
 from analysis.results.grouping import codes, parts, set_name, shown
 from analysis.results.net_preference import sided
-from analysis.results.participants import LeftOut
 from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
 from analysis.stats.intraclass import Intraclass, intraclass_correlation

@@ -11,10 +11,10 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
+from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
 from analysis.results.grouping import codes, compared, parts, set_name
 from analysis.results.net_preference import sided
-from analysis.results.participants import LeftOut
 from analysis.results.preference import win_share
 from analysis.results.ranking import placements_of
 from analysis.results.rating import limits_of

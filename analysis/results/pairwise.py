@@ -8,6 +8,7 @@ from typing import Final, Literal
 
 import pandas as pd
 
+from analysis.answers.participants import LeftOut
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
@@ -29,7 +30,6 @@ from analysis.results.heterogeneity import (
     corrected_tests,
     preference_heterogeneity,
 )
-from analysis.results.participants import LeftOut
 from analysis.results.preference import (
     Comparison,
     MatchedCondition,

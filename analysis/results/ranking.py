@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
 from analysis.results.grouping import (
     EVERYTHING,
@@ -22,7 +23,6 @@ from analysis.results.grouping import (
     shown_conditions,
 )
 from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.participants import LeftOut
 from analysis.results.strengths import (
     RANKING,
     StrengthContrast,

@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
+from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
@@ -25,7 +26,6 @@ from analysis.results.grouping import (
     shown_conditions,
 )
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
-from analysis.results.participants import LeftOut
 from analysis.results.rating_contrasts import (
     MOST_SCORES,
     RatingContrast,

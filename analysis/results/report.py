@@ -14,6 +14,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from analysis.answers.exclusion_rules import ExclusionRule, RuleOutcome
+from analysis.answers.participants import (
+    MAX_CATCH_FAILURES,
+    ArmState,
+    Flow,
+    LeftOut,
+    leave_out,
+    participant_flow,
+    table_rules,
+)
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
@@ -27,15 +36,6 @@ from analysis.results.pairwise import (
     PairwiseResults,
     mismatch_results,
     pairwise_results,
-)
-from analysis.results.participants import (
-    MAX_CATCH_FAILURES,
-    ArmState,
-    Flow,
-    LeftOut,
-    leave_out,
-    participant_flow,
-    table_rules,
 )
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results

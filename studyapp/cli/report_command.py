@@ -10,8 +10,8 @@ from typing import Final
 import click
 from pydantic import TypeAdapter, ValidationError
 
+from analysis.answers.participants import MAX_CATCH_FAILURES
 from analysis.answers.table import LAYOUTS
-from analysis.results.participants import MAX_CATCH_FAILURES
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder, refuse_beside, study_here
 from studyapp.cli.output import sign_of_life

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from analysis.answers.participants import LeftOut, leave_out, table_rules
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
-from analysis.results.participants import LeftOut, leave_out, table_rules
 from motion.errors import InputError
 from studyapp.results.analysed_tasks import analysed_tasks
 from studyapp.results.answers import answers_to_report

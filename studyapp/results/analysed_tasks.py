@@ -9,9 +9,9 @@ from typing import Final
 import pandas as pd
 
 from analysis.answers.cells import Cells
+from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import LAYOUTS, AnswerTable
-from analysis.results.participants import LeftOut, leave_out
 from studyapp.results.answer_table import empty_answers, study_answers
 from studyapp.results.answers import of_present_design
 from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from analysis.results.participants import EVERYBODY, ArmState
+from analysis.answers.participants import EVERYBODY, ArmState
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of
 from studyapp.results.shared_answers import read_shared_answers

@@ -12,10 +12,10 @@ from typing import Any
 import pandas as pd
 
 from analysis.answers.exclusion_rules import ExclusionRule
+from analysis.answers.participants import LeftOut
 from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
-from analysis.results.participants import LeftOut
 from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment

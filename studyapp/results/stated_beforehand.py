@@ -41,7 +41,7 @@ def study_of(definition: str | None, version: int) -> Study | None:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyExclusions:
-    """The rules of a study, for `analysis.results.participants.leave_out`.
+    """The rules of a study, for `analysis.answers.participants.leave_out`.
 
     Attributes
     ----------

@@ -7,11 +7,11 @@ from functools import partial
 from typing import Final
 
 from analysis.answers.exclusion_rules import BY_HAND
+from analysis.answers.participants import Flow
 from analysis.report import wording
 from analysis.report.content import Cell, Section, Table, count_cell, table_of
 from analysis.report.subject import Subject
 from analysis.results.looks import LooksBefore
-from analysis.results.participants import Flow
 from analysis.results.report import TableReport
 from motion.errors import listed
 

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import leave_out
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS
 from analysis.planning.part import THRESHOLDS, Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
-from analysis.results.participants import leave_out
 from benchmarks.validity.studies import Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
 

@@ -7,11 +7,11 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import LeftOut, leave_out, table_rules
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.results.agreement import agreed_so_far
 from analysis.results.headline import headline_numbers
-from analysis.results.participants import LeftOut, leave_out, table_rules
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import leave_out
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS
-from analysis.results.participants import leave_out
 from analysis.results.preferred_pairs import MOST_PAIRS, PreferredPair, preferred_pairs
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 

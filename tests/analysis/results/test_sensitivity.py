@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
+from analysis.answers.participants import leave_out
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS
 from analysis.results.headline import Sensitivity, sensitivity
-from analysis.results.participants import leave_out
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES, ranking_table
 

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.results.participants import LeftOut
+from analysis.answers.participants import LeftOut
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import leave_out
 from analysis.results.net_preference import sided
-from analysis.results.participants import leave_out
 from analysis.results.preference import win_share
 from analysis.stats.clustered_mean import Estimate
 from benchmarks.rehearsal_recovery import simulated

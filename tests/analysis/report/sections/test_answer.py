@@ -7,10 +7,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import Flow
 from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.flow import flow_line, flow_section
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.participants import Flow
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import (
     TABLES,

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.participants import LeftOut, leave_out, table_rules
 from analysis.answers.reading import read_answers
 from analysis.answers.table import PAIRWISE
-from analysis.results.participants import LeftOut, leave_out, table_rules
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
 
 
