@@ -98,7 +98,7 @@ def test_real_hands_are_out_of_the_thighs(
 ) -> None:
     clip = read_motion(shared_data / file, frame_rate=rate)
     (note,) = (part for part in clip.provenance["notes"].split("; ") if "moved out" in part)
-    assert int(note.split(" in ")[1].split(" %")[0]) <= most
+    assert int(note.split(" in ")[1].split("%")[0]) <= most
     near = _distance_from_thigh(clip)
     positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     low = positions[:, joint_index("left_middle1"), 1] < positions[:, joint_index("left_hip"), 1]
