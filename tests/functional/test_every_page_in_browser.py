@@ -127,7 +127,7 @@ def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path:
         page.context.close()
         phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
         phone.goto(address)
-        expect(phone.get_by_role("heading", level=1)).to_contain_text("on a computer")
+        expect(phone.get_by_role("heading", level=1)).to_contain_text("on another device")
         photograph(phone, "beside-phone")
         found["phone"] = participants_barriers(phone)
         phone.close()
