@@ -16,6 +16,7 @@ from studyapp.recruitment.invitations import (
 )
 from studyapp.session.shown_trials import TOKEN, previewed_trial
 from studyapp.study.design.trial import PlannedTrial
+from studyapp.study.media import VideoFile
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.mounting import address_to_try
@@ -79,11 +80,7 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
 
 def previewed_video(arm: int, place: int, position: int, number: int) -> Response:
     """Send a video of a previewed trial."""
-    trials = _trials(arm, place)
-    content = trials[position - 1].players.get(number) if 0 < position <= len(trials) else None
-    if content is None:
-        abort(404)
-    return send_video(running().served.videos[content].file)
+    return send_video(_video(arm, place, position, number).file)
 
 
 def previewed_file(arm: int, place: int, position: int, filename: str) -> Response:
@@ -93,12 +90,14 @@ def previewed_file(arm: int, place: int, position: int, filename: str) -> Respon
 
 
 def previewed_report(arm: int, place: int, position: int, number: int) -> ResponseReturnValue:
-    """Take a report of what was played for stored, and forget it."""
-    del arm, place, position, number
+    """Take a report of what was played for stored, and forget it: all counts as watched."""
+    video = _video(arm, place, position, number)
     sent = request.get_json(silent=True)
     batch = sent.get("batch") if isinstance(sent, dict) else 0
     following = batch + 1 if isinstance(batch, int) else 0
-    return jsonify(intervals=[], missing=0.0, next_batch=following, stored=True)
+    return jsonify(
+        intervals=[(0.0, video.duration)], missing=0.0, next_batch=following, stored=True
+    )
 
 
 def previewed_answers(arm: int, place: int, position: int, what: str) -> ResponseReturnValue:
@@ -110,6 +109,14 @@ def previewed_answers(arm: int, place: int, position: int, what: str) -> Respons
     else:
         address = url_for("research.preview", arm=running().study.arms[arm].name, place=place)
     return jsonify(next=address) if wants_json() else redirect(address, 303)
+
+
+def _video(arm: int, place: int, position: int, number: int) -> VideoFile:
+    trials = _trials(arm, place)
+    content = trials[position - 1].players.get(number) if 0 < position <= len(trials) else None
+    if content is None:
+        abort(404)
+    return running().served.videos[content]
 
 
 def _trials(arm: int, place: int) -> list[PlannedTrial]:
