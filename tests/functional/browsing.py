@@ -140,6 +140,11 @@ def follow(link: Locator) -> None:
         link.click()
 
 
+def press(page: Page, name: str) -> None:
+    """Press the button `name`, which leads to another page."""
+    follow(page.get_by_role("button", name=name, exact=True))
+
+
 def wait_until(page: Page, condition: Callable[[], object]) -> None:
     """Wait for what no locator can: the pages forbid scripts that Playwright would wait with."""
     deadline = time.monotonic() + PATIENCE_MS / 1000

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -29,6 +30,14 @@ def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("tiny-study")
     write_tiny_study(folder, seconds=SECONDS)
     return folder
+
+
+@pytest.fixture
+def lab(tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the folder of a lab that has one study, which nobody owns."""
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    shutil.copytree(tiny_study_template, tmp_path / "lab" / "tiny")
+    return tmp_path / "lab"
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,13 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from studyapp.desk.inbox import LARGEST_PIECE
-from tests.functional.browsing import IN_A_BROWSER, commanded, follow, watched_page
+from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import join
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 from tests.studyapp.takes import write_motion, write_speech
@@ -24,14 +23,6 @@ SECONDS = 100
 
 
 @pytest.fixture
-def lab(tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the folder of a lab that has one study, which nobody owns."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    shutil.copytree(tiny_study_template, tmp_path / "lab" / "tiny")
-    return tmp_path / "lab"
-
-
-@pytest.fixture
 def files(tmp_path: Path) -> Path:
     """Return a folder of a long recording, three motions of segments, and one of none."""
     folder = tmp_path / "files"
@@ -40,10 +31,6 @@ def files(tmp_path: Path) -> Path:
     for name in ("take-0", "take-1", "take-2", "take-9"):
         write_motion(folder / f"{name}.npz", 1.0)
     return folder
-
-
-def press(page: Page, name: str) -> None:
-    follow(page.get_by_role("button", name=name, exact=True))
 
 
 def test_files_are_uploaded_through_an_interruption_and_fill_the_table(

@@ -6,30 +6,16 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.functional.browsing import IN_A_BROWSER, commanded, follow, watched_page
+from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
 
 pytestmark = IN_A_BROWSER
-
-
-@pytest.fixture
-def lab(tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the folder of a lab that has one study, which nobody owns."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    shutil.copytree(tiny_study_template, tmp_path / "lab" / "tiny")
-    return tmp_path / "lab"
-
-
-def press(page: Page, name: str) -> None:
-    follow(page.get_by_role("button", name=name, exact=True))
 
 
 def test_a_researcher_makes_a_study_changes_one_and_tries_it(browser: Browser, lab: Path) -> None:
