@@ -169,6 +169,13 @@ def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(tmp_path: 
         read_audio(tmp_path / "slow.wav")
 
 
+def test_picture_is_refused(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    image.new("RGB", (8, 8)).save(tmp_path / "a.png")
+    with pytest.raises(InputError, match="cannot be read as audio"):
+        read_audio(tmp_path / "a.png")
+
+
 def test_a_list_of_other_files_is_not_followed(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "private.wav", np.zeros(8192, np.int16), 16_000)
     (tmp_path / "list.wav").write_text("ffconcat version 1.0\nfile private.wav\n", "utf-8")
