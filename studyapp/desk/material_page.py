@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, Self
@@ -193,14 +193,8 @@ def material(study: OpenedStudy) -> ResponseReturnValue:
         found = Material.of(study.folder)
     except InputError as error:
         return page("material", study=study, problem=error, rows=[], found=None)
-    return page(
-        "material",
-        study=study,
-        problem=None,
-        found=found,
-        rows=found.rows(),
-        counts=_counts(found),
-    )
+    rows = found.rows()
+    return page("material", study=study, problem=None, found=found, rows=rows, counts=_counts(rows))
 
 
 def _summary(study: OpenedStudy) -> Mapping[str, Any]:
@@ -210,11 +204,11 @@ def _summary(study: OpenedStudy) -> Mapping[str, Any]:
         found = Material.of(study.folder)
     except InputError as error:
         return {"problem": error, "waiting": waiting}
-    return {"problem": None, "waiting": waiting, "counts": _counts(found), "found": found}
+    return {"problem": None, "waiting": waiting, "counts": _counts(found.rows()), "found": found}
 
 
-def _counts(found: Material) -> Mapping[str, int]:
-    cells = [cell for _, row in found.rows() for cell in row]
+def _counts(rows: Sequence[tuple[Segment, Sequence[Cell]]]) -> Mapping[str, int]:
+    cells = [cell for _, row in rows for cell in row]
     return {
         "all": len(cells),
         "there": sum(cell.state != "missing" for cell in cells),

@@ -56,3 +56,11 @@ def researcher(lab: Lab, desk: Flask) -> Researcher:
         return opened
 
     return browser_of
+
+
+@pytest.fixture
+def ada(researcher: Researcher) -> ResearchBrowser:
+    """Return the browser of the study's owner."""
+    browser = researcher("Ada")
+    browser.post("/research/studies/tiny/take-over")
+    return browser

@@ -23,14 +23,6 @@ WHAT = {"condition": "ours", "name": "take-0.npz", "changed": "1700000000000"}
 PATIENCE = 60
 
 
-@pytest.fixture
-def ada(researcher: Researcher) -> ResearchBrowser:
-    """Return the browser of the study's owner."""
-    browser = researcher("Ada")
-    browser.post(f"{TINY}take-over")
-    return browser
-
-
 def send(
     browser: ResearchBrowser, piece: bytes, *, offset: int, size: int, **what: str
 ) -> tuple[int, dict[str, object]]:

@@ -23,14 +23,6 @@ JOBS = f"{TINY}jobs/"
 
 
 @pytest.fixture
-def ada(researcher: Researcher) -> ResearchBrowser:
-    """Return the browser of the study's owner."""
-    browser = researcher("Ada")
-    browser.post(f"{TINY}take-over")
-    return browser
-
-
-@pytest.fixture
 def tiny(lab: Lab) -> LabStudy:
     found = lab.study("tiny")
     assert found is not None

@@ -24,14 +24,6 @@ MATERIAL = f"{TINY}material"
 
 
 @pytest.fixture
-def ada(researcher: Researcher) -> ResearchBrowser:
-    """Return the browser of the study's owner."""
-    browser = researcher("Ada")
-    browser.post(f"{TINY}take-over")
-    return browser
-
-
-@pytest.fixture
 def folder(lab: Lab) -> StudyFolder:
     """Return the study, with one motion, one rendered clip, and nothing else of its conditions."""
     folder = StudyFolder(lab.folder / "tiny")

@@ -20,14 +20,6 @@ SETTINGS = f"{TINY}settings"
 
 
 @pytest.fixture
-def ada(researcher: Researcher) -> ResearchBrowser:
-    """Return the browser of the study's owner."""
-    browser = researcher("Ada")
-    browser.post(f"{TINY}take-over")
-    return browser
-
-
-@pytest.fixture
 def file(lab: Lab) -> Path:
     return lab.folder / "tiny" / "study.toml"
 
