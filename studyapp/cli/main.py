@@ -27,7 +27,7 @@ _COMMANDS: Final = {
     "forget": ("exclude:forget", "Erase a participant."),
     "generate": ("material.generate", "Make the motion of every generated condition."),
     "import": ("material.import", "Bring speech, recordings and others' motion into a study."),
-    "init": ("creation.init", "Make a study folder with a commented study.toml."),
+    "init": ("init", "Make a study folder with a commented study.toml."),
     "metrics": ("metrics", "Compute automatic metrics of a study, or of folders of motion files."),
     "plan": ("plan", "Say how many participants and segments a study needs."),
     "preview": (

@@ -55,11 +55,6 @@ _folder = click.Path(path_type=Path, file_okay=False)
     "metrics.parquet in the study folder.",
 )
 @click.option(
-    "--cache",
-    type=_folder,
-    help="With --generated: keep joint positions here for the next run. A study keeps its own.",
-)
-@click.option(
     "--fps",
     type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
     help="With --generated: frames per second of all motion files, in place of what they state.",
@@ -75,7 +70,6 @@ def command(
     evaluators: tuple[Source, ...],
     penetration: bool,
     out: Path | None,
-    cache: Path | None,
     fps: float | None,
     processes: int,
 ) -> None:
@@ -91,9 +85,9 @@ def command(
             "metrics are computed of a study or of folders, not of both or neither",
             remedy="Give a study folder, or --generated with a folder of motion files",
         )
-    if folder is not None and (reference or speech or semantics or cache or fps):
+    if folder is not None and (reference or speech or semantics or fps):
         raise InputError(
-            "--reference, --speech, --semantics, --cache and --fps are for folders without a study",
+            "--reference, --speech, --semantics and --fps are for folders without a study",
             remedy="Leave them out, or give --generated in place of the study folder",
         )
     target = out if folder is None else out or folder.metrics
@@ -120,7 +114,6 @@ def command(
                 evaluators=evaluators,
                 penetration=penetration,
                 semantics=semantics,
-                cache=cache,
                 file_rate=fps,
                 on_progress=show,
             )

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -14,7 +13,6 @@ from motion.errors import InputError, found_at, listed
 from studyapp.clock import Clock
 from studyapp.custody.archive import read_archive
 from studyapp.custody.backup import require_sound
-from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
 from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile, media_amiss
 from studyapp.database.copies import compact, fill_from_copy, require_empty
 from studyapp.database.engine import (
@@ -24,7 +22,8 @@ from studyapp.database.engine import (
     sqlite_file,
     sqlite_url,
 )
-from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.database.tables import Event
+from studyapp.researchers.audit import log_change
 from studyapp.stimuli.disk_space import as_text
 from studyapp.study.folder import StudyFolder, held_alone
 from studyapp.study.media import read_stimuli
@@ -43,15 +42,12 @@ class Restored:
         What the backup says of itself.
     database : str
         The address of its answers, without a password.
-    erased : ErasedAgain or None
-        What was erased again; None where no later backup was given.
     missing, other : tuple of str
         Media that the study had and that are not there, or not as they were.
     """
 
     manifest: Manifest
     database: str
-    erased: ErasedAgain | None
     missing: tuple[str, ...]
     other: tuple[str, ...]
 
@@ -61,7 +57,6 @@ def restore(
     folder: StudyFolder,
     clock: Clock,
     *,
-    forgotten_in: Path | None = None,
     on_file: OnFile = lambda _done, _total: None,
 ) -> Restored:
     """Bring the study in `archive` back to `folder`, and its answers to the database of now.
@@ -73,8 +68,6 @@ def restore(
     ----------
     folder : StudyFolder
         Empty or not there; the folders of its media may be there, where the backup has none.
-    forgotten_in : Path, optional
-        A later backup of the same study: whom it has forgotten is erased again.
     on_file : callable
         Is told how many files are done, of how many.
 
@@ -89,8 +82,11 @@ def restore(
     root.mkdir(parents=True, exist_ok=True)
     try:
         busy = InputError("another restore is at work there", where=root, remedy="Wait for its end")
-        with held_alone(root, busy=busy), _unpacked_in(root) as draft:
-            return _restored(archive, folder, draft, clock, forgotten_in, on_file)
+        with (
+            held_alone(root, busy=busy),
+            tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=root) as draft,
+        ):
+            return _restored(archive, folder, StudyFolder(Path(draft) / "study"), clock, on_file)
     finally:
         if not existed and not any(root.iterdir()):
             root.rmdir()
@@ -99,86 +95,41 @@ def restore(
 def _restored(
     archive: Path,
     folder: StudyFolder,
-    draft: Path,
+    unpacked: StudyFolder,
     clock: Clock,
-    forgotten_in: Path | None,
     on_file: OnFile,
 ) -> Restored:
     url = database_url_of(folder.root)
     require_empty(url)
     manifest = read_archive(
         archive,
-        lambda entry: draft / "study" / entry.path,
+        lambda entry: unpacked.root / entry.path,
         on_file,
         accept=lambda found: _require_fits(folder.root, found),
     )
-    unpacked = StudyFolder(draft / "study")
-    copy = draft / "study" / DATABASE
+    copy = unpacked.root / DATABASE
     require_sound(copy, manifest, archive)
-    if unpacked.stimuli.exists():
-        with _of_archive(archive):
+    with found_at(archive):
+        if unpacked.stimuli.exists():
             read_stimuli(unpacked.stimuli)
-    database = _opened(copy, archive)
-    try:
-        erased = None
-        if forgotten_in is not None:
-            key = PseudonymKey.read(_kept_close(unpacked.pseudonym_key))
-            erased = _erased_again(database, manifest, forgotten_in, draft, key, clock)
-        note_restored(database, f"as it was on {manifest.made_at:%Y-%m-%d %H:%M:%S} UTC", clock)
-    finally:
-        database.close()
+        database = Database.open(sqlite_url(copy))
+    with closing(database):
+        _note_restored(database, manifest, clock)
     compact(copy)
     _take_place(folder, unpacked, manifest, url)
     missing, other = media_amiss(folder.root, manifest.media)
     return Restored(
         manifest=manifest,
         database=shown_address(url),
-        erased=erased,
         missing=tuple(missing),
         other=tuple(other),
     )
 
 
-def _erased_again(
-    database: Database,
-    manifest: Manifest,
-    forgotten_in: Path,
-    draft: Path,
-    key: PseudonymKey | None,
-    clock: Clock,
-) -> ErasedAgain:
-    """Erase whom the later backup `forgotten_in` has forgotten."""
-    copy = draft / "later.db"
-    later = read_archive(
-        forgotten_in,
-        lambda entry: copy if entry.path == DATABASE else None,
-        lambda _done, _total: None,
-    )
-    require_sound(copy, later, forgotten_in)
-    if later.made_at < manifest.made_at:
-        raise InputError(
-            "this backup is older than the one to be restored",
-            where=forgotten_in,
-            remedy="Name a later one: it knows who was forgotten since",
-        )
-    known = _opened(copy, forgotten_in)
-    try:
-        return erase_again(database, known, key, clock)
-    finally:
-        known.close()
-
-
-def _opened(copy: Path, archive: Path) -> Database:
-    """Open the database `copy`, and bring it to the newest schema."""
-    with _of_archive(archive):
-        return Database.open(sqlite_url(copy))
-
-
-@contextmanager
-def _of_archive(archive: Path) -> Iterator[None]:
-    """Say of `archive` what is wrong with a file in it."""
-    with found_at(archive):
-        yield
+def _note_restored(database: Database, manifest: Manifest, clock: Clock) -> None:
+    detail = f"as it was on {manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
+    with database.writing() as session:
+        log_change(session, clock.now(), Event.RESTORED, by="", detail=detail)
 
 
 def _require_free(root: Path) -> None:
@@ -253,9 +204,3 @@ def _kept_close(file: Path) -> Path:
     if file.name in _FOR_THE_OWNER and file.exists():
         file.chmod(0o600)
     return file
-
-
-@contextmanager
-def _unpacked_in(root: Path) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=root) as name:
-        yield Path(name)

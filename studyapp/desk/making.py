@@ -1,4 +1,4 @@
-"""Making a study: what `motionjury init` asks, as two pages."""
+"""Making a study: what is asked of it, as two pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is asked of a new study, in a terminal and on a page alike, and how answers are read."""
+"""What is asked of a new study, and how answers are read."""
 
 from __future__ import annotations
 

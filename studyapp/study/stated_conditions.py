@@ -114,16 +114,6 @@ def generator_sources() -> tuple[str, ...]:
     return tuple(map(source_words, generator_names()))
 
 
-def source_of(condition: Condition, folder: Path) -> str:
-    """Return the source of a condition of a study in `folder` as it is written in an option."""
-    if condition.generator is None:
-        return VIDEOS if condition.videos else FILES
-    keys = _needed_files(condition.generator)
-    details = ",".join(str(folder / getattr(condition.settings, key)) for key in keys)
-    details = details or condition.source or ""
-    return f"{condition.generator}:{details}" if details else condition.generator
-
-
 def condition_of(
     generator: str | None, given: Mapping[str, Any], folder: Path = Path()
 ) -> Condition:

@@ -33,10 +33,6 @@ def test_what_is_in_a_backup_and_who_is_back_is_said(study: Path, tmp_path: Path
     assert "media files are missing" in said
     assert "Whoever was forgotten after" in said
 
-    run("backup", study, tmp_path / "later.tar.gz")
-    later = ("--forgotten-in", tmp_path / "later.tar.gz")
-    assert "Erased again: 0 forgotten" in run("restore", archive, tmp_path / "again", *later)
-
 
 def test_a_backup_is_checked_alone_and_beside_its_media(study: Path, tmp_path: Path) -> None:
     archive = tmp_path / "out.tar"

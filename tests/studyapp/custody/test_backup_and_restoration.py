@@ -16,13 +16,11 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.custody import backup, restoration
 from studyapp.custody.backup import Backup, back_up, check_archive
-from studyapp.custody.forgetting import forget
 from studyapp.custody.restoration import restore
 from studyapp.database.copies import require_empty, write_copy
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
@@ -96,7 +94,7 @@ def test_everything_comes_back_and_participants_go_on(study: Study, new: StudyFo
     done = restore(made.path, new, study.clock)
 
     assert contents(new.root) == contents(study.folder.root)
-    assert (done.missing, done.other, done.erased) == ((), (), None)
+    assert (done.missing, done.other) == ((), ())
     database = Database.open(sqlite_url(new.responses))
     one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
     assert one.trial().position == 3
@@ -178,7 +176,7 @@ def fail(*_: object, **__: object) -> None:
     raise OSError(28, "No space left on device")
 
 
-@pytest.mark.parametrize("step", ["media_amiss", "compact", "require_sound", "note_restored"])
+@pytest.mark.parametrize("step", ["media_amiss", "compact", "require_sound", "_note_restored"])
 def test_a_restore_that_fails_leaves_nothing_or_all(
     study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -244,34 +242,6 @@ def test_a_folder_keeps_the_newest_backups_of_this_study_alone(
     }
     with pytest.raises(InputError, match="only a folder"):
         back_up(study.folder, study.backups / "x.tar", study.clock, keep=2)
-
-
-def test_who_was_forgotten_since_comes_back_only_where_nobody_says_so(
-    study: Study, new: StudyFolder, tmp_path: Path
-) -> None:
-    earlier = study.back_up("earlier.tar.gz")
-    key = PseudonymKey.read(study.folder.pseudonym_key)
-    code = study.people[0].take_all()
-    early = study.back_up("between.tar.gz")
-    forget(study.database, code, key, study.clock)
-    withdraw(study.database, study.people[1].token, study.clock)
-    later = study.back_up("later.tar.gz")
-
-    back = restore(earlier.path, new, study.clock)
-    gone = restore(
-        earlier.path, StudyFolder(tmp_path / "gone"), study.clock, forgotten_in=later.path
-    )
-
-    assert back.erased is None
-    assert people(new) == dict.fromkeys(PEOPLE, 2)
-    assert gone.erased is not None
-    assert (gone.erased.forgotten, gone.erased.withdrawn) == (1, 1)
-    assert people(StudyFolder(tmp_path / "gone")) == {None: 0, PEOPLE[1]: 0}
-    for name in (PEOPLE[0].encode(), study.people[0].token.encode()):
-        assert name not in (tmp_path / "gone" / "responses.db").read_bytes()
-    with pytest.raises(InputError, match="older than the one to be restored"):
-        restore(later.path, StudyFolder(tmp_path / "wrong"), study.clock, forgotten_in=early.path)
-    assert not (tmp_path / "wrong").exists()
 
 
 def people(folder: StudyFolder) -> dict[str | None, int]:

@@ -52,7 +52,7 @@ def test_the_form_as_it_comes_makes_what_init_makes(
     fields = filled_in(grace.get(f"{MAKE}?template={template}&language={language}"))
     answer = grace.post(MAKE, **fields | {"name": "made"})
     assert answer.status_code == 303, answer.text
-    options = ["--no-ask", "--template", template, "--language", language]
+    options = ["--template", template, "--language", language]
     CliRunner().invoke(group, ["init", str(tmp_path / "made"), *options], catch_exceptions=False)
     made, expected = (read_study(root / "made" / "study.toml") for root in (lab.folder, tmp_path))
     assert made == expected

@@ -21,6 +21,7 @@ from motion.formats import read_clip
 from studyapp.cli.main import group
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
+from studyapp.study.interview import sources
 from studyapp.study.settings.reading import read_study
 from tests.edited_study import edited
 
@@ -216,12 +217,9 @@ def test_a_new_study_has_it_as_a_condition(tmp_path: Path, weights: Path) -> Non
     made = run(
         "init", tmp_path / "a", "--condition", "real=files", "--condition", f"ours=sway:{weights}"
     )
-    asked = CliRunner().invoke(
-        group, ["init", str(tmp_path / "c"), "--ask"], input="pairwise\nown\n"
-    )
 
     assert made.exit_code == 0, made.output
-    assert "type sway:FILE" in asked.output
+    assert "type sway:FILE" in sources()["sway"]
     ours = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
     assert ours == SwaySettings(checkpoint=weights)
 
@@ -238,12 +236,9 @@ def test_a_network_of_two_files_is_a_condition_by_both(
         *("--condition", f"ours=pair:{weights},{tmp_path / 'ear.txt'}"),
     )
     half = run("init", tmp_path / "b", "--condition", f"ours=pair:{weights}")
-    answers = "pairwise\nown\nreal\nfiles\nours\npair:" + f"{weights},{tmp_path / 'ear.txt'}\n"
-    asked = CliRunner().invoke(group, ["init", str(tmp_path / "c"), "--ask"], input=answers)
 
     assert made.exit_code == 0, made.output
     said = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
     assert said == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
     assert "Give pair:FILE,FILE, its checkpoint and ear" in half.output
-    assert "type pair:FILE,FILE" in asked.output
-    assert "needs its weights" not in asked.output
+    assert "type pair:FILE,FILE" in sources()["pair"]

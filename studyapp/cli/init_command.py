@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Final, cast, get_args
+from typing import cast, get_args
 
 import click
 
 from motion.files import write_text
-from studyapp.cli.creation.interview import agreed
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import LONGEST, MOST_PARTICIPANTS, read_pay, require_known_pay
 from studyapp.study.settings.presentation import Language
@@ -18,18 +16,9 @@ from studyapp.study.stated_conditions import read_conditions
 from studyapp.study.study_file import TEMPLATES, drafted, refuse_existing
 from studyapp.study.wanted_study import WantedStudy
 
-INTERRUPTED: Final = 130
-"""Exit status of who is interrupted (128 and the signal's number)."""
-
 
 @click.command("init")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
-@click.option(
-    "--ask/--no-ask",
-    default=None,
-    help="Ask for everything, with the options as first answers. In a terminal it asks if there "
-    "are no options.",
-)
 @click.option("--template", type=click.Choice(TEMPLATES), default="pairwise", show_default=True)
 @click.option(
     "--language",
@@ -78,12 +67,8 @@ INTERRUPTED: Final = 130
 @click.option("--organisation", help="Who runs the study.")
 @click.option("--contact", help="Whom participants can ask.")
 @click.option("--ethics", help="Who approved the study.")
-@click.pass_context
 def command(
-    ctx: click.Context,
-    /,
     folder: Path,
-    ask: bool | None,
     template: str,
     language: Language,
     conditions: tuple[str, ...],
@@ -101,8 +86,8 @@ def command(
 ) -> None:
     """Make a study FOLDER with a commented study.toml that can be edited.
 
-    Without options it asks what the study is to be, shows what it will write, and writes it
-    then. A study file that is there is never overwritten.
+    A study file that is there is never overwritten. 'motionjury desk' asks for all of it in the
+    browser.
 
     Whatever else there is to say is said in study.toml, such as how a network samples.
     """
@@ -125,30 +110,10 @@ def command(
         contact=contact,
         ethics=ethics,
     )
-    if _is_asked(ctx, ask):
-        try:
-            text = agreed(wanted, study_folder.definition)
-        except click.Abort:
-            click.echo("\nNothing was written.", err=True)
-            raise click.exceptions.Exit(INTERRUPTED) from None
-    else:
-        require_known_pay(wanted)
-        text = drafted(wanted, where=study_folder.definition)
+    require_known_pay(wanted)
+    text = drafted(wanted, where=study_folder.definition)
     write_text(study_folder.definition, text)
     click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
-
-
-def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
-    """Tell whether there are questions: where they are wanted, or a person gave no option."""
-    if ask is not None:
-        return ask
-    given = [
-        name
-        for name in ctx.params
-        if name not in ("folder", "ask")
-        and ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
-    ]
-    return not given and sys.stdin.isatty() and sys.stdout.isatty()
 
 
 def _next(text: str) -> str:

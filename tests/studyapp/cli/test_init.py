@@ -1,0 +1,88 @@
+"""A new study by options: what is written, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from generators.learned_settings import ModelSettings
+from studyapp.preflight.check import check
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.reading import read_study
+from studyapp.study.settings.recruitment import Channel
+from tests.studyapp.command_line import run
+
+
+@pytest.mark.parametrize("template", ["pairwise", "rating", "ranking", "mismatch", "three-systems"])
+def test_check_asks_a_new_study_for_media_alone(tmp_path: Path, template: str) -> None:
+    for channel in get_args(Channel):
+        run(
+            "init", tmp_path / channel, "--template", template, "--condition", "real=files",
+            "--condition", "ours=files", "--condition", "late=mismatched:ours", "--recruit",
+            channel, "--pay", "3 USD", "--minutes", 20,
+        )  # fmt: skip
+
+    channel = get_args(Channel)[len(template) % 4]
+    found = check(StudyFolder(tmp_path / channel))
+    assert [each.name for each in found if each.severity == "error"] == ["speech-unreadable"]
+
+
+def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
+    weights = tmp_path / "elsewhere" / "ours.safetensors"
+    weights.parent.mkdir()
+    weights.touch()
+    run(
+        "init", tmp_path / "s", "--template", "rating", "--condition", "real=files",
+        "--condition", f"ours=diffsheg:{weights}", "--condition", "late=mismatched:ours",
+        "--participants", 40, "--recruit", "prolific", "--pay", "3 GBP", "--minutes", 20,
+        "--organisation", "Lab", "--contact", "lab@example.org", "--ethics", "No. 7",
+        "--language", "ja",
+    )  # fmt: skip
+
+    study = read_study(tmp_path / "s" / "study.toml")
+    assert study.arms[0].places == 40
+    assert list(study.conditions) == ["real", "ours", "late"]
+    assert isinstance(study.conditions["ours"].settings, ModelSettings)
+    assert study.conditions["ours"].settings.checkpoint == weights
+    assert (study.recruitment.prolific.reward, study.recruitment.missing_codes) == (300, [])
+    assert (study.page.ethics, study.page.language) == ("No. 7", "ja")
+
+
+def test_finished_videos_have_catch_trials_where_a_broken_motion_is_brought(tmp_path: Path) -> None:
+    videos = ("--condition", "real=videos", "--condition", "ours=videos")
+
+    said = run("init", tmp_path / "with", *videos, "--catch-videos")
+    run("init", tmp_path / "without", *videos)
+
+    assert "videos/CONDITION/SEGMENT.mp4" in said
+    brought, none = (read_study(tmp_path / name / "study.toml") for name in ("with", "without"))
+    assert (brought.catch.videos, brought.catch.trials) == (True, 3)
+    assert (none.catch.trials, none.attention.trials) == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--condition", "ours"], "does not say where its motion comes from"),
+        (["--condition", "ours=magic", "--condition", "b=files"], "unknown source 'magic'"),
+        (["--condition", "a=mismatched", "--condition", "b=files"], "needs the condition"),
+        (["--condition", "a=files", "--condition", "a=files"], "given twice"),
+        (["--condition", "a=files"], "nothing to compare"),
+        (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
+        (["--recruit", "prolific"], "must be told --pay and --minutes"),
+        (["--pay", "2.50"], "needs a currency"),
+        (["--pay", "much EUR"], "'much' is not an amount"),
+    ],
+)
+def test_options_that_make_no_study_are_refused_and_nothing_is_written(
+    tmp_path: Path, options: list[str], said: str
+) -> None:
+    assert said in run("init", tmp_path / "s", *options, status=1)
+    assert not (tmp_path / "s" / "study.toml").exists()
+
+
+def test_a_study_that_is_there_is_never_overwritten(tmp_path: Path) -> None:
+    run("init", tmp_path / "s")
+    assert "exists already" in run("init", tmp_path / "s", status=1)
