@@ -169,16 +169,3 @@ def test_the_database_refuses(database: Database, rows: Callable[[], list[Base]]
 
     with pytest.raises(IntegrityError), database.writing() as session:
         store(session, rows())
-
-
-def test_participants_without_a_recruiter_are_not_taken_for_one(database: Database) -> None:
-    with database.writing() as session:
-        session.add_all([StudyVersion(**VERSION), study_session("one"), study_session("two")])
-
-
-@pytest.mark.parametrize("stimulus", [None, 2])
-def test_answers_are_stored_about_a_trial_and_about_a_stimulus(
-    database: Database, stimulus: int | None
-) -> None:
-    with database.writing() as session:
-        store(session, [StudyVersion(**VERSION), *answers(-2, stimulus=stimulus)])

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from studyapp.session.participation import leave_break
-from studyapp.session.refusal import ConflictError
 from studyapp.session.shown_trials import expected_seconds, minutes_left
 from tests.studyapp.session.conftest import Open
 from tests.studyapp.taking_part_steps import Participant
@@ -69,32 +68,6 @@ def test_a_break_takes_no_time_from_the_trial_after_it(resting: Participant) -> 
     assert resting.trial().minutes_left == left.minutes_left
 
 
-def test_looking_at_a_break_keeps_the_place(resting: Participant) -> None:
-    for _ in range(2):
-        resting.take_trial()
-    for number in range(3):
-        resting.clock.advance(minutes=40)
-        assert resting.look().rest is not None
-        resting.another().enrol(f"other {number}")
-
-    go_on(resting, 3)
-    assert resting.look().state == "started"
-
-
-def test_nothing_can_be_answered_during_a_break(resting: Participant) -> None:
-    resting.take_trial()
-    second = resting.trial()
-    resting.clock.advance(seconds=5)
-    resting.watch((0.0, 2.0))
-    ahead = second.next_videos
-    resting.answer(second.token)
-
-    assert resting.look().rest is not None
-    with pytest.raises(ConflictError, match="already answered"):
-        resting.answer(second.token, {"rhythm": "0", "emotion": "0"})
-    assert ahead
-
-
 def test_a_trial_that_was_shown_is_not_interrupted_by_a_new_rule(
     participant: Participant, tiny_study: Path
 ) -> None:
@@ -106,8 +79,12 @@ def test_a_trial_that_was_shown_is_not_interrupted_by_a_new_rule(
     assert participant.trial().position == 2
 
 
-def test_all_players_of_a_page_count() -> None:
-    assert expected_seconds([10.0, 10.0, 10.0], 1) - expected_seconds([10.0], 1) == 34.0
+def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:
+    participant.trial()
+    participant.clock.advance(minutes=3)
+    participant.take_trial()
+
+    assert participant.trial().minutes_left == 16
 
 
 def test_many_answers_to_a_page_take_longer_than_its_videos() -> None:
@@ -130,7 +107,3 @@ def test_one_long_interruption_changes_nothing() -> None:
     steady = [(30.0, 30.0), (30.0, 30.0)]
 
     assert minutes_left([*steady, (3600.0, 30.0)], [30.0] * 4) == minutes_left(steady, [30.0] * 4)
-
-
-def test_something_is_always_left() -> None:
-    assert minutes_left([(1.0, 60.0)], [10.0]) == 1

@@ -6,11 +6,11 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 import pytest
-from sqlalchemy import event, select
+from sqlalchemy import select
 from sqlalchemy.pool import QueuePool
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Newcomer, Place, StudySession
+from studyapp.database.tables import Newcomer, Place
 from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol, require_welcome
@@ -32,20 +32,6 @@ def held(opened: Database) -> list[int]:
     with opened.reading() as session:
         places = session.scalars(select(Place).where(Place.study_session_id.is_not(None)))
         return [place.study_session_id or 0 for place in places]
-
-
-def test_a_participant_gets_a_place_and_all_trials(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    token = enrol(opened, served, Arrival(visit="one"), clock)
-
-    with opened.reading() as session:
-        study_session = session.scalars(select(StudySession)).one()
-        assert study_session.token == token
-        assert len(token) >= 22
-        assert study_session.place is not None
-        assert [trial.kind for trial in study_session.trials].count("catch") == 1
-        assert len({trial.token for trial in study_session.trials}) == 6
 
 
 @pytest.mark.parametrize(
@@ -140,11 +126,6 @@ def test_one_network_address_takes_so_many_places_an_hour(
         assert len(session.scalars(select(Newcomer)).all()) == 1
 
 
-def test_an_arrival_says_who_it_is() -> None:
-    with pytest.raises(ValueError, match="nobody's"):
-        Arrival(recruiter_study="s")
-
-
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
     participant: Participant,
@@ -212,21 +193,3 @@ def test_nobody_is_told_that_the_study_is_full_before_the_last_place_is_really_g
 
     assert place is not None
     assert len(held(database)) == 3
-
-
-def test_an_arrival_takes_few_statements(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    arrival = Arrival(visit="one", address="192.0.2.1")
-    asked: list[str] = []
-    event.listen(opened.engine, "before_cursor_execute", lambda *given: asked.append(given[2]))
-
-    def statements() -> int:
-        return sum(not statement.startswith("BEGIN") for statement in asked)
-
-    require_welcome(opened, served, arrival, clock)
-    welcomed = statements()
-    enrol(opened, served, arrival, clock)
-
-    assert welcomed == 2
-    assert statements() - welcomed <= 9

@@ -8,15 +8,12 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Trial
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
-from studyapp.session.video_access import content_of
 from studyapp.study.settings.questions import Reason
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
@@ -73,76 +70,6 @@ def test_a_participant_reaches_the_code_and_every_answer_is_exported(
     assert not table.duplicated(["study_session", "position", "question", "stimulus"]).any()
     assert set(table["watched"]) == {1.0}
     assert set(table["version"]) == {1}
-
-
-def test_ratings_are_exported_with_the_motion_they_are_about(arrive: Arrive) -> None:
-    participant = arrive("rating")
-    shown = participant.watch_all()
-    fields = some_answers(shown) | {"synchrony:2": ["73"], "synchrony:2:reasons": ["face", "hands"]}
-
-    participant.answer(shown.token, fields)
-
-    table = exported(participant)
-    with participant.database.reading() as session:
-        trial = session.scalars(select(Trial).where(Trial.position == 1)).one()
-        conditions = dict(enumerate(trial.conditions, start=1))
-    assert sorted(conditions.values()) == ["ours", "real", "theirs"]
-    assert (table["condition"] == table["stimulus"].astype(int).map(conditions)).all()
-    assert table["left_condition"].isna().all()
-    about_b = table[(table["question"] == "synchrony") & (table["stimulus"] == 2)].iloc[0]
-    assert (about_b["value"], about_b["reasons"]) == (73, "hands face")
-
-
-def test_of_a_pair_the_export_says_which_and_which_side(arrive: Arrive) -> None:
-    participant = arrive("pairwise")
-    take_all(participant)
-
-    table = exported(participant)
-
-    ordinary = table[table["kind"].isin(["practice", "main", "repeat", "attention"])]
-    assert set(ordinary["comparison"]) <= {"ours-theirs", "ours-real", "theirs-real"}
-    assert (ordinary["comparison"] == ordinary["reference"] + "-" + ordinary["other"]).all()
-    catch = table[table["kind"] == "catch"].iloc[0]
-    assert (catch["reference"], catch["other"]) == ("real", "broken")
-    assert catch[f"{catch['expected']}_condition"] == "real"
-    assert table.loc[table["kind"] == "attention", "instructed"].item() in (-2, -1, 1, 2)
-
-
-def test_of_a_mismatch_the_export_says_what_was_heard(arrive: Arrive) -> None:
-    participant = arrive("mismatch")
-    take_all(participant)
-
-    table = exported(participant)
-
-    fit = table[table["part"] == "fit"]
-    own = (fit["left_speech"] == fit["segment"]) ^ (fit["right_speech"] == fit["segment"])
-    assert own.all()
-    realism = table[table["part"] == "realism"]
-    assert set(realism["left_speech"]) | set(realism["right_speech"]) <= {""}
-
-
-def test_a_video_without_its_sound_is_marked_for_the_page(arrive: Arrive) -> None:
-    participant = arrive("mismatch")
-    muted: dict[str, set[bool]] = {}
-    while (shown := participant.look().trial) is not None:
-        muted.setdefault(shown.part, set()).update(video.muted for video in shown.videos)
-        participant.watch_all()
-        participant.answer(shown.token, some_answers(shown))
-
-    assert muted == {"fit": {False}, "realism": {True}}
-
-
-def test_the_reference_comes_first_is_watched_and_not_ranked(arrive: Arrive) -> None:
-    participant = arrive("ranking")
-    shown = participant.trial()
-
-    assert [video.shows for video in shown.videos] == [(0,), (1,), (2,)]
-    assert {ask.stimulus for ask in shown.asks} == {1, 2}
-    (content,) = content_of(participant.database, shown.videos[0].token) or ()
-    assert content.condition == "real"
-    participant.clock.advance(seconds=60)
-    with pytest.raises(UnacceptableError, match="About 6 s"):
-        participant.answer(shown.token, some_answers(shown))
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
-from studyapp.results.answer_table import study_answers
-from studyapp.results.stored_answers import stored_answers
 from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
@@ -64,19 +62,6 @@ def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
         numbers = [known.number for known in session.scalars(select(StudySession))]
     assert numbers == [0, 0]
     assert participant.look().state == "completed"
-
-
-@pytest.mark.parametrize("kind", ["catch", "attention"])
-def test_to_leave_out_a_check_is_to_fail_it(open_changed: Open, kind: str) -> None:
-    participant = arrive(open_changed)
-
-    finish(participant, left_out=kind)
-
-    assert participant.look().state == "completed"
-    assert holders(participant.database) == 0
-    stored = read_once(participant.database, stored_answers)
-    (known,) = study_answers(participant.served.study, stored).known.values()
-    assert getattr(known, f"failed_{kind}") == 1
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from sqlalchemy import func, select
 
@@ -20,12 +17,10 @@ from studyapp.session.intake import (
     extend,
     present_intake,
     steer,
-    wanted_places,
 )
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -64,7 +59,7 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
     extend(opened, served, clock, 1, by="Ada", reason="two were ill")
     extend(opened, served, clock, 1, by="Ada", reason="one more")
     steer(opened, served, clock, "closed", by="Ada", reason="for a moment")
-    with pytest.raises(StudyFullError):
+    with pytest.raises(StudyFullError, match="The study is over"):
         Participant(opened, served, clock).enrol("late")
     steer(opened, served, clock, "open", by="Ada", reason="go on")
     open_study(opened, served, clock)
@@ -77,18 +72,6 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
     assert (found.places.wanted, found.places.active, found.places.open) == (6, 6, 0)
     with opened.reading() as session:
         assert session.scalar(select(func.count()).select_from(Place)) == 6
-
-
-@SQLITE
-def test_who_comes_too_late_is_told_that_it_is_over_and_not_to_try_again(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    steer(opened, served, clock, "closed", by="Ada", reason="enough")
-
-    with pytest.raises(StudyFullError, match="The study is over") as caught:
-        Participant(opened, served, clock).enrol("late")
-
-    assert "later" not in str(caught.value)
 
 
 @SQLITE
@@ -125,24 +108,3 @@ def test_what_cannot_be_decided_changes_nothing(
 
     assert decided(opened) == []
     assert logged_changes(opened) == []
-
-
-@SQLITE
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_places_beyond_those_of_the_file_have_trials_in_every_protocol(
-    database: Database,
-    clock: SetClock,
-    finished_study: Callable[[str], Path],
-    protocol: str,
-) -> None:
-    served = ServedStudy.read(finished_study(protocol))
-    open_study(database, served, clock)
-    extend(database, served, clock, 2, by="Ada", reason="more")
-    with database.reading() as session:
-        wanted = sum(wanted_places(served, present_intake(session)).values())
-
-    for number in range(wanted):
-        shown = Participant(database, served, clock).enrol(f"visit {number}").begin().look()
-        assert shown.trial is not None
-    with pytest.raises(StudyFullError):
-        Participant(database, served, clock).enrol("too late")

@@ -13,8 +13,6 @@ from studyapp.session.places import release_stale
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.state import find
 from studyapp.session.versions import open_study
-from tests.studyapp.exported import study_sessions_table
-from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.three_arms import three_arms
 
@@ -116,41 +114,3 @@ def test_a_place_that_is_no_longer_wanted_is_not_given_back_to_who_returns(
 
     assert states == ["lapsed"] * 3
     assert sum(participant.look().state == "instructed" for participant in silent) == 2
-
-
-def test_a_replacement_keeps_the_counts_and_the_export_shows_both(
-    database: Database, clock: SetClock
-) -> None:
-    careless, *others = arrive(database, clock, 1, 3)
-    for other in others:
-        finish(other)
-
-    finish(careless, careless=True)
-    assert sum(held(database).values()) == 2
-    (replacement,) = arrive(database, clock, 1, 1)
-    finish(replacement)
-
-    assert set(held(database).values()) == {1}
-    with pytest.raises(StudyFullError):
-        arrive(database, clock, 1, 1)
-    flow = read_once(database, study_sessions_table)
-    assert flow["state"].tolist() == ["completed"] * 4
-    assert flow["answered"].tolist() == [3] * 4
-    assert flow["arm"][0] == flow["arm"][3]
-
-
-def test_a_place_given_on_leaves_the_answers_as_those_of_somebody_unfinished(
-    database: Database, clock: SetClock
-) -> None:
-    silent, *others = arrive(database, clock, 1, 3)
-    for other in others:
-        finish(other)
-    silent.begin()
-    silent.answer(silent.trial().token)
-    clock.advance(minutes=46)
-
-    arrive(database, clock, 1, 1)
-
-    flow = read_once(database, study_sessions_table)
-    assert flow["state"].tolist() == ["lapsed", "completed", "completed", "instructed"]
-    assert flow["answered"].tolist() == [1, 3, 3, 0]

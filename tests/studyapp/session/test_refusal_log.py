@@ -9,13 +9,9 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine
 from studyapp.session import refusal
 from studyapp.session.refusal import (
-    LONGEST,
     ConflictError,
-    NotTheirsError,
     RefusalError,
     StudyFullError,
-    TooMuchWatchedError,
-    UnacceptableError,
     UnknownAddressError,
     note_refusal,
 )
@@ -31,23 +27,6 @@ def noted(participant: Participant) -> list[tuple[int | None, str, str]]:
     with participant.database.reading() as session:
         lines = session.scalars(select(RefusalLine).order_by(RefusalLine.id))
         return [(line.study_session_id, line.kind, line.detail) for line in lines]
-
-
-@pytest.mark.parametrize(
-    ("refusal", "kind"),
-    [
-        (NotTheirsError, "not-theirs"),
-        (ConflictError, "stale-page"),
-        (UnacceptableError, "unacceptable"),
-        (TooMuchWatchedError, "too-much-watched"),
-    ],
-)
-def test_what_was_refused_is_noted_with_the_study_session(
-    participant: Participant, refusal: type[RefusalError], kind: str
-) -> None:
-    note(participant, refusal("No.", "Try again."))
-
-    assert noted(participant) == [(1, kind, "answers: No.")]
 
 
 def test_a_study_that_is_full_refuses_nothing_wrong(participant: Participant) -> None:
@@ -75,12 +54,6 @@ def test_no_more_than_so_many_are_noted_of_one(
     kinds = [kind for _, kind, _ in noted(participant)]
     assert kinds.count("stale-page") == 3
     assert kinds.count("unknown-address") == 2
-
-
-def test_a_long_refusal_is_cut(participant: Participant) -> None:
-    note(participant, UnacceptableError("No. " * 200, "Try again."))
-
-    assert len(noted(participant)[0][2]) == LONGEST
 
 
 def test_a_refusal_that_cannot_be_noted_is_still_only_a_refusal(

@@ -35,7 +35,7 @@ from tests.studyapp.session.ledger import (
     holders_stored,
 )
 from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.three_arms import PRESENTATIONS, three_arms
+from tests.studyapp.three_arms import three_arms
 
 WHO = st.integers(min_value=0, max_value=100)
 
@@ -255,14 +255,3 @@ def test_places_and_answers_come_to_what_was_done(database: Database) -> None:
         ScheduleHere,
         settings=settings(max_examples=10, stateful_step_count=30),
     )
-
-
-def test_a_study_of_three_arms_has_as_many_trials_as_the_schedules_expect(
-    database: Database,
-) -> None:
-    schedule = Schedule(database)
-    schedule.open(1, "kept")
-    schedule.arrive()
-
-    assert len(schedule.people[0].trials) == PRESENTATIONS
-    assert len(schedule.people[0].catch) == 1

@@ -6,19 +6,6 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.design.trial import Content, Stimulus
-
-
-def pair(segment: str, left: str, right: str) -> Content:
-    return (Stimulus.own(left, segment), Stimulus.own(right, segment))
-
-
-def test_both_orders_of_every_pair_are_served(tiny_study: Path) -> None:
-    served = ServedStudy.read(tiny_study)
-
-    assert len(served.videos) == 16
-    assert pair("take-0", "broken", "rule_based") in served.videos
-    assert pair("take-0", "broken", "mismatched") not in served.videos
 
 
 def test_a_missing_video_is_named(tiny_study: Path) -> None:

@@ -96,17 +96,6 @@ def test_nothing_typed_is_no_try(listener: Participant) -> None:
     assert listener.look().sound_tries == 0
 
 
-def test_nothing_is_spoken_once_the_check_is_over(listener: Participant) -> None:
-    hear(listener, digits(listener))
-
-    with pytest.raises(ConflictError, match="over"):
-        digits(listener)
-
-
-def test_participants_hear_different_digits(listener: Participant) -> None:
-    assert len({digits(listener.another().enrol(f"visit {number}")) for number in range(3)}) > 1
-
-
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
     spoken = digits(listener)
     for _ in range(3):

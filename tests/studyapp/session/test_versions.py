@@ -14,7 +14,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Place, StudySession, StudyVersion
 from studyapp.results.export.rows import watching_table
 from studyapp.results.stated_beforehand import stated_study
-from studyapp.session.refusal import ConflictError, StudyFullError
+from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study
 from tests.redefining import redefine
@@ -66,12 +66,6 @@ def test_several_servers_may_open_the_study_at_once(
     assert [version.number for version in versions(database)] == [1]
     with database.reading() as session:
         assert sorted(session.scalars(select(Place.number))) == [0, 1, 2, 3]
-
-
-def test_opening_twice_changes_nothing(participant: Participant) -> None:
-    participant.in_study(participant.served)
-    assert len(versions(participant.database)) == 1
-    assert audit(participant.database) == []
 
 
 def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody_in(
@@ -199,15 +193,6 @@ def test_operation_may_change_and_leaves_a_line(participant: Participant, change
     assert later.trial().position == 1
 
 
-def test_a_closed_study_lets_nobody_in_and_everybody_finish(
-    participant: Participant, change: Change
-) -> None:
-    inside = participant.in_study(change('title = "Gestures', 'open = false\ntitle = "Gestures'))
-    with pytest.raises(StudyFullError, match="takes no new participants"):
-        inside.another().enrol("new")
-    assert inside.take_all()
-
-
 OTHER_RULES = ("[catch]", '[[exclusions]]\nrule = "catch"\nmore_than = 0\n[catch]')
 
 
@@ -217,26 +202,25 @@ def stated_rules(database: Database) -> list[str]:
     return [rule.written() for rule in stated.settled_exclusions]
 
 
-def test_rules_that_change_before_the_first_participant_are_those_that_were_stated(
-    opened: Database, change: Change, clock: SetClock
+def test_rules_that_stand_when_the_first_participant_comes_are_those_that_were_stated(
+    opened: Database, served: ServedStudy, change: Change, clock: SetClock
 ) -> None:
+    before = served.study
     open_study(opened, change(*OTHER_RULES), clock)
-    assert stated_rules(opened) == ["catch>0"]
+    first = Participant(opened, served, clock).in_study(change(*OTHER_RULES[::-1])).enrol()
+    assert stated_rules(opened) == [rule.written() for rule in before.settled_exclusions]
 
+    first.in_study(change(*OTHER_RULES))
 
-def test_rules_that_change_later_need_no_new_version_but_leave_the_stated_ones_as_they_were(
-    participant: Participant, change: Change
-) -> None:
-    participant.in_study(change(*OTHER_RULES))
-    assert stated_rules(participant.database) == ["incomplete", "catch>1"]
-    assert audit(participant.database) == [
-        ("operation_changed", "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']")
-    ]
-    assert len(versions(participant.database)) == 1
+    assert stated_rules(opened) == ["incomplete", "catch>1"]
+    assert audit(opened)[-1] == (
+        "operation_changed",
+        "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']",
+    )
+    assert len(versions(opened)) == 1
 
 
 def test_nothing_is_known_of_a_version_that_cannot_be_read(participant: Participant) -> None:
     with participant.database.writing() as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
     assert read_once(participant.database, stated_study, 1) is None
-    assert read_once(participant.database, stated_study, 2) is None

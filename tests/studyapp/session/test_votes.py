@@ -8,7 +8,6 @@ from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trial_rows import votes_so_far
-from tests.studyapp.session.conftest import Open
 from tests.studyapp.taking_part_steps import Participant
 
 
@@ -87,11 +86,3 @@ def test_other_studies_look_at_no_votes(participant: Participant) -> None:
     participant.take_all()
 
     assert tally(participant, participant.served) == {}
-
-
-def test_an_adaptive_study_asks_next_about_what_is_least_known(open_changed: Open) -> None:
-    newcomer = open_changed(
-        ("participants_per_comparison = 4", "participants = 4"),
-        ('name = "tiny"', 'comparisons = "adaptive"\nname = "tiny"'),
-    )
-    assert newcomer.enrol().begin().take_all()

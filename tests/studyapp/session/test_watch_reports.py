@@ -83,15 +83,6 @@ def test_stalls_and_pictures_are_added_up_as_they_were_measured(participant: Par
         assert (record.frames, record.dropped_frames) == (70, 3)
 
 
-def test_playing_the_same_part_twice_is_no_more_than_once(participant: Participant) -> None:
-    participant.look()
-    participant.clock.advance(seconds=10)
-
-    assert participant.watch((0.0, 1.0), (0.2, 1.0)) == pytest.approx(0.9)
-    assert participant.watch((0.0, 1.0), batch=1) == pytest.approx(0.9)
-    assert participant.watch((1.0, 1.9), batch=2) == 0
-
-
 def test_more_than_has_passed_is_refused_and_not_stored(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=0.5)
@@ -129,14 +120,6 @@ def test_honest_reports_and_answers_are_taken_after_the_clock_went_back_an_hour(
     with pytest.raises(TooMuchWatchedError):
         participant.watch((0.0, 2.5), (0.0, 2.0), playback=Playback(hidden_seconds=5.0))
     assert second_trial.position == second.position
-
-
-def test_the_same_report_sent_twice_is_stored_once(participant: Participant) -> None:
-    participant.look()
-    participant.clock.advance(seconds=5)
-
-    assert participant.watch((0.0, 1.0)) == participant.watch((0.0, 1.0))
-    assert participant.trial().videos[0].watched.next_batch == 1
 
 
 def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows_it(

@@ -23,7 +23,7 @@ from studyapp.session.ending import promise_made
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.redefining import redefine
-from tests.studyapp.exported import responses_table, study_sessions_table
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
 from tests.studyapp.taking_part_steps import Participant
@@ -77,13 +77,6 @@ def test_where_deletion_was_promised_nothing_they_did_is_left(begun: Participant
     assert (left.conditions, left.number, left.started_at) == ([], None, None)
     assert other.trial().position == 2
     assert len(read_once(database, responses_table)) == 2
-
-
-def test_who_withdrew_is_not_enrolled_again(begun: Participant) -> None:
-    begun.withdraw()
-    token = begun.token
-    assert begun.arrive(replace(RECRUITED, token=token)).token == token
-    assert read_once(begun.database, study_sessions_table)["state"].tolist() == ["withdrawn"]
 
 
 @pytest.mark.parametrize("begun", ["kept"], indirect=True)
