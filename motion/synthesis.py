@@ -63,7 +63,7 @@ studies (anger, fear and happiness fast, sadness slow and soft; anger and happin
 pitch range, fear and sadness with a narrow one); the other four were chosen to sound distinct."""
 
 
-def speak(text: str, emotion: str, out_path: Path, speaker: str = "en") -> Audio:
+def speak(text: str, emotion: str, out_path: Path) -> Audio:
     """Speak `text` as `speak_as` does, with the prosody of one of `motion.segment.EMOTIONS`.
 
     Raises
@@ -73,7 +73,7 @@ def speak(text: str, emotion: str, out_path: Path, speaker: str = "en") -> Audio
     """
     if emotion not in EMOTIONS:
         raise InputError(f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTIONS)}")
-    return speak_as(text, PROSODY_OF_EMOTION[emotion], out_path, speaker)
+    return speak_as(text, PROSODY_OF_EMOTION[emotion], out_path)
 
 
 def speak_as(text: str, prosody: SpokenProsody, out_path: Path, speaker: str = "en") -> Audio:

@@ -73,15 +73,6 @@ def test_hands_that_are_outside_stay_where_they_are(adduction: float, seed: int)
     assert notes == ()
 
 
-def test_a_note_says_in_how_many_frames_and_how_far_arms_were_turned() -> None:
-    passing = 60 + 35 * np.exp(-(((np.arange(FRAMES) - 45) / 6) ** 2))
-    clip = _with_left_arm(passing)
-    cleared, (note,) = clear_of_body(clip)
-    turns = _shoulder_turns(clip, cleared)
-    assert f" {round(100 * (turns > 1).mean())}% of the frames" in note
-    assert f" {turns.max():.0f} degrees" in note
-
-
 def test_a_clip_whose_arms_would_hardly_turn_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clearance, "_WORTH_SAYING", np.radians(90))
     clip = _with_left_arm(np.full(FRAMES, 95.0))

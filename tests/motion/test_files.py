@@ -48,18 +48,9 @@ def test_a_written_file_can_be_read_by_others_as_any_new_file(tmp_path: Path) ->
     assert (tmp_path / "a.txt").stat().st_mode == plain.stat().st_mode
 
 
-FORMULAS = (
-    '=HYPERLINK("http://example.org","x")',
-    "+1+cmd|' /C calc'!A0",
-    "-2+3",
-    "@SUM(A1)",
-    "\t=1",
-    "\r=1",
-    "  =1",
+@pytest.mark.parametrize(
+    "formula", ["=A1", "+1+cmd|' /C calc'!A0", "-2+3", "@S(A1)", "\t=1", " =1"]
 )
-
-
-@pytest.mark.parametrize("formula", FORMULAS)
 def test_a_formula_becomes_text(formula: str) -> None:
     assert harmless_cell(formula) == "'" + formula
 

@@ -6,27 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motion.body.archive import added_to_mean_hands, read_mean_hands
+from motion.body.archive import read_mean_hands
 from motion.errors import InputError
-from motion.skeleton import (
-    FINGERS,
-)
-from tests.motion.random_clips import random_clip
-
-
-def test_only_fingers_change_and_resting_ones_become_the_mean_hands() -> None:
-    clip = random_clip()
-    mean = np.random.default_rng(0).normal(0, 0.5, (30, 3)).astype(np.float32)
-    changed = added_to_mean_hands(clip, mean)
-    np.testing.assert_array_equal(
-        np.delete(changed.poses, np.r_[FINGERS], axis=1),
-        np.delete(clip.poses, np.r_[FINGERS], axis=1),
-    )
-    np.testing.assert_allclose(
-        changed.poses[:, FINGERS] - clip.poses[:, FINGERS],
-        mean[None].repeat(len(clip), 0),
-        atol=1e-6,
-    )
 
 
 def test_mean_hands_of_a_licensed_file_are_left_then_right(tmp_path: Path) -> None:

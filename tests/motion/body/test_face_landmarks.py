@@ -66,17 +66,6 @@ def test_they_lie_apart_on_the_face_on_both_sides(landmarks: FaceLandmarks) -> N
     assert (neutral[:, 0] > 0.01).sum() >= 10 <= (neutral[:, 0] < -0.01).sum()
 
 
-def test_head_body_and_shape_do_not_count(landmarks: FaceLandmarks) -> None:
-    clip = random_clip(4)
-    np.testing.assert_array_equal(landmarks.positions(clip), landmarks.positions(face_alone(clip)))
-
-
-def test_arrays_make_the_same_landmarks_again(landmarks: FaceLandmarks) -> None:
-    clip = random_clip(4)
-    again = FaceLandmarks.from_arrays(landmarks.arrays())
-    np.testing.assert_array_equal(again.positions(clip), landmarks.positions(clip))
-
-
 @pytest.mark.parametrize("name", ["template", "weights", "expression_directions", "arkit_slots"])
 def test_arrays_that_do_not_fit_are_refused(landmarks: FaceLandmarks, name: str) -> None:
     arrays = landmarks.arrays()

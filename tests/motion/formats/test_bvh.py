@@ -34,21 +34,8 @@ def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("frame_time", "rate"),
     [
-        ("0.0333333", 30),
-        ("0.0333", 30),
-        ("0.008333", 120),
-        ("0.016666", 60),
-        ("0.04", 25),
-        ("4e-2", 25),
-        ("0.0333667", 29.97),
-        ("0.08", 12.5),
-        ("0.067", 15),
-        ("0.033", 30),
-        ("0.0083", 120),
-        ("0.142857", 7),
-        ("0.03", 33.3333),
-        ("0.017", 58.8235),
-        ("1", 1),
+        *(("0.0333333", 30), ("0.033", 30), ("0.008333", 120), ("0.016666", 60), ("4e-2", 25)),
+        *(("0.0333667", 29.97), ("0.067", 15), ("0.142857", 7), ("0.03", 33.3333), ("1", 1)),
     ],
 )
 def test_frame_time_stands_for_the_rate_it_was_rounded_from(
@@ -113,11 +100,6 @@ def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
     np.testing.assert_array_equal(odd.values, plain.values)
 
 
-def test_joint_names_may_hold_spaces(tmp_path: Path) -> None:
-    text = bvh_text(CHAIN, ROWS).replace("JOINT knee", "JOINT Left Knee")
-    assert read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).joint_names[1] == "Left Knee"
-
-
 def test_header_that_contradicts_the_rows_is_refused_with_the_implied_rate(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         chain(tmp_path, frames=24, frame_time="0.008333")
@@ -146,41 +128,27 @@ def test_given_rate_settles_the_contradiction_and_is_noted(tmp_path: Path) -> No
     assert "read at 15 per second" in motion.notes[0]
 
 
-def test_given_rate_overrides_a_sound_header(tmp_path: Path) -> None:
-    path = save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS))
-    motion = read_bvh(path, frame_rate=60)
-    assert (motion.frame_rate, motion.notes) == (60, ())
-
-
 BAD_EDITS = [
     ("HIERARCHY", "HELLO", "the file is not a BVH", ""),
     ("MOTION", "", "the file is not a BVH", ""),
     ("JOINT knee", "JOINT", "'JOINT' does not fit", "line 6"),
-    ("JOINT knee", "ROOT knee", "'ROOT knee' does not fit", "line 6"),
-    ("JOINT knee", "KNOT knee", "'KNOT knee' does not fit", "line 6"),
     ("JOINT knee", "JOINT hip", "joint 'hip' occurs twice", ""),
     ("End Site", "", "'{' does not fit", "line 15"),
-    ("ROOT hip\n{", "ROOT hip", "'OFFSET .*' does not fit", "line 3"),
     ("ROOT hip\n{", "End Site\n{", "'End Site' does not fit", "line 2"),
     ("}\n}\n}\n}", "}\n}\n}", "the skeleton is not complete", ""),
     ("}\n}\n}\n}", "}\n}\n}\n}\n}", "'}' does not fit", "line 21"),
     ("OFFSET 0.00000000 -40.0", "OFFSET x -40.0", "not an offset of three numbers", "line 8"),
     ("OFFSET 0.00000000 -40.0", "OFFSET nan -40.0", "offset is not finite", "line 8"),
-    ("OFFSET 0.00000000 -40.0", "OFFSET -40.0", "not an offset of three numbers", "line 8"),
     ("CHANNELS 3 Zrotation", "CHANNELS 2 Zrotation", "not a list of channels", "line 9"),
     ("CHANNELS 3 Zrotation", "CHANNELS 3 Wrotation", "not a list of channels", "line 9"),
     ("Frames: 3", "Frames: three", "lacks 'Frames: <number>'", "line 22"),
     ("Frame Time: 0.0333333", "Frame Time:", "lacks 'Frame Time: <seconds>'", "line 23"),
     ("Frame Time: 0.0333333", "Frame Time: fast", "'fast' is not a number", "line 23"),
-    ("Frame Time: 0.0333333", "Frame Time: 0", "frame time 0 is not usable", "line 23"),
     ("Frame Time: 0.0333333", "Frame Time: NaN", "frame time NaN is not usable", "line 23"),
     ("Frame Time: 0.0333333", "Frame Time: 1e-999999", "1e-999999 is not usable", "line 23"),
-    ("Frame Time: 0.0333333", "Frame Time: 1e999999", "1e999999 is not usable", "line 23"),
     ("Frames: 3", f"Frames: {'9' * 5000}", "lacks 'Frames: <number>'", "line 22"),
     ("12 13 14", "12 13", "11 values, the skeleton has 12 channels", "line 25"),
-    ("12 13 14", "12 13 14 15", "13 values, the skeleton has 12 channels", "line 25"),
     ("12 13 14", "12 13 x", "not a number .*'x'", "line 25"),
-    ("12 13 14", "12 13 nan", "not finite", "line 25"),
     ("12 13 14", "12 13 -inf", "not finite", "line 25"),
 ]
 
@@ -222,12 +190,3 @@ def test_a_skeleton_of_200000_joints_inside_each_other_is_refused_where_it_gets_
     with pytest.raises(InputError, match="more than 2000 joints") as caught:
         read_bvh(path)
     assert "line 6002" in caught.value.where
-
-
-def test_real_recording_lies_about_its_frames(shared_data: Path) -> None:
-    path = shared_data / "2_scott_0_1_1.bvh"
-    with pytest.raises(InputError, match=r"7669 frames at 120 .* 957 rows.* 14\.97 per second"):
-        read_bvh(path)
-    motion = read_bvh(path, frame_rate=15)
-    assert motion.values.shape == (957, 228)
-    assert len(motion.joints) == 75

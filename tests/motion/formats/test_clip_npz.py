@@ -158,18 +158,12 @@ BAD_POSES[2, 7] = np.nan
             r"pose_body has shape \(4, 60\)",
         ),
         ({"poses": np.zeros(165)}, r"poses has shape \(165,\)"),
-        ({"poses": np.zeros((0, 165)), "trans": np.zeros((0, 3))}, "no frame"),
         ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),
         ({"poses": BAD_POSES}, r"not a number at index \(2, 2, 1\)"),
-        ({"trans": np.zeros((3, 3))}, "trans has shape"),
-        ({"trans": np.array(["a"] * 4)}, "'trans' holds no numbers"),
-        ({"arkit": np.full((4, 52), 2.0)}, "arkit weights"),
         ({"expressions": np.zeros((4, 101))}, "expressions has shape"),
         ({"betas": np.arange(8.0).reshape(4, 2)}, "betas change"),
         ({"mocap_frame_rate": None}, "no frame rate"),
-        ({"mocap_frame_rate": 0}, "frame rate 0"),
         ({"mocap_frame_rate": "fast"}, "holds no numbers"),
-        ({"gender": "robot"}, "unknown gender 'robot'"),
         ({"gender": np.array(["male", "female"])}, "gender holds 2 values"),
         ({"provenance": "{"}, "provenance is not a JSON"),
         ({"provenance": '{"seed": 1}'}, "provenance is not a JSON object of texts"),
@@ -241,11 +235,6 @@ def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
 def test_a_header_that_promises_more_than_memory_is_refused(tmp_path: Path, frames: int) -> None:
     with pytest.raises(InputError, match=r"bad\.npz"):
         read_clip(archive_of(tmp_path / "bad.npz", (frames, 165), 0))
-
-
-def test_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"gone\.npz: there is no such motion file"):
-        read_clip(tmp_path / "gone.npz")
 
 
 @pytest.mark.parametrize("key", ["mocap_frame_rate", "mocap_framerate", "fps"])

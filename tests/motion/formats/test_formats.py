@@ -17,7 +17,7 @@ from tests.motion.formats.bvh_text import (
     save_bvh_text,
     smplx_skeleton,
 )
-from tests.motion.random_clips import assert_same_clip, random_clip
+from tests.motion.random_clips import assert_same_clip
 
 
 def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
@@ -27,11 +27,6 @@ def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
     ]
     rows = np.stack([columns_of(skeleton, {f"{prefix}left_elbow": (k, 0, 0)}) for k in (10, 20)])
     return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
-
-
-def test_own_file_comes_as_it_is(tmp_path: Path) -> None:
-    write_clip(tmp_path / "a.npz", random_clip())
-    assert_same_clip(read_motion(tmp_path / "a.npz"), random_clip())
 
 
 @pytest.mark.parametrize("ending", ["bvh", "npz", "npy", "txt"])
@@ -144,6 +139,7 @@ def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
     [
         ("words.bvh", b"nothing of the kind"),
         ("empty.npz", b""),
+        ("gone.bvh", None),
         ("torn.npz", b"PK\x03\x04"),
         ("torn.npy", b"\x93NUMPY\x01"),
         ("chain.bvh", bvh_text(CHAIN, np.zeros((1, 12))).encode()),
@@ -151,17 +147,12 @@ def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
         ("picture.npy", b"\x89PNG\r\n"),
     ],
 )
-def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes) -> None:
-    (tmp_path / name).write_bytes(content)
+def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes | None) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=name) as caught:
         read_motion(tmp_path / name)
     assert caught.value.remedy
-
-
-@pytest.mark.parametrize("name", ["gone.bvh", "."])
-def test_missing_file_is_named(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InputError, match="cannot be read"):
-        read_motion(tmp_path / name)
 
 
 def test_real_recording_is_read_in_the_studys_world(shared_data: Path) -> None:

@@ -8,11 +8,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.evaluators.published_presets import ted_joints
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
-from motion.formats.ted_npz import BONES
 from motion.points.turning import front_views, nearest_similarity
 from motion.skeleton import BODY_JOINTS, REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.random_clips import clip_of
@@ -98,30 +96,6 @@ def test_a_table_with_times_is_read(tmp_path: Path) -> None:
     assert_same_gesture(found, clip, 6)
     turned = found.poses[:, joint_index("neck")] + found.poses[:, joint_index("head")]
     np.testing.assert_allclose(turned[:, 1], clip.poses[:, joint_index("head"), 1], atol=0.06)
-
-
-def test_clips_of_ted_gesture_are_read_as_they_are(tmp_path: Path) -> None:
-    clip = gesturing()
-    joints = ted_joints(clip)
-    parents, children = np.array(BONES).T
-    bones = joints[:, children] - joints[:, parents]
-    directions = bones / np.linalg.norm(bones, axis=2, keepdims=True)
-    np.savez(tmp_path / "a.npz", joints=joints, frame_rate=30)
-    np.savez(tmp_path / "b.npz", directions=directions.reshape(-1, 27), frame_rate=30)
-    np.savez(tmp_path / "c.npz", directions=directions)
-    first, second, third = (read_motion(tmp_path / f"{name}.npz") for name in "abc")
-    assert_same_gesture(first, clip, 4)
-    np.testing.assert_allclose(second.poses, first.poses, atol=1e-5)
-    assert third.frame_rate == 15
-    assert read_motion(tmp_path / "c.npz", frame_rate=25).frame_rate == 25
-
-
-def test_joints_that_were_lost_are_named(tmp_path: Path) -> None:
-    at = positions(gesturing())[:, : len(BODY_JOINTS)]
-    at[7, joint_index("left_elbow")] = at[7, joint_index("left_wrist")]
-    np.savez(tmp_path / "a.npz", joints=at, names=BODY_JOINTS, fps=30)
-    with pytest.raises(InputError, match=r"left_elbow and left_wrist are one point in frame 7"):
-        read_motion(tmp_path / "a.npz")
 
 
 def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
