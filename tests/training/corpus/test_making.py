@@ -137,12 +137,6 @@ def test_a_corpus_of_another_version_has_no_truth_to_compute(corpus: Path, tmp_p
         read_request(tmp_path)
 
 
-def test_a_damaged_truth_is_named(tmp_path: Path) -> None:
-    (tmp_path / "a.npz").write_bytes(b"PK nothing")
-    with pytest.raises(InputError, match=r"a\.npz"):
-        read_truth(tmp_path / "a.npz")
-
-
 def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
     takes = read_measured(corpus)
     lengths = minutes(takes)
@@ -158,17 +152,6 @@ def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
     assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
     assert "there is no such take" in page
     assert "nan" not in page
-
-
-def test_speed_and_acceleration_are_those_of_the_wrists() -> None:
-    seconds = np.arange(31) / FRAME_RATE
-    wrists = np.zeros((31, 2, 3))
-    wrists[:, 0, 0] = 0.5 * seconds
-    wrists[:, 1, 1] = seconds**2
-    speed, acceleration = paces([wrists])
-    assert speed.mean == pytest.approx((0.5 + 2.0) / 2, rel=0.02)
-    assert acceleration.high == pytest.approx(2.0, rel=1e-6)
-    assert acceleration.median < 2.0
 
 
 def test_beats_pace_is_that_of_its_recording(shared_data: Path) -> None:

@@ -9,7 +9,7 @@ from motion.audio import Audio
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
-from training.corpus.body_angles import ARM_ANGLES, BodyAngles, told_rotations, within_limits
+from training.corpus.body_angles import ARM_ANGLES, BodyAngles, told_rotations
 from training.corpus.chance import EXPECTED, Chance
 from training.corpus.heard_speech import HeardSpeech, find_strokes, stroke_shape
 from training.corpus.motion_curves import MotionCurves, curves_of, following, wrist_positions
@@ -72,18 +72,6 @@ def test_other_speech_drives_another_motion(process: Process) -> None:
     assert own > max(others) + 0.2
 
 
-def test_hands_strike_when_the_voice_does(process: Process) -> None:
-    # Shortly before a stroke arrives the hand is fast, on arrival slow.
-    speed, moments = process.drive(100.0).wrist_speed, process.strokes.times
-    inside = moments[(moments > 0.5) & (moments < process.duration - 0.5)]
-    assert len(inside) >= 3
-    arriving, before = (
-        np.mean([speed[round(100 * (moment - early))] for moment in inside])
-        for early in (0.0, SPEAKER.attack / 2)
-    )
-    assert before > 2 * arriving
-
-
 def test_silence_calls_for_no_stroke_and_the_hands_rest() -> None:
     silence = Audio(np.zeros(32000, np.float32), 16000)
     curves = drive(silence, "neutral", SPEAKER, 30.0)
@@ -134,14 +122,6 @@ def test_left_and_right_are_mirror_images() -> None:
     np.testing.assert_allclose(right * [-1, 1, 1], left, atol=1e-9)
 
 
-def test_limits_are_never_passed_and_leave_ordinary_angles_alone() -> None:
-    wild = np.random.default_rng(0).uniform(-300, 300, (1000, 2, 8))
-    tame = within_limits(wild)
-    assert np.ptp(tame, axis=(0, 1)).max() < 190
-    ordinary = np.tile([10.0, 20.0, 20.0, 80.0, -20.0, 0.0, 10.0, 0.0], (4, 2, 1))
-    np.testing.assert_array_equal(within_limits(ordinary), ordinary)
-
-
 def test_a_curve_that_does_not_change_has_no_correlation_but_a_reason(process: Process) -> None:
     still = curves_of(np.zeros((180, 141)), np.zeros((180, 51)), 30.0)
     for found in following(still, process.drive(30.0)):
@@ -184,12 +164,6 @@ def test_drift_has_the_stated_mean_and_variance_at_any_frame_rate() -> None:
     assert slow.var() == pytest.approx(1, rel=0.05)
 
 
-def test_the_same_seed_draws_the_same_and_another_one_something_else() -> None:
-    one, again, other = (Chance(seed=seed).strokes(9) for seed in ((1, 7), (1, 7), (1, 8)))
-    assert np.array_equal(one.gains, again.gains)
-    assert not np.array_equal(one.gains, other.gains)
-
-
 def speech_with_humps(peaks: dict[float, float], seconds: float = 4.0) -> HeardSpeech:
     """Return speech whose loudness has a hump of 0.2 s at each of the times, so high."""
     times = np.arange(round(100 * seconds)) / 100
@@ -216,11 +190,6 @@ def test_a_stroke_arrives_where_the_voice_rises_to_a_loud_syllable() -> None:
 def test_of_near_syllables_the_louder_gets_the_stroke() -> None:
     found = find_strokes(speech_with_humps({1.0: 0.7, 1.3: 0.9, 2.5: 0.6}), spacing=0.5)
     np.testing.assert_allclose(found.times, [1.25, 2.45], atol=0.011)
-
-
-def test_quiet_syllables_and_silence_get_none() -> None:
-    assert not len(find_strokes(speech_with_humps({1.0: 0.3}), spacing=0.4).times)
-    assert not len(find_strokes(speech_with_humps({}), spacing=0.4).times)
 
 
 def test_a_stroke_goes_out_and_back_from_rest_to_rest() -> None:

@@ -31,18 +31,10 @@ def test_other_names_tell_nothing(name: str) -> None:
 @pytest.mark.parametrize(
     ("texts", "emotion"),
     [
-        ("0_1_1", "neutral"),
-        ("0_64_64", "neutral"),
-        ("0_65_65", "happiness"),
-        ("0_73_73", "anger"),
-        ("0_86_86", "sadness"),
-        ("0_87_94", "contempt"),
-        ("2_102_102", "surprise"),
-        ("0_103_103", "fear"),
-        ("0_118_118", "disgust"),
-        ("0_119_119", ""),
-        ("0_57_72", ""),
-        ("1_3_3", ""),
+        *(("0_1_1", "neutral"), ("0_64_64", "neutral"), ("0_65_65", "happiness")),
+        *(("0_73_73", "anger"), ("0_86_86", "sadness"), ("0_87_94", "contempt")),
+        *(("2_102_102", "surprise"), ("0_103_103", "fear"), ("0_118_118", "disgust")),
+        *(("0_119_119", ""), ("0_57_72", ""), ("1_3_3", "")),
     ],
 )
 def test_texts_tell_the_emotion_of_whoever_speaks_alone(texts: str, emotion: str) -> None:

@@ -56,7 +56,3 @@ def test_shows_pickles_become_takes(tmp_path: Path) -> None:
     )
     assert motion.expressions is not None
     np.testing.assert_allclose(motion.expressions, arrays["expression"], rtol=1e-6)
-
-
-def test_teds_script_is_python() -> None:
-    compile(script("ted_to_npz.py"), "ted_to_npz.py", "exec")

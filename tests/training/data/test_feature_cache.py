@@ -123,14 +123,6 @@ def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> N
     assert "take02: its digit has shape (0, 2)" in empty
 
 
-def test_a_file_that_is_gone_costs_its_take_alone(takes: TakeFolder, tmp_path: Path) -> None:
-    takes.takes[1].motion.unlink()
-    feature, _ = counting("digit", digit)
-    found = prepared(takes, tmp_path / "cache", feature)
-    assert len(found.takes) == 3
-    assert "take01.bvh: take take01: the file cannot be read" in str(found.skipped[0])
-
-
 def test_sound_and_motion_of_unlike_length_are_no_take(takes: TakeFolder, tmp_path: Path) -> None:
     longer = {"take00": 7, "take01": 8}
     motion, _ = counting("motion", lambda take: np.zeros((30 + longer.get(take.name, 0), 3)))
@@ -150,14 +142,6 @@ def test_no_usable_take_is_an_error_that_quotes_the_first(
     feature, _ = counting("digit", lambda take: np.zeros(3))
     with pytest.raises(InputError, match=r"none of the 4 takes.*take00: its digit has shape \(3,"):
         prepared(takes, tmp_path / "cache", feature)
-
-
-def test_what_was_skipped_before_stays_said(takes: TakeFolder, tmp_path: Path) -> None:
-    before = TakeFolder(
-        kind="beat", takes=takes.takes, speakers=(), skipped=(InputError("no sound"),)
-    )
-    feature, _ = counting("digit", digit)
-    assert prepared(before, tmp_path / "cache", feature).skipped == before.skipped
 
 
 def test_stopping_keeps_what_was_done_and_leaves_nothing_half(
@@ -184,19 +168,6 @@ def test_several_at_once_share_the_work(tmp_path: Path) -> None:
         found = list(pool.map(lambda _: prepared(takes, tmp_path / "cache", feature), range(4)))
     assert sorted(asked) == [take.name for take in takes.takes]
     assert len({one.sha256 for one in found}) == 1
-
-
-def test_progress_is_told_take_by_take(takes: TakeFolder, tmp_path: Path) -> None:
-    told: list[tuple[int, int, str]] = []
-    feature, _ = counting("digit", digit)
-    prepare(
-        takes,
-        [feature],
-        tmp_path / "cache",
-        frame_rate=RATE,
-        show=lambda done, total, name: told.append((done, total, name)),
-    )
-    assert told == [(index + 1, 4, f"take0{index}") for index in range(4)]
 
 
 def test_no_file_stays_open_however_many_takes_there_are(takes: TakeFolder, tmp_path: Path) -> None:

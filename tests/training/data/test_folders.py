@@ -10,7 +10,6 @@ import pytest
 
 from motion.errors import InputError
 from tests.training.data.recordings import write_clicks, write_show, write_smplx, write_ted
-from tests.training.takes import take_named
 from training.data.folders import read_takes
 from training.data.take import TakeFolder
 
@@ -49,13 +48,6 @@ def test_beat_is_read_as_downloaded(tmp_path: Path) -> None:
     assert kieks.transcript is None
     assert kieks.face is None
     assert not found.skipped
-
-
-def test_annotations_of_beat_may_lie_in_a_folder_of_their_own(tmp_path: Path) -> None:
-    beat_take(tmp_path / "data" / "2", "2_scott_0_9_9")
-    touch(tmp_path / "annotations" / "2" / "2_scott_0_9_9.txt")
-    (take,) = read_takes(tmp_path).takes
-    assert take.semantic == tmp_path / "annotations" / "2" / "2_scott_0_9_9.txt"
 
 
 def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
@@ -120,11 +112,6 @@ def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
     assert all(" " not in take.name for take in found.takes)
 
 
-def test_who_speaks_in_a_flat_folder_is_unknown(tmp_path: Path) -> None:
-    smplx_take(tmp_path, "a")
-    assert read_takes(tmp_path).speakers == ("unknown",)
-
-
 def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
     for name in ("good", "bad", "other"):
         smplx_take(tmp_path, name)
@@ -167,14 +154,6 @@ def test_clips_of_one_video_are_in_one_split_where_no_folder_says_so(tmp_path: P
         splits.setdefault(take.motion.parent.parent.name, set()).add(take.split)
     assert all(len(of_video) == 1 for of_video in splits.values())
     assert set.union(*splits.values()) == {"train", "validation", "test"}
-
-
-def test_clips_of_the_same_name_get_names_of_their_own(tmp_path: Path) -> None:
-    for video in ("one", "two"):
-        show_clip(tmp_path / "oliver" / video / "00_01")
-    found = read_takes(tmp_path)
-    assert len({take.name for take in found.takes}) == 2
-    assert not found.skipped
 
 
 def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
@@ -252,9 +231,3 @@ def test_transcripts_are_found_beside_the_motion(tmp_path: Path) -> None:
     assert found["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
     assert found["2_scott_0_10_10"] is None
     assert found["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"
-
-
-@pytest.mark.parametrize(("name", "emotion"), [("a/b", ""), ("", ""), ("a", "boredom")])
-def test_unusable_names_and_emotions_are_refused(name: str, emotion: str) -> None:
-    with pytest.raises(InputError, match=r"not a usable take name|unknown emotion 'boredom'"):
-        take_named(name, emotion=emotion)

@@ -59,15 +59,6 @@ def test_a_folder_of_names_a_split_is_a_list(folder: Path) -> None:
     assert splits_of(read_takes(folder, split_list=lists)) == WANTED
 
 
-@pytest.mark.parametrize("name", ["splits.csv", "train_test_split.csv"])
-def test_a_folders_own_list_is_used(folder: Path, name: str) -> None:
-    rows = [f"{take},{split}" for take, split in WANTED.items()]
-    (folder / name).write_text("name,split\n" + "\n".join(rows))
-    found = read_takes(folder)
-    assert splits_of(found) == WANTED
-    assert found.notes == (f"splits by {name}: 1 train, 1 validation and 1 test",)
-
-
 def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> None:
     (folder / "splits.csv").write_text(
         f"name,split\n{NAMES[0]},train\n{NAMES[1]},additional\n2_scott_0_12_12,test\n"

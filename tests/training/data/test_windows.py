@@ -64,13 +64,6 @@ def test_windows_are_of_one_split_and_too_short_takes_are_told() -> None:
     assert windows.frame_rate == 15
 
 
-def test_rows_come_in_the_order_asked_for() -> None:
-    windows = Windows(takes_of(60), split=None, frames=10, stride=5)
-    found = windows.batch(np.array([3, 0, 3]))["one"]
-    assert found.shape == (3, 10, 2)
-    assert found[:, 0, 1].tolist() == [15, 0, 15]
-
-
 @pytest.mark.parametrize("row", [-1, 11])
 def test_rows_that_are_not_there_are_refused(row: int) -> None:
     windows = Windows(takes_of(60), split=None, frames=10, stride=5)
@@ -81,9 +74,3 @@ def test_rows_that_are_not_there_are_refused(row: int) -> None:
 def test_a_split_without_takes_says_so() -> None:
     with pytest.raises(InputError, match=r"none of 0 takes for validation lasts the 2\.27 s"):
         Windows(takes_of(60), split="validation", frames=34, stride=10)
-
-
-@pytest.mark.parametrize(("frames", "stride"), [(0, 1), (1, 0)])
-def test_windows_of_nothing_are_refused(frames: int, stride: int) -> None:
-    with pytest.raises(InputError, match="cannot be cut"):
-        Windows(takes_of(60), split=None, frames=frames, stride=stride)

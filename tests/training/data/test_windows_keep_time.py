@@ -91,9 +91,8 @@ def ted_directions(frame_rate: float) -> Feature:
     ("write", "motions", "frame_rate", "frames", "stride"),
     [
         (beat, (beat_gesture, beat_expression), 15, 34, 10),
-        (thinned_beat, (beat_gesture, beat_expression), 15, 34, 10),
+        (thinned_beat, (beat_gesture,), 15, 34, 10),
         (beat2, (show_gesture,), 30, 88, 44),
-        (amass, (show_gesture,), 15, 34, 10),
         (mp3_named_wav, (show_gesture,), 15, 34, 10),
         (show, (show_gesture,), 30, 88, 44),
         (ted, (ted_directions,), 15, 34, 10),

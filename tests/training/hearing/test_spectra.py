@@ -65,50 +65,13 @@ def noise(seconds: float, rate: int = RATE, seed: int = 1) -> Audio:
     return Audio((0.1 * rng.standard_normal(round(seconds * rate))).astype(np.float32), rate)
 
 
-def mel_of(hertz: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Slaney's scale: linear up to 1 kHz, then 27 steps to 6.4 times as high."""
-    above = 15 + 27 * np.log(np.maximum(hertz, 1) / 1000) / np.log(6.4)
-    return np.where(hertz < 1000, hertz * 3 / 200, above)
-
-
-def hertz_of(mel: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.where(mel < 15, mel * 200 / 3, 1000 * 6.4 ** ((mel - 15) / 27))
-
-
-def defined(samples: NDArray[np.float32], moment: int) -> NDArray[np.float64]:
-    """The power of one frame in all bands, written out."""
-    around = np.zeros(WINDOW)
-    for place in range(WINDOW):
-        sample = moment - WINDOW // 2 + place
-        if 0 <= sample < len(samples):
-            around[place] = samples[sample]
-    hann = np.sin(np.pi * np.arange(WINDOW) / WINDOW) ** 2
-    bins = np.arange(WINDOW // 2 + 1)
-    turns = np.exp(-2j * np.pi * np.outer(bins, np.arange(WINDOW)) / WINDOW)
-    power = np.abs(turns @ (around * hann)) ** 2
-    edges = hertz_of(np.linspace(0, mel_of(np.array(RATE / 2)), BANDS + 2))
-    hertz = bins * RATE / WINDOW
-    rising = (hertz - edges[:-2, None]) / (edges[1:-1] - edges[:-2])[:, None]
-    falling = (edges[2:, None] - hertz) / (edges[2:] - edges[1:-1])[:, None]
-    triangles = np.maximum(0, np.minimum(rising, falling))
-    bands: np.ndarray = 2 / (edges[2:] - edges[:-2]) * (triangles @ power.T)
-    return bands.astype(np.float64)
-
-
-@pytest.mark.parametrize(("frame_rate", "hop"), [(15, 1200), (30, 600)])
-def test_bands_are_those_of_the_definition(frame_rate: int, hop: int) -> None:
-    speech = noise(1.0)
-    found = mel_bands(speech, frame_rate)
-    for frame in (0, 3, frame_rate - 1):
-        assert found[frame] == pytest.approx(defined(speech.samples, frame * hop), rel=1e-4)
-
-
-def test_bands_are_those_that_librosa_gives_by_default() -> None:
+@pytest.mark.parametrize("rate", [15, 30])
+def test_bands_are_those_that_librosa_gives_by_default(rate: int) -> None:
     speech = noise(2.0)
     theirs = librosa.feature.melspectrogram(
-        y=speech.samples.astype(np.float64), sr=RATE, n_fft=WINDOW, hop_length=1200, n_mels=BANDS
+        y=speech.samples.astype(float), sr=RATE, n_fft=WINDOW, hop_length=RATE // rate, n_mels=BANDS
     )
-    np.testing.assert_allclose(mel_bands(speech, 15), theirs.T[:30], rtol=1e-4)
+    np.testing.assert_allclose(mel_bands(speech, rate), theirs.T[: 2 * rate], rtol=1e-4)
 
 
 @pytest.mark.parametrize("seconds", [0.01, 0.1, 1.0, 3.217, 3.99])
@@ -165,10 +128,3 @@ def test_two_rows_of_coefficients_and_their_changes_make_a_frame() -> None:
 def test_silence_is_finite_and_a_spectrogram_is_logarithms() -> None:
     assert np.isfinite(mfcc(Audio(np.zeros(8000, np.float32), 16000), 15)).all()
     np.testing.assert_allclose(log_mel(NOISE, 15), np.log10(mel_bands(NOISE, 15)), rtol=1e-5)
-
-
-def test_what_is_far_away_changes_nothing() -> None:
-    other = NOISE.samples.copy()
-    other[:8000] = 0
-    changed = mfcc(Audio(other, 16000), 15)
-    np.testing.assert_allclose(changed[10:], mfcc(NOISE, 15)[10:], atol=1e-4)

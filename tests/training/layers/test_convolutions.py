@@ -10,9 +10,6 @@ import torch
 
 from motion.body.face_landmarks import FaceLandmarks
 from training.layers.convolutions import (
-    BODY_PARTS,
-    ComponentEncoder,
-    Decoder,
     GraphConvolution,
     bone_graph,
     component_graph,
@@ -45,17 +42,6 @@ def test_time_is_seen_as_far_as_the_convolution_reaches() -> None:
     assert changed.nonzero().ravel().tolist() == [4, 5, 6, 7, 8]
 
 
-def test_a_component_of_few_nodes_is_filled_with_nothing() -> None:
-    edges = np.zeros((3, 3), np.float32)
-    torch.manual_seed(1)
-    encoder = ComponentEncoder(
-        edges, ((0, 1), (2,)), component_graph(2, pose=False), (4, 6), (3, 3, 5), 3
-    ).eval()
-    values = torch.randn(2, 4, 3, 3)
-    assert encoder(values).shape == (2, 6, 5)
-    assert encoder.places.tolist() == [0, 1, 2, 3]
-
-
 @pytest.mark.parametrize(("kernel", "dilation"), [(3, 1), (5, 1), (3, 4)])
 def test_a_convolution_reaches_half_its_kernel_to_both_sides(kernel: int, dilation: int) -> None:
     torch.manual_seed(1)
@@ -67,10 +53,6 @@ def test_a_convolution_reaches_half_its_kernel_to_both_sides(kernel: int, dilati
     reach = kernel // 2 * dilation
     wanted = list(range(10 - reach, 10 + reach + 1, dilation))
     assert changed.nonzero().ravel().tolist() == wanted
-
-
-def test_a_decoder_tells_every_frame() -> None:
-    assert Decoder(6, 8, 27)(torch.randn(2, 11, 6)).shape == (2, 11, 27)
 
 
 FACE: Final = FaceLandmarks.of_default_body()
@@ -98,7 +80,3 @@ def test_graphs_join_what_the_paper_says() -> None:
     eyes, _, lips, _ = COMPONENTS
     assert face[eyes[0], eyes[1]] == 1
     assert face[np.ix_(eyes, lips)].sum() == 1
-
-
-def test_each_bone_belongs_to_one_part() -> None:
-    assert sorted(bone for part in BODY_PARTS for bone in part) == list(range(9))

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -17,12 +16,6 @@ def lines(steps: int) -> list[dict[str, object]]:
         if step % 10 == 0:
             found.append({"step": step, "held_out": {"loss": 6 / step, "accuracy": 0.5}})
     return found
-
-
-def step_of(line: Mapping[str, object]) -> int:
-    step = line["step"]
-    assert isinstance(step, int)
-    return step
 
 
 @pytest.mark.parametrize("steps", [1, 3000])
@@ -44,20 +37,3 @@ def test_what_was_measured_of_held_out_examples_is_seen(tmp_path: Path) -> None:
         seen[name] = int((pixels == (0xB3, 0x54, 0x1E)).all(axis=2).sum())
     assert seen["learned"] == 0
     assert seen["all"] > 100
-
-
-def test_the_step_whose_weights_are_kept_is_seen(tmp_path: Path) -> None:
-    kept = {}
-    for name, chosen in (("early", 10), ("late", 90)):
-        shown = [
-            {"step": line["step"], "held_out": {"size": abs(step_of(line) - chosen), "loss": 1.0}}
-            if "held_out" in line
-            else line
-            for line in lines(100)
-        ]
-        draw_curves(shown, tmp_path / f"{name}.png", kept=chosen)
-        with Image.open(tmp_path / f"{name}.png") as picture:
-            pixels = np.asarray(picture.convert("RGB"), float)[40:140]
-        orange = pixels[:, :, 0] - pixels[:, :, 2] > 40
-        kept[name] = int(orange.sum(axis=0).argmax())
-    assert (kept["early"], kept["late"]) == pytest.approx((153, 795), abs=10)

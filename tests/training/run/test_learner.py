@@ -58,16 +58,6 @@ def test_the_learning_rate_falls_from_epoch_to_epoch() -> None:
     assert constant.learning_rate(10**6) == 0.02
 
 
-def test_what_was_measured_at_the_lowered_rate_moved_the_weights_less() -> None:
-    fast = learned(CONFIG, steps=3, chance=False)
-    slow = learned(replace(CONFIG, decay=Decay(factor=1e-6)), steps=3, chance=False)
-    for learner, moves in ((fast, True), (slow, False)):
-        before = learner.tensors()["network.common.0.weight"].clone()
-        learner.learn(3)
-        moved = (learner.tensors()["network.common.0.weight"] - before).abs().max()
-        assert (moved > 1e-4) == moves
-
-
 NORMED = replace(CONFIG, batch_size=12, gradient_clip=None)
 
 

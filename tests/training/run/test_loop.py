@@ -46,16 +46,6 @@ def finished(whole: dict[str, bytes], tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_run_that_goes_on_ends_in_the_same_bytes(whole: dict[str, bytes], tmp_path: Path) -> None:
-    for stop in (4, 12):
-        with pytest.raises(TrainingStopped) as stopped:
-            train(Line(), CONFIG, RunFolder(tmp_path), show=interrupt_after(stop))
-        assert (stopped.value.step, stopped.value.steps) == (stop, 23)
-        assert read_weights(tmp_path / FILES[0]).facts["step"] == stop
-    train(Line(), CONFIG, RunFolder(tmp_path))
-    assert content(tmp_path) == whole
-
-
 def test_a_run_killed_between_two_saves_goes_on_from_the_last_one(
     whole: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -178,11 +168,6 @@ def test_a_damaged_state_or_log_is_named(finished: Path, whole: dict[str, bytes]
 def test_a_missing_graphics_processor_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no graphics processor"):
         train(Line(device="cuda"), CONFIG, RunFolder(tmp_path))
-
-
-def test_an_unknown_device_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="unknown device 'tpu'"):
-        train(Line(device="tpu"), CONFIG, RunFolder(tmp_path))
 
 
 def test_a_place_that_cannot_be_written_costs_no_training(tmp_path: Path) -> None:

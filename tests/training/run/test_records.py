@@ -7,7 +7,6 @@ import pytest
 import torch
 from torch import nn
 
-from motion.errors import InputError
 from training.config import TrainingConfig
 from training.run.checkpoint import Best
 from training.run.loop import Trained
@@ -52,14 +51,6 @@ def test_steps_that_a_crash_lost_are_cut_off_when_the_run_goes_on(
         log.add(line)
     log.save()
     assert path.read_bytes() == whole.read_bytes()
-
-
-def test_a_log_of_too_few_steps_is_refused(tmp_path: Path) -> None:
-    grown(tmp_path / "log.jsonl", 3)
-    with pytest.raises(InputError, match="tells of 3 of the 5 steps"):
-        RunLog(tmp_path / "log.jsonl", steps=5)
-    with pytest.raises(InputError, match="tells of 0 of the 1 steps"):
-        RunLog(tmp_path / "none.jsonl", steps=1)
 
 
 def test_a_run_tells_its_config_its_best_step_its_data_and_versions() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 
 import pytest
@@ -35,11 +34,6 @@ def task() -> WindowTask:
     )
 
 
-def test_it_counts_windows_to_learn_from_and_knows_whose_they_are(task: WindowTask) -> None:
-    assert task.examples == len(task.training)
-    assert task.data_sha256 == toy_takes().sha256
-
-
 def test_sizes_weights_and_device_make_it_another_one(task: WindowTask) -> None:
     others = [
         replace(task, config=_Sizes(parts=((0,), (1, 2)))),
@@ -48,7 +42,3 @@ def test_sizes_weights_and_device_make_it_another_one(task: WindowTask) -> None:
         replace(task, device="cuda"),
     ]
     assert all(other.settings != task.settings for other in others)
-
-
-def test_its_settings_are_what_json_gives_back(task: WindowTask) -> None:
-    assert json.loads(json.dumps(task.settings)) == task.settings

@@ -59,12 +59,6 @@ def moved(**turned: tuple[float, float, float]) -> np.ndarray:
     return body.reshape(1, 141)
 
 
-def test_the_order_of_joints_is_that_of_the_recording(recording: BvhMotion) -> None:
-    told = [name for name in recording.joint_names if name in TOLD_JOINTS]
-    assert tuple(told) == TOLD_JOINTS
-    assert len(TOLD_JOINTS) == 47
-
-
 def test_the_recording_lies_where_the_released_means_and_deviations_say(
     recording: BvhMotion,
 ) -> None:

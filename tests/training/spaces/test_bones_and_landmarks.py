@@ -19,7 +19,6 @@ from training.spaces.bones_and_landmarks import (
     directions_of,
     joint_tensors_of,
     joints_of,
-    split_motion,
     values_of,
     with_units,
 )
@@ -87,13 +86,6 @@ def test_joints_are_those_of_equation_2() -> None:
     torch.testing.assert_close(joints, torch.from_numpy(wanted).float())
     lengths = (joints[:, 5] - joints[:, 4]).norm(dim=-1)
     torch.testing.assert_close(lengths, torch.full((4,), float(BONE_LENGTHS[4])))
-
-
-def test_motion_is_split_into_nine_bones_and_the_landmarks() -> None:
-    values = torch.arange(2 * 3 * 33.0).reshape(2, 3, 33)
-    parts = split_motion(values)
-    assert parts["pose"].shape == (2, 3, 9, 3)
-    torch.testing.assert_close(parts["face"][:, :, 1], values[..., 30:])
 
 
 def test_directions_get_length_1_and_landmarks_stay() -> None:
