@@ -2,5 +2,3 @@
 
 Chhatre et al., CVPR 2024.
 """
-
-from generators.amuse.network_file import load_released as load_released

@@ -9,19 +9,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final
 
 import torch
 from torch import Tensor
 
 from generators.amuse.config import LABELS, MotionConfig, SpeechConfig
-from generators.amuse.model import Gaussian, MotionModel
-from generators.amuse.speech import AnySpeechModel, HeardSpeech, SpeechModel, speech_model_of
+from generators.amuse.model import MotionModel
+from generators.amuse.speech import AnySpeechModel, SpeechModel, speech_model_of
 from motion.errors import InputError, listed
 from training.released_weights import ReleasedNames, fill, not_weights, read_saved, tensors_in
 from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
-
-Network = TypeVar("Network")
 
 _MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
 _SPEECH: Final = NetworkKind(name="amuse speech", wanted="AMUSE's speech model")
@@ -114,7 +112,7 @@ def load_speech(path: Path) -> SpeechNetwork:
 
 
 def read_motion_model(file: Path) -> MotionModel:
-    """Return the released prior and denoiser; see `load_released`."""
+    """Return the released prior and denoiser, which ``torch.save`` wrote under these names."""
     found = read_saved(file)
     if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
         raise not_weights(file, "it has no 'prior' and 'denoiser'")
@@ -126,7 +124,7 @@ def read_motion_model(file: Path) -> MotionModel:
 
 
 def read_speech_model(file: Path) -> SpeechModel:
-    """Return the released speech model; see `load_released`."""
+    """Return the released speech model, of which a state dictionary was written."""
     weights = _asked(read_saved(file), file)
     for name in [name for name in weights if ".attn.qkv." in name]:
         for one, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
@@ -144,69 +142,3 @@ def _asked(found: object, file: Path) -> dict[str, Tensor]:
         name: weight.squeeze(1) if name.endswith(".pe") else weight
         for name, weight in weights.items()
     }
-
-
-@dataclass(frozen=True, eq=False)
-class Released:
-    """The released networks, each there if its file was named.
-
-    Attributes
-    ----------
-    motion : MotionModel or None
-    speech : SpeechModel or None
-        Both in evaluation mode, on the CPU.
-    """
-
-    motion: MotionModel | None
-    speech: SpeechModel | None
-
-    def encode(self, motion: Tensor) -> Gaussian:
-        """Return ``(mu, std)`` of the latent of normalised motion (batch, 300, 333)."""
-        return _loaded(self.motion, "prior").prior.encode(motion)
-
-    def decode(self, z: Tensor) -> Tensor:
-        """Return the normalised motion (batch, 300, 333) of latents (batch, 1, 128)."""
-        return _loaded(self.motion, "prior").prior.decode(z)
-
-    def denoise(
-        self, z: Tensor, timestep: Tensor | int, content: Tensor, emotion: Tensor, style: Tensor
-    ) -> Tensor:
-        """Return the noise in latents `z` (batch, 1, 128); see `Denoiser.forward`."""
-        denoiser = _loaded(self.motion, "prior").denoiser
-        eps: Tensor = denoiser(z, torch.as_tensor(timestep), content, emotion, style)
-        return eps
-
-    def encode_speech(self, filterbank: Tensor) -> HeardSpeech:
-        """Return what is heard in standardised filterbanks (batch, 1024, 128)."""
-        heard: HeardSpeech = _loaded(self.speech, "speech")(filterbank)
-        return heard
-
-
-def load_released(prior: str | Path | None = None, speech: str | Path | None = None) -> Released:
-    """Return the released networks, ready to be asked.
-
-    Parameters
-    ----------
-    prior : path, optional
-        What ``torch.save({"prior": state_dict, "denoiser": state_dict})`` wrote.
-    speech : path, optional
-        What ``torch.save`` or safetensors wrote of the speech model's state dictionary.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, or is another network's: it names the weights that are missing,
-        unknown or of another shape.
-    """
-    return Released(
-        motion=None if prior is None else read_motion_model(Path(prior)),
-        speech=None if speech is None else read_speech_model(Path(speech)),
-    )
-
-
-def _loaded(network: Network | None, which: str) -> Network:
-    if network is None:
-        raise InputError(
-            "this network was not loaded", remedy=f"Name its file: load_released({which}=FILE)"
-        )
-    return network
