@@ -72,14 +72,6 @@ def test_placed_body_stands_on_the_floor_facing_z(seed: int) -> None:
     assert facing[2] > 0
 
 
-def test_placing_again_changes_nothing() -> None:
-    placed, _ = place(upright_clip(3))
-    again, notes = place(placed)
-    np.testing.assert_allclose(again.poses, placed.poses, atol=1e-5)
-    np.testing.assert_allclose(again.trans, placed.trans, atol=1e-5)
-    assert notes == ()
-
-
 def test_what_was_turned_is_said() -> None:
     clip = clip_of(np.zeros((2, 55, 3)))
     assert place(clip)[1] == ()
@@ -114,14 +106,6 @@ def test_no_sole_is_further_below_the_ground_than_it_may(
 ) -> None:
     standing = stand_on_ground(_stepping(seed, frames, rate), REST_JOINTS)
     assert sole_heights(standing, REST_JOINTS).min() > GROUND - SINKS_AT_MOST - 1e-5
-
-
-@given(seed=st.integers(0, 9999))
-def test_only_the_height_is_changed(seed: int) -> None:
-    clip = _stepping(seed)
-    standing = stand_on_ground(clip, REST_JOINTS)
-    np.testing.assert_array_equal(standing.poses, clip.poses)
-    np.testing.assert_array_equal(standing.trans[:, [0, 2]], clip.trans[:, [0, 2]])
 
 
 @given(seed=st.integers(0, 9999), sway=st.floats(0.001, 1))

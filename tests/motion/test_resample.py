@@ -53,18 +53,6 @@ def test_turn_goes_the_short_way_round() -> None:
     assert np.abs(middle[1]) == pytest.approx(np.pi, abs=1e-5)
 
 
-def test_translation_and_face_are_interpolated_linearly() -> None:
-    clip = random_clip(2, 1)
-    middle = resample(clip, 2).frames(slice(1, 2))
-    assert clip.expressions is not None
-    assert clip.arkit is not None
-    assert middle.expressions is not None
-    assert middle.arkit is not None
-    np.testing.assert_allclose(middle.trans[0], clip.trans.mean(axis=0), atol=1e-6)
-    np.testing.assert_allclose(middle.expressions[0], clip.expressions.mean(axis=0), atol=1e-6)
-    np.testing.assert_allclose(middle.arkit[0], clip.arkit.mean(axis=0), atol=1e-6)
-
-
 @pytest.mark.parametrize("rate", [0, -30, float("nan"), 1e12])
 def test_unusable_rate_is_refused(rate: float) -> None:
     with pytest.raises(InputError, match="frame rate"):

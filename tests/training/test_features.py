@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import soundfile
 
 from generators.diffsheg.train import features_of
 from motion.audio import read_audio
@@ -22,7 +21,6 @@ from tests.training.data.recordings import (
 )
 from training import features
 from training.data.beat import read_beat_bvh
-from training.data.feature_cache import prepare
 from training.data.folders import read_takes
 from training.data.take import Feature, Take
 from training.hearing.hubert import Hubert, stand_in
@@ -100,41 +98,6 @@ def test_features_that_come_out_otherwise_have_another_version(
             for name, feature in named(dataset, hubert).items()
         }
         assert found == pytest.approx(golden[features.VERSION], abs=1e-4)
-
-
-def test_bad_takes_are_named_and_cost_nobody_else_anything(tmp_path: Path, hubert: Hubert) -> None:
-    data = tmp_path / "data"
-    for text in range(9, 17):
-        write_beat_take(data, f"2_scott_0_{text}_{text}", 1, rate=30)
-
-    def path(text: int, ending: str) -> Path:
-        return data / f"2_scott_0_{text}_{text}{ending}"
-
-    rows = path(10, ".bvh").read_text().splitlines()
-    path(10, ".bvh").write_text("\n".join([*rows[:-1], rows[-1][:50]]))
-    path(11, ".bvh").write_text("\n".join([*rows[:-1], rows[-1].replace("0 0", "0 nan", 1)]))
-    path(12, ".json").write_text('{"names": []}')
-    path(13, ".wav").write_bytes(path(13, ".wav").read_bytes()[:9000])
-    write_clicks(path(14, ".wav"), 1.7)
-    path(15, ".wav").write_bytes(b"")
-    noise = np.random.default_rng(1).uniform(-0.5, 0.5, 44100)
-    soundfile.write(path(16, ".wav"), noise, 44100, format="MP3")
-    found = prepare(
-        read_takes(data), features_of("beat", hubert, 15), tmp_path / "cache", frame_rate=15
-    )
-    assert [take.name for take in found.takes] == ["2_scott_0_16_16", "2_scott_0_9_9"]
-    messages = {
-        10: "values, the skeleton has",
-        11: "not finite",
-        12: "not JSON of facial weights",
-        13: "truncated",
-        14: "more than 0.5 s apart",
-        15: "the file is empty",
-    }
-    assert len(found.skipped) == len(messages)
-    for text, message in messages.items():
-        name = f"2_scott_0_{text}_{text}"
-        assert any(name in str(one) and message in str(one) for one in found.skipped), message
 
 
 def test_motion_of_nobody_is_refused(hubert: Hubert) -> None:

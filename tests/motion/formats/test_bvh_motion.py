@@ -138,10 +138,3 @@ def test_a_quick_start_and_jumps_all_along_are_no_calibration(
 ) -> None:
     motion = chain(tmp_path, rows)
     assert settle_first_frame(motion) is motion
-
-
-def test_real_recording_begins_after_its_calibration(shared_data: Path) -> None:
-    motion = read_bvh(shared_data / "aitviewer_sample.bvh")
-    settled = settle_first_frame(motion)
-    np.testing.assert_array_equal(settled.values[0], motion.values[1])
-    np.testing.assert_array_equal(settled.calibration, motion.values[0])

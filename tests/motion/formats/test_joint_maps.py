@@ -77,17 +77,6 @@ def test_unknown_skeleton_is_refused_with_what_is_not_mapped() -> None:
     assert "--joints FILE" in caught.value.remedy
 
 
-def test_skeleton_with_half_a_leg_is_refused() -> None:
-    names = [name for name in JOINT_MAPS["beat"].values() if name != "LeftLeg"]
-    with pytest.raises(InputError, match="finds nothing for left_knee"):
-        choose_joint_map(names)
-
-
-def test_own_map_may_use_a_joint_twice() -> None:
-    own = {joint: joint.title() for joint in REQUIRED_JOINTS} | {"spine1": "Spine3"}
-    assert check_joint_map(own, set(own.values())) == own
-
-
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
-from motion.points.turning import front_views, nearest_similarity
 from motion.skeleton import BODY_JOINTS, REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.random_clips import clip_of
 
@@ -149,28 +148,6 @@ def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, rows: str, sentence:
     with pytest.raises(InputError, match=r"a\.csv") as caught:
         read_motion(tmp_path / "a.csv", frame_rate=30)
     assert sentence in str(caught.value)
-
-
-def test_similarities_come_back() -> None:
-    chance = np.random.default_rng(0)
-    reference = chance.normal(size=(6, 3))
-    turns = Rotation.random(5, rng=chance)
-    points = np.stack([2.5 * turn.apply(reference) + [1, 2, 3] for turn in turns])
-    found = nearest_similarity(points, reference)
-    np.testing.assert_allclose(
-        found.apply(points), np.broadcast_to(reference, (5, 6, 3)), atol=1e-9
-    )
-    np.testing.assert_allclose(found.scales, 1 / 2.5)
-
-
-def test_the_cameras_place_goes_and_a_quick_turn_stays() -> None:
-    reference = np.array([[-0.2, 0.5, 0], [0.2, 0.5, 0], [-0.1, 0, 0], [0.1, 0, 0]])
-    angles = np.radians(20) * np.sin(np.linspace(0, 60, 300))
-    turns = Rotation.from_rotvec(angles[:, None] * [0, 1, 0])
-    camera = Rotation.from_euler("xyz", [170, 30, 5], degrees=True)
-    seen = np.stack([camera.apply(turn.apply(reference)) for turn in turns])
-    back = front_views(seen, reference, 15)
-    np.testing.assert_allclose((back * camera * turns).magnitude(), np.abs(angles), atol=0.1)
 
 
 def test_a_clip_of_joints_can_be_told_with_the_names_of_other_tools(tmp_path: Path) -> None:

@@ -1,20 +1,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy.optimize import lsq_linear
 
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_motion
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
 from motion.points.clip_from_points import clip_from_points
 from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
@@ -134,35 +131,6 @@ def test_a_face_comes_back_from_its_landmarks(seed: int) -> None:
     assert np.abs(LANDMARKS.shifts(back) - shifts).max() < 3e-4
 
 
-def test_facial_actions_are_bounded_least_squares() -> None:
-    shifts = np.random.default_rng(1).normal(0, 4e-3, (4, LANDMARKS.count, 3)).astype(np.float32)
-    clip = told_by(chosen(random_clip(4)), landmarks=shifts)
-    assert clip.arkit is not None
-    effects = LANDMARKS.body.expression_directions[: LANDMARKS.count].reshape(-1, 52)
-    ridge = np.concatenate([effects.astype(float), 3e-4 * np.eye(52)])
-    for shift, weights in zip(shifts, clip.arkit, strict=True):
-        wanted = np.concatenate([shift.ravel(), np.zeros(52)])
-        best = lsq_linear(ridge, wanted, (0, 1))
-        cost = 0.5 * float(((ridge @ weights - wanted) ** 2).sum())
-        assert cost == pytest.approx(best.cost, rel=1e-4)
-        np.testing.assert_allclose(weights, best.x, atol=0.03)
-
-
-@pytest.mark.parametrize(
-    ("file", "frame_rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
-)
-def test_a_recording_comes_back_from_ten_joints(
-    file: str, frame_rate: float | None, shared_data: Path
-) -> None:
-    clip = read_motion(shared_data / file, frame_rate=frame_rate)
-    back = told_by(chosen(clip), frame_rate=clip.frame_rate)
-    for ends in [*bones(TEN_JOINTS), ("right_shoulder", "left_shoulder")]:
-        assert degrees(bone(clip, *ends), bone(back, *ends)).max() < 1.5, ends
-    # No twist that was made up moves more suddenly than what was recorded.
-    sudden = [np.abs(np.diff(each.poses, 2, axis=0)).max() for each in (clip, back)]
-    assert sudden[1] < 1.2 * sudden[0]
-
-
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -201,13 +169,3 @@ def test_what_is_wrong_with_landmarks_is_said(change: object, sentence: str) -> 
     shifts = change(LANDMARKS.shifts(clip))
     with pytest.raises(InputError, match=sentence):
         told_by(chosen(clip), landmarks=shifts)
-
-
-def test_a_body_without_facial_actions_says_so() -> None:
-    clip = random_clip(3)
-    with pytest.raises(InputError, match="no ARKit facial actions"):
-        told_by(
-            chosen(clip),
-            body=replace(BODY, has_arkit_slots=False),
-            landmarks=LANDMARKS.shifts(clip),
-        )

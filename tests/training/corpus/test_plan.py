@@ -8,7 +8,6 @@ from motion.errors import InputError
 from motion.segment import EMOTIONS
 from training.corpus.plan import SENTENCES, UNHEARD, passage, planned_takes
 from training.corpus.request import MOST_RECORDINGS, CorpusRequest
-from training.data.beat import BeatName
 
 
 def test_the_default_corpus_is_what_it_is_said_to_be() -> None:
@@ -66,18 +65,6 @@ def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
 def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], complaint: str) -> None:
     with pytest.raises(InputError, match=complaint):
         CorpusRequest(**numbers)  # type: ignore[arg-type]  # of any field
-
-
-def test_speakers_that_share_passages_speak_the_same_under_the_same_text() -> None:
-    request = CorpusRequest(speakers=4, sentences=32, takes=1, shared_passages=True)
-    texts: dict[tuple[int, int, bool], set[str]] = {}
-    for take in planned_takes(request):
-        name = BeatName.parse(take.name)
-        assert name is not None
-        texts.setdefault((name.start, name.end, take.unheard), set()).add(take.text)
-    assert {len(spoken) for spoken in texts.values()} == {1}
-    alone = {take.text for take in planned_takes(CorpusRequest(speakers=4, sentences=32, takes=1))}
-    assert len(alone) > len(texts)
 
 
 def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> None:

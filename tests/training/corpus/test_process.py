@@ -101,17 +101,6 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
     return moves * frame_rate
 
 
-def test_emotions_and_speakers_are_told_apart_by_posture(speech: Audio) -> None:
-    still = {
-        (emotion, number): Process.of(speech, emotion, speaker_of(number, 1)).body(5.0).mean(axis=0)
-        for emotion in EMOTIONS
-        for number in (1, 2, 3)
-    }
-    poses = np.stack(list(still.values()))
-    apart = np.linalg.norm(poses[:, None] - poses, axis=2) + np.eye(len(poses))
-    assert apart.min() > 0.1
-
-
 def test_left_and_right_are_mirror_images() -> None:
     angles = BodyAngles(
         trunk=np.zeros((3, 3)),

@@ -73,15 +73,6 @@ def test_classes_are_those_of_what_is_learned_from_and_others_are_not_known() ->
         assert take.speaker == classes.names["speaker"][speaker]
 
 
-def test_what_nobody_told_is_no_class() -> None:
-    prepared = toy_speech()
-    untold = tuple(replace(take, emotion="") for take in prepared.takes)
-    windows = Windows(replace(prepared, takes=untold), split="train", frames=ROWS, stride=ROWS)
-    classes = Classes.of(windows, FIELDS)
-    assert classes.names["emotion"] == ()
-    assert len(classes.known(windows)) == 0
-
-
 def test_the_macro_f1_weighs_rare_classes_like_common_ones() -> None:
     told, true = np.array([0, 0, 0, 0]), np.array([0, 0, 0, 1])
     assert macro_f1(told, true) == pytest.approx((6 / 7 + 0) / 2)

@@ -17,7 +17,6 @@ from motion.errors import InputError
 from training.hearing.hubert import stand_in
 from training.hearing.speech_frames import (
     LONG,
-    LONGEST_WHOLE,
     HearingWindow,
     SpeechFrames,
     hear,
@@ -59,11 +58,6 @@ def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[in
     found = streamed(np.split(SPEECH, sorted(cuts)))
     assert torch.equal(found.mel, at_once.mel)
     assert torch.equal(found.hubert, at_once.hubert)
-
-
-def test_mel_bands_are_those_of_the_whole_speech(at_once: SpeechFrames) -> None:
-    whole = hear_whole(Audio(SPEECH, 16000), 15, HUBERT)
-    torch.testing.assert_close(at_once.mel, whole.mel, rtol=1e-4, atol=1e-6)
 
 
 def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
@@ -147,14 +141,6 @@ def test_long_speech_is_never_heard_at_once() -> None:
     # Places count from where a part's hearing begins, 4 s before all but the first.
     assert float(parts[0].hubert[0, 0]) == 0
     assert float(parts[1].hubert[0, 0]) == 4 * 50
-
-
-def test_speech_of_up_to_ninety_seconds_is_heard_as_a_whole() -> None:
-    audio = Audio(SPEECH, 16000)
-    (found,) = hear(audio, 15, HUBERT)
-    assert torch.equal(found.hubert, hear_whole(audio, 15, HUBERT).hubert)
-    longest = Audio(np.zeros(round(LONGEST_WHOLE * 16000), np.float32), 16000)
-    assert hearing_of(longest) is None
 
 
 def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:

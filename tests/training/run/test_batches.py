@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from training.run.batches import (
     batches_per_epoch,
-    chance_of_part,
     parts_of_step,
     rows_of_step,
 )
@@ -40,22 +39,3 @@ def test_parts_hold_each_example_once_and_are_shared_evenly(
     assert min(len(part) for part in parts) > 0
     if len(rows) >= accumulate + processes:
         assert accumulate <= len(parts) < accumulate + processes
-
-
-def test_one_process_and_several_make_the_same_parts() -> None:
-    rows = np.arange(50)
-    for processes in (1, 2, 4):
-        assert [list(part) for part in parts_of_step(rows, 4, processes)] == [
-            list(part) for part in np.array_split(rows, 4)
-        ]
-
-
-def test_every_part_of_every_step_has_its_own_chance() -> None:
-    chances = {
-        chance_of_part(seed, step, part)
-        for seed in range(3)
-        for step in range(20)
-        for part in range(5)
-    }
-    assert len(chances) == 300
-    assert all(0 <= chance < 2**63 for chance in chances)

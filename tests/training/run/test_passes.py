@@ -171,13 +171,6 @@ def test_weights_that_needed_no_gradient_from_the_beginning_never_learn() -> Non
     assert not any(weight.requires_grad for weight in learner._network.maker.parameters())
 
 
-def test_passes_in_parts_come_to_what_they_do_in_one() -> None:
-    one, parts = learner_of(CONFIG), learner_of(replace(CONFIG, accumulate=4))
-    for step in range(4):
-        assert parts.learn(step) == pytest.approx(one.learn(step), rel=1e-4)
-    torch.testing.assert_close(state(parts), state(one), rtol=1e-4, atol=1e-5)
-
-
 STAGED = replace(
     CONFIG,
     accumulate=2,
@@ -242,8 +235,3 @@ def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
 def test_numbers_out_of_range_are_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(InputError, match=said):
         Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]  # wrong on purpose
-
-
-def test_passes_of_one_name_are_refused() -> None:
-    with pytest.raises(InputError, match="each a name of its own"):
-        replace(CONFIG, passes=(JUDGE, JUDGE))
