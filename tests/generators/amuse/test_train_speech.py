@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 
@@ -15,15 +14,12 @@ from generators.amuse.network_file import load_speech
 from generators.amuse.speech import SpeechEncoder, SpeechModel
 from generators.amuse.train_speech import train_amuse_speech
 from generators.registry import TrainedGenerator, TrainingRequest
-from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.one_device import require_one_device
-from tests.training.takes import take_named
 from training.corpus.request import CorpusRequest, claim
 from training.data.take import TakeFolder
-from training.features import speech_filterbank
 
 Learn = Callable[..., TrainedGenerator]
 
@@ -184,10 +180,3 @@ def test_a_corpus_whose_speakers_share_no_texts_is_refused(
         return
     with pytest.raises(InputError, match=r"texts of their own.*--shared-passages"):
         learn(1, out, tmp_path / "corpus")
-
-
-def test_a_takes_filterbank_has_a_row_each_ten_milliseconds(tmp_path: Path) -> None:
-    times = np.arange(32_000) / 16_000
-    write_wav(tmp_path / "a.wav", Audio(np.sin(900 * times).astype(np.float32), 16_000))
-    take = take_named("a", tmp_path)
-    assert speech_filterbank(128).compute(take).shape == (200, 128)

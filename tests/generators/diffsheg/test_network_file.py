@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from safetensors.torch import save_file
 
 from generators.diffsheg.config import BEAT
 from generators.diffsheg.network_file import load_network, read_normalisation, write_network
@@ -36,13 +35,6 @@ def test_a_released_checkpoint_without_its_means_is_refused(tmp_path: Path) -> N
     with pytest.raises(InputError, match="means and standard deviations") as refusal:
         load_network(tmp_path / "released.pt", "beat", None)
     assert "axis_angle_mean.npy" in str(refusal.value.remedy)
-
-
-def test_another_programs_safetensors_count_as_a_released_checkpoint(tmp_path: Path) -> None:
-    path = tmp_path / "other.safetensors"
-    save_file({"weight": torch.zeros(1)}, path, metadata={"format": "pt"})
-    with pytest.raises(InputError, match="not DiffSHEG's network for beat"):
-        load_network(path, "beat", tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -91,12 +83,10 @@ def test_the_faces_files_may_lie_in_a_folder_of_their_own(stats: Path) -> None:
     assert read_normalisation(stats, SMALL).mean.tolist() == expected.mean.tolist()
 
 
-@pytest.mark.parametrize("name", sorted(FILES))
-def test_a_missing_file_is_named(stats: Path, name: str) -> None:
-    (stats / f"{name}.npy").unlink()
-    with pytest.raises(InputError, match="no such file") as refusal:
+def test_a_missing_file_is_named(stats: Path) -> None:
+    (stats / "json_std.npy").unlink()
+    with pytest.raises(InputError, match=r"json_std\.npy: .*no such file"):
         read_normalisation(stats, SMALL)
-    assert f"{name}.npy" in str(refusal.value)
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from generators.diffsheg.config import FLOWS, PRESETS, Flow, Sampling
-from generators.diffsheg.layers import FusedSpeech
-from generators.diffsheg.model import Branch, Denoiser
+from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
     Sampler,
@@ -109,10 +108,6 @@ def test_windows_that_share_nothing_are_the_same_alone_and_together() -> None:
     assert torch.equal(one_by_one, together)
 
 
-def test_nothing_said_gives_no_motion() -> None:
-    assert len(moved(pieces=[])) == 0
-
-
 def test_motion_comes_before_the_speech_has_ended() -> None:
     asked: list[int] = []
 
@@ -131,11 +126,6 @@ def test_motion_comes_before_the_speech_has_ended() -> None:
     )
     assert len(next(settled)) == FRAMES - SAMPLING.overlap
     assert asked == [0]
-
-
-def test_seeds_decide_the_motion() -> None:
-    assert torch.equal(moved(seed=2), moved(seed=2))
-    assert not torch.equal(moved(seed=2), moved(seed=3))
 
 
 def test_windows_that_share_all_their_frames_are_refused() -> None:
@@ -158,29 +148,6 @@ def _of_a_normal_law(sampling: Sampling) -> Estimate:
         return expected
 
     return estimate
-
-
-class _FromPureNoise(Sampling):
-    """Enters every window at its first step, where nothing but noise is left."""
-
-    @property
-    def entry(self) -> int:
-        return self.steps
-
-
-@pytest.mark.parametrize("jump_count", [1, 2, 5])
-def test_a_perfect_network_is_sampled_nearly_from_its_law_in_the_frames_that_are_new(
-    jump_count: int,
-) -> None:
-    """Few steps without noise of their own, walked again and again, narrow the law a little."""
-    sampling = _FromPureNoise(jump_count=jump_count)
-    known = torch.full((4, 3000), 1.0)
-    random = torch.Generator().manual_seed(2)
-    noise = draw_noise((6, 3000), sampling, random, continues=True)
-    motion = sample_window(_of_a_normal_law(sampling), sampling, noise, known)
-    new = motion[4:]
-    assert float(new.mean()) == pytest.approx(MEAN, abs=0.05)
-    assert float(new.std()) == pytest.approx(SPREAD, rel=0.2)
 
 
 def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
@@ -212,37 +179,8 @@ def test_the_motion_is_that_of_the_plain_network(
     assert float((found - plain).abs().max()) < 1e-4 * float(plain.abs().max())
 
 
-def test_branches_beside_each_other_give_the_same_bits_every_time() -> None:
-    with torch_threads(2):
-        first = moved()
-        assert all(torch.equal(moved(), first) for _ in range(3))
-
-
 def test_speakers_are_told_apart() -> None:
     assert not torch.equal(moved(WindowSampler(NETWORK, PERSON.roll(1), SAMPLING)), moved())
-
-
-@pytest.mark.parametrize("number", [1, 2])
-def test_what_stops_the_branch_ahead_is_told_at_once(
-    number: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    forward = Branch.forward
-
-    def failing(
-        self: Branch,
-        x_t: Tensor,
-        t: Tensor,
-        modulations: Sequence[Tensor],
-        heard: Sequence[FusedSpeech],
-        x0_hat: Tensor | None = None,
-    ) -> Tensor:
-        if x_t.shape[-1] == SMALL.expression_width and int(t) == SAMPLING.timesteps[1]:
-            raise MemoryError("no memory for the face")
-        return forward(self, x_t, t, modulations, heard, x0_hat)
-
-    monkeypatch.setattr(Branch, "forward", failing)
-    with torch_threads(number), pytest.raises(MemoryError, match="for the face"):
-        moved()
 
 
 def test_everything_happens_where_the_network_is() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.train import (
     CHOSEN_BY,
-    HELD_OUT,
     DiffShegTask,
     normalisation_of,
     train_diffsheg,
@@ -28,7 +27,6 @@ from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
 from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
-from training.diffusion import LINEAR
 from training.speakers import Speakers
 
 SMALL = replace(
@@ -157,40 +155,6 @@ def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: Prep
         found = task.validation(task.network().eval())
     assert next(iter(found)) == CHOSEN_BY
     assert found[CHOSEN_BY] == pytest.approx(2 * found["noise"] + 3 * found["reconstruction"])
-
-
-def test_few_held_out_windows_are_measured_with_much_noise(takes: PreparedTakes) -> None:
-    asked: list[torch.Tensor] = []
-
-    class Counting(torch.nn.Module):
-        branches: Mapping[str, torch.nn.Module] = {}
-
-        def forward(self, noisy: torch.Tensor, *told: torch.Tensor) -> torch.Tensor:
-            asked.append(told[0])
-            return noisy
-
-    task = task_of(takes)
-    assert len(task.held_out) < HELD_OUT
-    task.validation(Counting())  # type: ignore[arg-type]  # stands in for the denoiser
-    steps = torch.cat(asked)
-    assert len(steps) == HELD_OUT
-    assert len(set(steps.tolist())) > 0.9 * LINEAR.steps
-
-
-def test_a_guided_network_is_measured_by_what_it_says_when_told_the_speech(
-    takes: PreparedTakes,
-) -> None:
-    found = []
-    for guidance in (1.0, 3.0):
-        task = task_of(takes, config=replace(SMALL, guidance=guidance))
-        torch.manual_seed(5)
-        network = task.network().eval()
-        with torch.no_grad():
-            for weight in network.parameters():
-                weight.add_(0.05 * torch.randn_like(weight))
-            found.append(task.validation(network))
-        assert [one.guidance for one in network.branches.values()] == [guidance, guidance]
-    assert found[0] == found[1]
 
 
 def test_the_network_is_told_who_speaks(takes: PreparedTakes) -> None:

@@ -99,21 +99,6 @@ def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
     assert share_near(moments, strong) > 2 * chance
 
 
-@pytest.mark.parametrize("emotion", EMOTIONS)
-def test_hands_and_elbows_never_enter_the_trunk(clips: Clips, emotion: str) -> None:
-    for seed in SEEDS:
-        _, clip = clips[emotion, seed]
-        joints, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-        chest = joint_index("spine3")
-        names = ("wrist", "elbow", "middle1", "middle3")
-        for name in [f"{side}_{name}" for side in ("left", "right") for name in names]:
-            offset = joints[:, joint_index(name)] - joints[:, chest]
-            x, y, z = np.einsum("tji,tj->it", turns[:, chest], offset)
-            beside_trunk = (y > -0.35) & (y < 0.1)
-            inside = (x / 0.14) ** 2 + (z / 0.11) ** 2 < 1
-            assert not (beside_trunk & inside).any(), name
-
-
 @pytest.fixture(scope="module")
 def body() -> PenetrableBody:
     return PenetrableBody.of(read_body(default_body("mannequin")))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -71,14 +70,6 @@ def test_strokes_keep_the_emotions_distance_and_forms(
         assert allowed
 
 
-def test_the_most_prominent_accents_are_taken() -> None:
-    accents, prominence = np.arange(1, 9) * 0.35 + 1, np.array([0.2, 1.0] * 4)
-    gestures = plan_gestures(
-        heard(accents, prominence), STYLES["neutral"].gestures, np.random.default_rng(0)
-    )
-    np.testing.assert_allclose([g.apex for g in gestures], accents[1::2] - 0.03)
-
-
 def test_a_stroke_begins_on_a_syllable_where_one_is_near() -> None:
     manner, accents = STYLES["neutral"].gestures, np.arange(1, 9) * 1.2
     plain = plan_gestures(heard(accents, np.ones(8)), manner, np.random.default_rng(0))
@@ -87,11 +78,6 @@ def test_a_stroke_begins_on_a_syllable_where_one_is_near() -> None:
     prosody = replace(heard(accents, np.ones(8)), syllables=syllables)
     snapped = plan_gestures(prosody, manner, np.random.default_rng(0))
     np.testing.assert_allclose([gesture.stroke for gesture in snapped], near - 0.03)
-
-
-def test_without_accents_there_is_no_gesture() -> None:
-    silent = heard(np.zeros(0), np.zeros(0))
-    assert plan_gestures(silent, STYLES["anger"].gestures, np.random.default_rng(0)) == ()
 
 
 def test_over_many_seeds_left_right_and_both_hands_gesture() -> None:
@@ -104,12 +90,3 @@ def test_over_many_seeds_left_right_and_both_hands_gesture() -> None:
         )
     }
     assert used == {("left",), ("right",), ("left", "right")}
-
-
-def test_a_lone_gesture_is_retracted() -> None:
-    gestures = plan_gestures(
-        heard(np.array([2.0]), np.ones(1)), STYLES["neutral"].gestures, np.random.default_rng(0)
-    )
-    (ending,) = endings(gestures, 1.0)
-    assert ending.release == pytest.approx(gestures[0].apex + gestures[0].hold)
-    assert ending.rest is not None

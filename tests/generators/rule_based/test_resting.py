@@ -16,7 +16,6 @@ from generators.rule_based.hand_pose import (
     CLASPED_OVER,
     CLASPED_UNDER,
     HELD_OFF,
-    HandPose,
 )
 from generators.rule_based.resting import Rest, plan_rests
 from motion.prosody import Prosody, prosody
@@ -61,6 +60,8 @@ def test_clasped_hands_part_when_the_next_gesture_begins_with_the_one_on_top(
 ) -> None:
     clasps = 0
     for gestures, rests in plans:
+        begins = [rest.begin for rest in rests]
+        assert [0.0, *begins[1:]] == sorted(begins)
         for rest, after in zip(rests, [*rests[1:], None], strict=True):
             upcoming = next((one for one in gestures if one.begin >= rest.begin), None)
             if not rest.clasped or upcoming is None:
@@ -73,13 +74,6 @@ def test_clasped_hands_part_when_the_next_gesture_begins_with_the_one_on_top(
     assert clasps > 3
 
 
-def test_rests_are_in_time_order_from_the_beginning(plans: list[Plan]) -> None:
-    for _, rests in plans:
-        begins = [rest.begin for rest in rests]
-        assert begins[0] == 0.0
-        assert begins == sorted(begins)
-
-
 def test_clasped_hands_lie_on_each_other() -> None:
     over, under = (pose.channels()[None] for pose in (CLASPED_OVER, CLASPED_UNDER))
     poses, trans = pose_body(still(), {"left": under, "right": over})
@@ -87,11 +81,3 @@ def test_clasped_hands_lie_on_each_other() -> None:
     palms = [joints[0, joint_index(f"{hand}_middle1")] for hand in HANDS]
     assert 0.03 < np.linalg.norm(palms[0] - palms[1]) < 0.09
     assert palms[1][2] > palms[0][2]
-
-
-@pytest.mark.parametrize("emotion", ["anger", "fear"])
-def test_clenched_and_drawn_up_hands_stay_what_they_are(heard: Prosody, emotion: str) -> None:
-    own: HandPose = STYLES[emotion].gestures.rest
-    for seed in range(4):
-        _, rests = planned(heard, emotion, seed)
-        assert {pose for rest in rests for pose in rest.poses.values()} == {own}

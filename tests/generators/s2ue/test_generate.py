@@ -41,7 +41,7 @@ def values(made: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 1) ->
     return np.concatenate(list(made.stream(parts, seed=seed)))
 
 
-@pytest.mark.parametrize("seconds", [0.1, 2.0, 2.27, 2.3, 2.4, 4.0, 4.26, 6.4])
+@pytest.mark.parametrize("seconds", [0.1, 2.27, 2.3, 4.26])
 def test_motion_lasts_as_long_as_the_speech(checkpoint: Path, speak: Speak, seconds: float) -> None:
     found = values(generator(checkpoint), speak("a", seconds))
     assert found.shape == (round(seconds * 15), 27 + 3 * FACE.count)
@@ -78,12 +78,7 @@ def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None
         assert seam_acceleration(points, seams, of="points").value < 1.2
 
 
-def test_the_same_seed_gives_the_same_motion_and_another_one_another(
-    checkpoint: Path, speech: SpeechSegment
-) -> None:
-    made = generator(checkpoint)
-    np.testing.assert_array_equal(values(made, speech), values(made, speech))
-    assert not np.array_equal(values(made, speech), values(made, speech, seed=2))
+def test_without_variation_the_seed_is_no_matter(checkpoint: Path, speech: SpeechSegment) -> None:
     still = generator(checkpoint, variation=0.0)
     np.testing.assert_array_equal(values(still, speech), values(still, speech, seed=2))
 
@@ -151,14 +146,3 @@ def test_what_a_network_does_not_tell_is_still(
     path = written_network(tmp_path / "a.safetensors", **{left_out: False})
     clip = generator(path).generate(speech, seed=1, frame_rate=15)
     assert np.ptp(getattr(clip, still), axis=0).max() < 1e-3
-
-
-def test_the_settings_change_with_what_changes_the_motion(checkpoint: Path) -> None:
-    settings = S2ueSettings(checkpoint=checkpoint)
-    others = [
-        S2ueSettings(checkpoint=checkpoint, speaker=2),
-        settings.model_copy(update={"variation": 0.5}),
-    ]
-    assert len({settings.fingerprint(), *(one.fingerprint() for one in others)}) == 3
-    with pytest.raises(ValueError, match="from 1, or name"):
-        S2ueSettings(checkpoint=checkpoint, speaker=0)
