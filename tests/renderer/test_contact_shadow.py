@@ -92,19 +92,6 @@ def test_the_shadow_turns_with_the_foot(
     assert abs(aside.axes[LEFT][0, 0]) > 2 * abs(forwards.axes[LEFT][0, 0])
 
 
-def test_the_corners_lie_round_all_ellipses(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
-) -> None:
-    shadow = _under(caster, body, standing)
-    corners = shadow.corners()[:, [0, 2]]
-    turns = np.linspace(0, 2 * np.pi, 60)
-    circle = np.stack([np.cos(turns), np.sin(turns)])
-    for centre, axes in zip(shadow.centres, shadow.axes, strict=True):
-        rim = centre + (axes @ circle).T
-        assert (rim >= corners.min(axis=0) - 1e-6).all()
-        assert (rim <= corners.max(axis=0) + 1e-6).all()
-
-
 def _frames_of_whole_pictures(stage: Stage, clip: MotionClip) -> list[Any]:
     """Return the video frames that are made when no part of a picture is left out."""
     with pytest.MonkeyPatch.context() as patch:

@@ -75,13 +75,3 @@ def test_files_end_up_equally_large_and_still_made_of_whole_boxes(sizes: list[in
         assert len({len(content) for content in contents}) <= 1
         assert all(boxes(content)[0] == b"mdat" for content in contents)
         assert all(set(boxes(content)[1:]) <= {b"free"} for content in contents)
-
-
-def test_padding_twice_changes_nothing(tmp_path: Path) -> None:
-    videos = [tmp_path / "a.mp4", tmp_path / "b.mp4"]
-    for video, size in zip(videos, (30, 100), strict=True):
-        video.write_bytes(size.to_bytes(4, "big") + b"mdat" + b"x" * (size - 8))
-    pad_to_equal_size(videos)
-    before = [video.stat().st_mtime_ns for video in videos]
-    pad_to_equal_size(videos)
-    assert [video.stat().st_mtime_ns for video in videos] == before

@@ -15,8 +15,7 @@ from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera, frame_clips
-from renderer.look import AVATARS, BACKGROUND, Look, default_body
-from renderer.picture import SUPERSAMPLING
+from renderer.look import AVATARS, Look, default_body
 from tests.renderer.golden_frames import assert_like_golden
 
 
@@ -47,39 +46,6 @@ def test_the_face_looks_as_kept(clip: MotionClip, body_path: Path, tmp_path: Pat
     close = Camera(eye=(0, 0.28, 1.7), target=(0, 0.26, 0), field_of_view=10)
     with Stage(body_path, close, Look(size=160)) as stage:
         assert_like_golden(np.asarray(still(stage, clip, 0.7)), "face", tmp_path)
-
-
-def test_corners_have_the_plain_background(
-    clip: MotionClip, body_path: Path, camera: Camera, small_look: Look
-) -> None:
-    with Stage(body_path, camera, small_look) as stage:
-        picture = np.asarray(still(stage, clip, 0.0)).astype(int)
-    for corner in (picture[0, 0], picture[0, -1]):
-        assert np.abs(corner - BACKGROUND).max() <= 1
-
-
-def test_the_same_frame_is_drawn_the_same_again(
-    clip: MotionClip, body_path: Path, camera: Camera, small_look: Look
-) -> None:
-    with Stage(body_path, camera, small_look) as stage:
-        first = [picture.copy() for picture in stage.pictures(clip)]
-    with Stage(body_path, camera, small_look) as stage:
-        again = [picture.copy() for picture in stage.pictures(clip)]
-    assert len(first) == len(clip)
-    np.testing.assert_array_equal(first, again)
-
-
-def test_a_frame_is_drawn_larger_to_be_averaged_down(body: BodyModel, camera: Camera) -> None:
-    vertices = body.template
-    with FrameRenderer(body.faces, surface_colours(body), camera, 64) as renderer:
-        picture = renderer.draw(vertices, VertexNormals(body).of(vertices))
-    assert picture.shape == (3, 64 * SUPERSAMPLING, 64 * SUPERSAMPLING)
-
-
-def test_drawing_outside_the_with_block_is_an_error(body: BodyModel, camera: Camera) -> None:
-    renderer = FrameRenderer(body.faces, surface_colours(body), camera, 64)
-    with pytest.raises(RuntimeError, match="with block"):
-        renderer.draw(body.template, body.template)
 
 
 def test_a_body_that_does_not_say_what_it_is_made_of_has_one_plain_colour(body: BodyModel) -> None:

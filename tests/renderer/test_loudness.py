@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import math
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pyloudnorm
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio, read_audio
 from motion.synthesis import speak
-from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.encoder import SOUND_RATE
 from renderer.loudness import (
     PEAK_CEILING,
     SHORTEST,
@@ -65,24 +64,6 @@ def test_speech_of_any_level_comes_out_at_the_target_by_another_meter(
     assert heard.notes == ()
 
 
-@needs_espeak
-def test_speech_was_not_at_one_loudness_before(spoken: dict[str, Audio]) -> None:
-    before = [loudness_by_another(speech) for speech in spoken.values()]
-    assert max(before) - min(before) > 3
-
-
-@needs_espeak
-def test_the_sound_of_a_finished_video_has_the_target_loudness(
-    spoken: dict[str, Audio], tmp_path: Path
-) -> None:
-    sound = at_common_loudness(spoken["anger"])
-    video = tmp_path / "video.mp4"
-    with VideoWriter(video, 64, 64, 30, sound):
-        pass
-    decoded = read_audio(video, sample_rate=None)
-    assert loudness_by_another(decoded) == pytest.approx(TARGET, abs=0.3)
-
-
 @given(amplitude=st.floats(0.001, 1.0), hertz=st.floats(80, 8000))
 def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
     audio = tone(0.6, amplitude, hertz)
@@ -92,11 +73,6 @@ def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
     assert len(heard.samples) == len(audio.samples)
     np.testing.assert_allclose(heard.samples, gain * audio.samples, rtol=1e-4, atol=1e-6)
     assert true_peak(heard) <= PEAK_CEILING + 0.01
-
-
-def test_sound_at_the_target_already_stays() -> None:
-    once = at_common_loudness(tone(2, 0.4))
-    np.testing.assert_allclose(at_common_loudness(once).samples, once.samples, rtol=1e-3)
 
 
 def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import hashlib
-import struct
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -93,23 +91,6 @@ def _pictures(path: Path) -> np.ndarray:
         return np.array([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
 
 
-def _packets(path: Path, kind: str) -> list[str]:
-    """Return a digest of each packet of one kind."""
-    with av.open(str(path)) as container:
-        packets = [packet for packet in container.demux() if packet.stream.type == kind]
-        return [hashlib.sha256(bytes(packet)).hexdigest()[:8] for packet in packets]
-
-
-def _boxes(path: Path) -> list[str]:
-    """Return the types of the file's top-level boxes (ISO/IEC 14496-12, 4.2)."""
-    data, at, boxes = path.read_bytes(), 0, []
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at : at + 8])
-        boxes.append(kind.decode())
-        at += size
-    return boxes
-
-
 @pytest.fixture(params=["clip", "pair"])
 def video(request: pytest.FixtureRequest, rendered: tuple[Path, Path], pair: Path) -> Path:
     return rendered[0] if request.param == "clip" else pair
@@ -142,8 +123,8 @@ def test_sound_lasts_as_long_as_the_picture_and_starts_with_it(video: Path) -> N
 
 
 def test_a_video_plays_while_it_loads(video: Path) -> None:
-    boxes = _boxes(video)
-    assert boxes.index("moov") < boxes.index("mdat")
+    data = video.read_bytes()
+    assert 0 < data.index(b"moov") < data.index(b"mdat")
 
 
 def test_colours_are_tagged_as_bt709(video: Path) -> None:
@@ -180,9 +161,6 @@ def test_the_same_input_gives_the_same_bytes(
 ) -> None:
     again = _render(stage, inputs, tmp_path)
     for first, second in zip(rendered, again, strict=True):
-        assert [_packets(first, kind) for kind in ("video", "audio")] == [
-            _packets(second, kind) for kind in ("video", "audio")
-        ]
         assert first.read_bytes() == second.read_bytes()
 
 
@@ -201,16 +179,6 @@ def test_frozen_channels_do_not_move(still_frames: Path, rendered: tuple[Path, P
     face = np.s_[:, 20:60, 60:100]
     assert np.ptp(moving[face].astype(int), axis=0).max() > 20
     assert np.abs(still.astype(int) - moving).max() > 20
-
-
-def test_motion_at_another_rate_is_resampled(
-    stage: Stage, inputs: Path, clip: MotionClip, tmp_path: Path
-) -> None:
-    from motion.resample import resample
-
-    write_clip(tmp_path / "fast.npz", resample(clip, 60))
-    video, _ = _render(stage, inputs, tmp_path, motion=tmp_path / "fast.npz")
-    assert len(_pictures(video)) == FRAMES
 
 
 def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
@@ -271,19 +239,6 @@ def test_missing_or_broken_frames_are_refused(
         _compose(rendered[1], tmp_path / "bad.mkv", inputs, small_look, tmp_path / "pair.mp4")
     with pytest.raises(InputError, match="160 × 160, expected 320 × 320"):
         _compose(rendered[1], rendered[1], inputs, Look(size=320), tmp_path / "pair.mp4")
-
-
-@pytest.mark.slow
-def test_memory_stays_flat_over_a_long_clip(stage: Stage, clip: MotionClip) -> None:
-    """One frame of 77 kB that stays of every ten would be seen; `make soak-render` looks longer."""
-    long = clip.frames(np.arange(900) % len(clip))
-    used = []
-    for number, _ in enumerate(stage.video_frames(long)):
-        if number % 150 == 149:
-            status = Path("/proc/self/status").read_text()
-            used.append(int(status.split("VmRSS:")[1].split()[0]))
-    assert len(used) == 6
-    assert used[-1] - used[1] < 6_000, f"resident kB after each 150 frames: {used}"
 
 
 def test_the_pipeline_runs_at_an_odd_rate(

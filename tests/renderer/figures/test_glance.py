@@ -27,27 +27,25 @@ def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
     assert len(seen.movement) == 89
 
 
-def test_a_figure_that_never_moves_is_told(tmp_path: Path) -> None:
-    assert glance(tmp_path, [44] * 60).remarks == ("never moves",)
+def _rested(frames: int) -> list[int]:
+    return [*SWAYING[:30], *[SWAYING[30]] * frames, *SWAYING[30:60]]
 
 
-def test_freezing_is_told_with_its_times(tmp_path: Path) -> None:
-    frozen = [*SWAYING[:30], *[SWAYING[30]] * 45, *SWAYING[30:60]]
-    assert glance(tmp_path, frozen).remarks == ("still from 1.0 to 2.5 s",)
-
-
-def test_a_short_rest_is_no_freezing(tmp_path: Path) -> None:
-    assert glance(tmp_path, [*SWAYING[:30], *[SWAYING[30]] * 20, *SWAYING[30:60]]).remarks == ()
-
-
-def test_a_jump_is_told_with_its_time(tmp_path: Path) -> None:
-    jumping = [*SWAYING[:40], *[place + 25 for place in SWAYING[40:80]]]
-    assert glance(tmp_path, jumping).remarks == ("jumps at 1.3 s",)
-
-
-def test_jerking_all_the_time_is_told_once(tmp_path: Path) -> None:
-    jerking = [20 + 45 * (k % 2) for k in range(60)]
-    assert glance(tmp_path, jerking).remarks == ("jerks throughout",)
+@pytest.mark.parametrize(
+    ("places", "remarks"),
+    [
+        ([44] * 60, ("never moves",)),
+        (_rested(45), ("still from 1.0 to 2.5 s",)),
+        (_rested(20), ()),
+        ([*SWAYING[:40], *[place + 25 for place in SWAYING[40:80]]], ("jumps at 1.3 s",)),
+        ([20 + 45 * (k % 2) for k in range(60)], ("jerks throughout",)),
+    ],
+    ids=["never moves", "freezes", "rests", "jumps", "jerks"],
+)
+def test_what_is_wrong_with_a_motion_is_told_once_with_its_times(
+    tmp_path: Path, places: list[int], remarks: tuple[str, ...]
+) -> None:
+    assert glance(tmp_path, places).remarks == remarks
 
 
 def test_a_missing_figure_is_told(tmp_path: Path) -> None:

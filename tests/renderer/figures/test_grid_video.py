@@ -10,11 +10,10 @@ import pytest
 
 from motion.audio import Audio
 from motion.clip import MotionClip
-from motion.errors import InputError
 from motion.resample import resample
 from renderer.clip_video import Stage, still
 from renderer.encoder import SOUND_RATE
-from renderer.figures.grid_video import GridLayout, Panel, speed_name, write_grid
+from renderer.figures.grid_video import GridLayout, Panel, write_grid
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
 
@@ -86,11 +85,6 @@ def test_panels_are_inside_the_frame_and_none_covers_another(count: int, widened
         assert apart or abs(one[1] - two[1]) >= 64 + layout.caption_height
 
 
-def test_more_than_nine_clips_are_refused() -> None:
-    with pytest.raises(InputError, match="1 to 9"):
-        GridLayout(count=10, size=64)
-
-
 def test_each_clip_is_in_its_place_in_every_frame(grid: Path, stage: Stage, clips: Clips) -> None:
     shown = pictures(grid)
     assert len(shown) == round(SECONDS * 30)
@@ -160,8 +154,3 @@ def test_the_skeleton_is_drawn_beside_every_body(
         blue = (bones[..., 2] - bones[..., 0]) > 60
         vermilion = (bones[..., 0] - bones[..., 2]) > 60
         assert blue.sum() > 20 and vermilion.sum() > 20
-
-
-def test_speeds_have_names() -> None:
-    assert speed_name(0.25) == "quarter speed"
-    assert speed_name(0.3) == "0.3 × speed"

@@ -42,12 +42,6 @@ def test_what_hardly_moved_in_depth_is_seen_as_it_was_last() -> None:
     assert at(faded([square(RED, 10, 2.98), square(GREEN, 10, 3.0)]), 15) == GREEN
 
 
-def test_older_moments_do_not_mix_where_they_hardly_differ_in_depth() -> None:
-    older = [square(RED, 10, 2.98), square(GREEN, 10, 3.0)]
-    with_last = at(faded([*older, square(GREY, 30, 3.0)]), 15)
-    assert with_last[1] > 2 * with_last[0]
-
-
 def test_variations_have_the_colour_of_their_legend_where_they_differ() -> None:
     both = blended([square(GREY, 0, 3.0), square(GREY, 20, 3.0)])
     for x, colour in zip((5, 25), VARIATION_COLOURS, strict=False):

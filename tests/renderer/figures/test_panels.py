@@ -14,10 +14,8 @@ from renderer.clip_video import Stage, still
 from renderer.figures.panels import (
     FAR,
     CutOut,
-    aspect_of,
     box_around,
     common_box,
-    cropped,
     cut_out,
     face_camera,
     faces_level,
@@ -90,23 +88,6 @@ def test_a_common_box_holds_every_figure(clip: MotionClip, body: BodyModel, came
         left, top, right, bottom = box_around(body, pose, camera)
         assert common[0] <= left and common[1] <= top
         assert common[2] >= right and common[3] >= bottom
-
-
-def test_cutting_to_a_box_keeps_what_is_inside() -> None:
-    picture = Image.new("RGBA", (100, 100), "white")
-    picture.paste("red", (25, 50, 75, 100))
-    box = (0.25, 0.5, 0.75, 1.0)
-    assert aspect_of(box) == 1
-    assert cropped(picture, box, (50, 50)).getcolors() == [(2500, (255, 0, 0, 255))]
-
-
-def test_a_part_of_a_cut_out_has_its_picture_and_its_depth(figure: CutOut) -> None:
-    part = figure.within((0.25, 0.5, 0.75, 1.0))
-    assert part.picture.size == part.depth.shape[::-1] == (80, 80)
-    np.testing.assert_array_equal(part.depth, figure.depth[80:160, 40:120])
-    np.testing.assert_array_equal(
-        np.asarray(part.picture), np.asarray(figure.picture)[80:160, 40:120]
-    )
 
 
 def test_the_face_fills_the_picture_and_is_never_cut(

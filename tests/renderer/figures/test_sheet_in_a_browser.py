@@ -2,33 +2,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
+from playwright.sync_api import Page
 
 from motion.segment import Segment
 from renderer.figures.sheet import Sheet, SheetCell, sheet_page
+from tests.functional.browsing import IN_A_BROWSER, launched
 
-CHROMIUM = Path("/usr/bin/chromium")
 CONDITIONS = tuple(f"condition_{k}" for k in range(6))
 
-pytestmark = pytest.mark.browser
+pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Return the sheet of two segments in Debian's Chromium, or skip the tests."""
-    if not CHROMIUM.exists():
-        pytest.skip("Chromium is not installed: apt-get install chromium")
-    sync_api = pytest.importorskip("playwright.sync_api")
-    with sync_api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(
-            executable_path=str(CHROMIUM), args=["--no-sandbox", "--disable-gpu"]
-        )
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    """Return the sheet of two segments in Chromium."""
+    with launched() as chromium:
         page = chromium.new_page(viewport={"width": 900, "height": 700})
         page.goto(written(tmp_path_factory.mktemp("sheet"), CONDITIONS).as_uri())
         yield page
-        chromium.close()
 
 
 def written(folder: Path, conditions: tuple[str, ...]) -> Path:
@@ -61,12 +54,12 @@ def written(folder: Path, conditions: tuple[str, ...]) -> Path:
     return file
 
 
-def rows(page: Any) -> list[str]:
+def rows(page: Page) -> list[str]:
     """Return the segments of the rows that are seen."""
     return [name.inner_text() for name in page.locator("tbody b").all() if name.is_visible()]
 
 
-def test_rows_are_found_by_what_is_said_and_felt(page: Any) -> None:
+def test_rows_are_found_by_what_is_said_and_felt(page: Page) -> None:
     assert rows(page) == ["one", "two"]
     for words, found in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
         page.fill("#words", words)
@@ -74,22 +67,24 @@ def test_rows_are_found_by_what_is_said_and_felt(page: Any) -> None:
     page.fill("#words", "")
 
 
-def test_rows_without_a_remark_can_be_hidden(page: Any) -> None:
+def test_rows_without_a_remark_can_be_hidden(page: Page) -> None:
     page.check("#remarked")
     assert rows(page) == ["two"]
     page.uncheck("#remarked")
     assert rows(page) == ["one", "two"]
 
 
-def test_search_and_segments_stay_in_view_beside_far_conditions(page: Any) -> None:
+def test_search_and_segments_stay_in_view_beside_far_conditions(page: Page) -> None:
     page.locator("thead th").last.scroll_into_view_if_needed()
     assert page.evaluate("scrollX") > 500
     for place in ("#words", "tbody th >> nth=0"):
-        assert page.locator(place).bounding_box()["x"] >= 0
+        box = page.locator(place).bounding_box()
+        assert box is not None
+        assert box["x"] >= 0
 
 
 def test_it_fits_a_laptop_or_says_that_it_goes_on_and_fits_a_telephone(
-    page: Any, tmp_path: Path
+    page: Page, tmp_path: Path
 ) -> None:
     further = page.locator("#further")
     further.wait_for(state="visible")
@@ -104,7 +99,7 @@ def test_it_fits_a_laptop_or_says_that_it_goes_on_and_fits_a_telephone(
     further.wait_for(state="hidden")
 
 
-def test_it_follows_light_and_dark(page: Any) -> None:
+def test_it_follows_light_and_dark(page: Page) -> None:
     seen = set()
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)

@@ -11,7 +11,7 @@ from PIL import Image
 
 from motion.audio import Audio
 from motion.errors import InputError
-from renderer.figures.plate import LETTERS, Plate, fitted, font, wrapped
+from renderer.figures.plate import Plate, fitted, font, wrapped
 from renderer.figures.strip import Moment, StripLayout, draw_strip, even_moments, loud_moments
 
 RATE = 8000
@@ -113,15 +113,6 @@ def test_any_number_of_moments_fits_the_width(count: int) -> None:
     assert shape.margin + count * shape.panel[0] <= 6.9 * 300
 
 
-@pytest.mark.parametrize("inches", [1.9, 2.0, 2.05, 2.1, 2.15])
-def test_long_names_and_words_are_written_smaller(inches: float) -> None:
-    # At any width: letters of another size are not exactly in proportion.
-    page = strip(rows=("a_long_condition",), inches=inches)
-    sizes = {text.get_text(): text.get_fontsize() for text in page.figure.texts}
-    assert sizes["“no”"] == LETTERS
-    assert float(sizes["a_long_condition"]) < LETTERS
-
-
 @pytest.mark.parametrize("inches", [1.0, 2.0, 6.9])
 def test_no_text_covers_another_or_leaves_the_page(inches: float) -> None:
     moments = tuple(Moment(seconds=k / 10, word="an enormous breakfast") for k in range(4))
@@ -193,12 +184,6 @@ def test_wrapped_text_keeps_every_word_where_there_is_room(words: list[str]) -> 
     lines = wrapped(" ".join(words), letters, 160, 40)
     assert " ".join(lines).split() == words
     assert all(letters.getlength(line) <= 160 for line in lines)
-
-
-def test_what_does_not_fit_ends_with_an_ellipsis() -> None:
-    lines = wrapped("one two three four five six seven eight", font(12), 60, 2)
-    assert len(lines) == 2
-    assert lines[-1].endswith("…")
 
 
 def test_letters_are_there_without_a_system_font() -> None:

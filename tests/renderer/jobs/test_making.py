@@ -119,10 +119,6 @@ def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) ->
     assert len(contents) == 1
 
 
-def test_no_jobs_are_done_at_once() -> None:
-    assert run_jobs([], processes=1) == []
-
-
 def _running_in_group(group: int) -> list[str]:
     """Return the states of the group's processes, ended ones left out, from Linux's /proc."""
     states = []
@@ -225,26 +221,6 @@ def test_pairs_wait_for_both_their_clips() -> None:
     assert order.next() is None
     order.succeeded(1)
     assert order.next() == 2
-
-
-def test_pairs_of_frames_that_are_there_already_wait_for_nothing() -> None:
-    assert JobOrder([pair("x", "y")]).next() == 0
-
-
-def test_a_ready_pair_goes_before_later_clips() -> None:
-    order = JobOrder([clip("a"), pair("a", "a"), clip("b")])
-    assert order.next() == 0
-    order.succeeded(0)
-    assert [order.next(), order.next()] == [1, 2]
-
-
-def test_a_failed_clip_takes_its_pairs_with_it_once() -> None:
-    order = JobOrder([clip("a"), clip("b"), clip("c"), pair("a", "b"), pair("b", "c")])
-    assert [order.next() for _ in range(3)] == [0, 1, 2]
-    assert order.failed(0) == [3]
-    order.succeeded(1)
-    assert order.failed(2) == [4]
-    assert order.next() is None
 
 
 @given(data=st.data(), clips=st.integers(1, 6), pairs=st.integers(0, 12))
