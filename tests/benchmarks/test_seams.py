@@ -60,14 +60,6 @@ def test_the_ratio_is_that_of_accelerations_there_and_elsewhere() -> None:
     assert ratio(values, windows) == pytest.approx(3)
 
 
-def test_windows_that_share_nothing_have_their_seam_between_two_frames() -> None:
-    windows = Windows(frames=30, overlap=0, frame_rate=15)
-    values = wandering()
-    for border in range(30, 600, 30):
-        values[border:] += 5
-    assert ratio(values, windows) > 2
-
-
 @pytest.mark.parametrize(
     ("values", "reason"),
     [(wandering(50), "1 seams"), (np.zeros((600, 2, 3)), "nothing moves")],

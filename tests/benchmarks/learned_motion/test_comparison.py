@@ -12,9 +12,7 @@ from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import (
     Followings,
     edit_verdicts,
-    score_of,
     verdicts,
-    written,
 )
 from benchmarks.learned_motion.editing import BY_NAME, Edited
 from benchmarks.learned_motion.following import MEASURES, MeanFollowed
@@ -67,12 +65,6 @@ def test_motion_that_follows_any_speech_fails() -> None:
     failed = [claim for claim, holds in judged(swapped=0.25).items() if not holds]
     assert len(failed) == 4
     assert all("swapped" in claim for claim in failed)
-
-
-def test_motion_that_does_not_follow_its_own_speech_fails() -> None:
-    failed = [claim for claim, holds in judged(own=0.02).items() if not holds]
-    assert len(failed) == 4
-    assert all("with its own speech" in claim for claim in failed)
 
 
 def score(condition: str, name: str, value: float) -> ConditionScore:
@@ -130,11 +122,6 @@ def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed:
     assert [number for number, one in enumerate(judged) if not one.holds] == [failed]
 
 
-def test_a_score_is_found_by_condition_and_name() -> None:
-    assert score_of(METRICS, "trained_1", names.FGD) == 3.25
-    assert math.isnan(score_of(METRICS, "ground_truth", names.FGD))
-
-
 def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_ones() -> None:
     found = {
         GROUND_TRUTH: following(0.7, 0.0),
@@ -159,8 +146,3 @@ def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_on
     assert "| trained_1 | 3.25 |" in text
     assert text.count("**no**") == 4
     assert "- Made of nothing." in text
-
-
-def test_a_mean_without_clips_is_a_dash() -> None:
-    assert written(NOTHING) == "–"
-    assert written(around(0.25)) == "0.250 [0.200, 0.300]"

@@ -40,13 +40,6 @@ def test_held_postures_and_expressions_count_nothing(synchrony: FaceBodySynchron
     assert synchrony(seen + held) == pytest.approx(synchrony(seen))
 
 
-def test_size_does_not_count(synchrony: FaceBodySynchrony) -> None:
-    seen = recordings(2)
-    smaller = seen.copy()
-    smaller[..., 27:] *= 0.1
-    assert synchrony(smaller) == pytest.approx(synchrony(seen))
-
-
 def test_who_stands_still_is_not_in_synchrony(synchrony: FaceBodySynchrony) -> None:
     still = recordings(2)
     still[..., :27] = 0

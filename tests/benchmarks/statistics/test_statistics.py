@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import itertools
-
-import numpy as np
 import pytest
 
 from benchmarks.statistics.__main__ import main
@@ -10,10 +7,9 @@ from benchmarks.statistics.beside_python import (
     beside_choix,
     beside_gather,
     made_votes,
-    timed,
     why_not_choix,
 )
-from benchmarks.statistics.beside_r import BesideR, beside_r, made_answers, why_not_r
+from benchmarks.statistics.beside_r import beside_r, made_answers, why_not_r
 
 TINY = ("--side", "8", "--large-side", "10", "--votes", "500", "--resamples", "50")
 
@@ -37,30 +33,6 @@ def test_it_agrees_with_choix_on_the_votes_it_times() -> None:
 
 def test_both_bootstraps_spread_alike() -> None:
     assert beside_gather(30, 20, resamples=2000, turns=1).deviations_apart < 0.1
-
-
-def test_made_votes_have_no_ties_and_all_conditions() -> None:
-    votes = made_votes(2000)
-
-    assert set(votes.outcome) == {-1, 1}
-    assert set(votes.left) == set(votes.right) == set(range(10))
-
-
-@pytest.mark.parametrize("apart", ["estimates_apart", "errors_apart", "log_likelihood_apart"])
-def test_one_large_difference_is_no_agreement(apart: str) -> None:
-    alike = {"estimates_apart": 0.0, "errors_apart": 0.0, "log_likelihood_apart": 0.0}
-
-    assert BesideR(seconds=1, seconds_r=20, **alike).agrees
-    assert not BesideR(seconds=1, seconds_r=20, **{**alike, apart: 0.1}).agrees
-
-
-def test_the_least_of_several_turns_counts() -> None:
-    turns = itertools.count(1)
-
-    found, seconds = timed(lambda: np.arange(next(turns)), turns=3)
-
-    assert len(found) == 3
-    assert seconds >= 0
 
 
 def test_what_is_missing_is_skipped_with_its_reason(

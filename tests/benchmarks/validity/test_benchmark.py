@@ -77,21 +77,6 @@ def test_conditions_that_differ_by_the_margin_are_seldom_found_equivalent() -> N
     assert row.realised.power.value > 0.5
 
 
-def test_every_kind_of_study_is_simulated_with_fewer_segments_too() -> None:
-    for experiment in EXPERIMENTS:
-        if experiment.name == "verdicts, other processes":
-            continue  # The process varies there, not the size.
-        items = {design.items for design in experiment.designs}
-        assert min(items) < max(items)
-
-
-@pytest.mark.parametrize(
-    "name", ["pairs", "pairs, mixed model", "mismatch", "ratings", "votes", "rankings"]
-)
-def test_every_protocol_is_simulated_with_very_few_segments(name: str) -> None:
-    assert min(design.items for design in BY_NAME[name].designs) <= 6
-
-
 def test_how_the_work_is_shared_out_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("benchmarks.validity.benchmark.BLOCK", 2)
     one = replace(VOTES, designs=(SMALL,))

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,8 @@ from numpy.typing import NDArray
 from renderer.look import AVATARS, BACKGROUND, default_body
 from tools.avatars.assembly import build_body
 from tools.avatars.colours import open_sky
-from tools.avatars.patch import Patch, boundary_edges, hemmed, joined, lining, vertex_normals
-from tools.avatars.recipes import COMMON_COLOURS, RECIPES
+from tools.avatars.patch import Patch, boundary_edges
+from tools.avatars.recipes import RECIPES
 from tools.avatars.sample_poses import SAMPLE_POSES
 from tools.avatars.sheet import COLUMNS, avatar_sheet
 
@@ -70,23 +69,6 @@ def test_refining_a_part_leaves_no_gap(marks: list[bool]) -> None:
     np.testing.assert_allclose(length, 4 * (SIDE - 1))
 
 
-def test_a_hem_turns_in_by_its_depth_and_a_lining_faces_the_other_way() -> None:
-    raised = SHEET.raised(0.01)
-    rimmed = hemmed(raised, boundary_edges(raised.faces), 0.004)
-    assert len(rimmed) == len(raised) + 4 * (SIDE - 1)
-    np.testing.assert_allclose(np.unique(rimmed.lift.round(6)), [0.006, 0.01])
-    inside = lining(raised, 0.004)
-    np.testing.assert_allclose(_area(inside), -_area(raised))
-    both = joined(raised, inside)
-    assert len(both) == 2 * len(raised)
-    assert both.faces.max() == len(both) - 1
-
-
-def test_normals_of_a_flat_sheet_point_where_its_faces_do() -> None:
-    normals = vertex_normals(SHEET.take(POINTS), SHEET.faces)
-    np.testing.assert_allclose(normals, np.tile([0.0, 0.0, 1.0], (len(SHEET), 1)))
-
-
 @pytest.mark.slow
 def test_the_shipped_body_is_what_its_recipe_makes() -> None:
     made = build_body(next(recipe for recipe in RECIPES if recipe.name == "mannequin"))
@@ -98,24 +80,6 @@ def test_the_shipped_body_is_what_its_recipe_makes() -> None:
 
 def test_every_avatar_has_a_recipe() -> None:
     assert [recipe.name for recipe in RECIPES] == list(AVATARS)
-
-
-def test_people_differ_in_build_skin_hair_and_clothes() -> None:
-    people = [recipe for recipe in RECIPES if AVATARS[recipe.name].has_face]
-    for told in ("height", "hair", "top"):
-        assert len({getattr(person, told) for person in people}) == len(people)
-    assert len({person.palette["skin"] for person in people}) == len(people)
-
-
-def test_the_mannequin_has_one_colour() -> None:
-    [palette] = [recipe.palette for recipe in RECIPES if recipe.name == "mannequin"]
-    assert len(set(palette.values())) == 1
-
-
-def test_every_colour_is_written_as_hex() -> None:
-    for palette in (COMMON_COLOURS, *(recipe.palette for recipe in RECIPES)):
-        for material, colour in palette.items():
-            assert re.fullmatch("#[0-9a-f]{6}", colour), material
 
 
 def _plate(side: float, height: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -8,10 +8,8 @@ import pytest
 
 from motion.body.model import BodyModel
 from motion.body.skinning import skinning_matrices
-from motion.clip import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.random_clips import clip_of
-from tools.avatars.sample_poses import FIST, SAMPLE_POSES, SamplePose, sample_clip
 from tools.avatars.smplx_rig import (
     t_pose_joints,
     twist_joints,
@@ -60,38 +58,6 @@ def test_weights_shared_out_still_sum_to_one(change: Callable[..., np.ndarray]) 
     np.testing.assert_array_equal(changed[:, others], weights[:, others])
 
 
-def _limb_shape(turned: float, *, shares_twists: bool) -> float:
-    """Return the smallest share of a forearm's cross-section that a twisted wrist leaves."""
-    elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
-    around = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    ring = 0.03 * np.stack([0 * around, np.cos(around), np.sin(around)], axis=1)
-    along = np.linspace(REST_JOINTS[elbow], REST_JOINTS[wrist], 30)
-    vertices = (along[:, None] + ring).reshape(-1, 3)
-    weights = np.zeros((len(vertices), JOINT_COUNT))
-    share = np.clip((np.repeat(along[:, 0], 24) - REST_JOINTS[wrist, 0] + 0.04) / 0.04, 0, 1)
-    weights[:, elbow], weights[:, wrist] = 1 - share, share
-    poses = np.zeros((1, JOINT_COUNT, 3))
-    poses[0, wrist, 0] = np.radians(turned)
-    if shares_twists:
-        shared, extra = with_twist_joints(weights, vertices, REST_JOINTS), twist_joints()
-    else:
-        shared, extra = with_wrists_in_forearms(weights, vertices, REST_JOINTS), None
-    matrices = skinning_matrices(poses, np.zeros((1, 3)), REST_JOINTS, extra)[0]
-    blended = np.einsum("vj,jab->vab", shared, matrices)
-    moved = np.einsum("vab,vb->va", blended[..., :3], vertices) + blended[..., 3]
-    radius = np.linalg.norm(moved - along.repeat(24, axis=0), axis=1).reshape(30, 24)
-    return float(((radius / 0.03) ** 2).mean(axis=1).min())
-
-
-@pytest.mark.parametrize("turned", [-120, -60, 60, 120])
-def test_a_twisted_forearm_keeps_its_thickness(turned: float) -> None:
-    assert _limb_shape(turned, shares_twists=True) > 0.85
-
-
-def test_without_twist_joints_a_twisted_forearm_is_wrung() -> None:
-    assert _limb_shape(120, shares_twists=False) < 0.5
-
-
 def _forearm_thickness(body: BodyModel, joint: str, turned: float) -> np.ndarray:
     """Return the mean squared distance of the left forearm's skin from its bone, slice by slice."""
     elbow, wrist = REST_JOINTS[[joint_index("left_elbow"), joint_index("left_wrist")]]
@@ -118,47 +84,3 @@ def test_the_default_bodys_twisted_forearm_keeps_its_thickness(
 ) -> None:
     straight = _forearm_thickness(body, joint, 0)
     assert (_forearm_thickness(body, joint, turned) / straight).min() > 0.85
-
-
-def _joints(name: str) -> np.ndarray:
-    clip = sample_clip(SAMPLE_POSES[name])
-    return np.asarray(forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0][0])
-
-
-def test_there_are_a_dozen() -> None:
-    assert len(SAMPLE_POSES) == 12
-
-
-def test_arms_hang_where_a_pose_says_nothing_of_them() -> None:
-    joints = _joints("jaw open")
-    for side in ("left", "right"):
-        wrist, shoulder = (joints[joint_index(f"{side}_{part}")] for part in ("wrist", "shoulder"))
-        assert wrist[1] < shoulder[1] - 0.4
-
-
-def test_both_sides_are_mirror_images() -> None:
-    joints = _joints("fists")
-    left, right = (joints[joint_index(f"{side}_wrist")] for side in ("left", "right"))
-    np.testing.assert_allclose(left * [-1, 1, 1], right, atol=1e-6)
-
-
-@pytest.mark.parametrize("side", ["left", "right"])
-def test_crossed_arms_reach_the_other_side_in_front_of_the_body(side: str) -> None:
-    hand = _joints("arms crossed")[joint_index(f"{side}_middle3")]
-    assert hand[0] * (1 if side == "left" else -1) < 0
-    assert hand[2] > 0.1
-
-
-def test_one_finger_can_be_bent_otherwise_than_the_rest() -> None:
-    pose = SamplePose(curled={"right": FIST, "right_index": 0.1})
-    poses = sample_clip(pose).poses[0]
-    assert poses[joint_index("right_ring2"), 2] == pytest.approx(FIST)
-    assert poses[joint_index("right_index2"), 2] == pytest.approx(0.1)
-
-
-def test_a_face_named_for_both_sides_moves_both() -> None:
-    arkit = sample_clip(SamplePose(face={"eyeBlinkBoth": 0.7})).arkit
-    assert arkit is not None
-    chosen = [arkit_index("eyeBlinkLeft"), arkit_index("eyeBlinkRight")]
-    np.testing.assert_allclose(arkit[0, chosen], 0.7)
-    assert arkit.sum() == pytest.approx(1.4)
