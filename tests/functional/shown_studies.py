@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw
 
 from tests.finished_study import write_study_of_one_video
 from tests.redefining import redefine
+from tests.support.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.tiny_study import BACKGROUND, write_tiny_study
 
 SIZE: Final = 360
@@ -97,51 +98,18 @@ title = "Diversity"
 text = "Which motion is the most varied, as long as it stays smooth and natural?"
 """
 
-FORMS: Final = """
-[[form.eligibility]]
-name = "adult"
-text = "Are you 18 years old or older?"
-choices = ["yes", "no"]
-eligible = ["yes"]
-
-[[form.consent]]
-name = "agreed"
-text = "I have read the information above and agree to take part."
-choices = ["yes", "no"]
-eligible = ["yes"]
-
-[[form.demographics]]
-name = "age"
-text = "How old are you?"
-kind = "number"
-low = 18
-high = 99
-
+FORMS: Final = f"""{ELIGIBILITY}{CONSENT}{DEMOGRAPHICS}{SCALE}
 [[form.demographics]]
 name = "gender"
 text = "Which gender are you?"
 choices = ["female", "male", "another", "I would rather not say"]
-
-[[form.demographics]]
-name = "experience"
-text = "How familiar are you with animated characters?"
-kind = "scale"
-low = 1
-high = 5
-choices = ["not at all", "very"]
 
 [[form.comprehension]]
 name = "judged"
 text = "What are you to judge?"
 choices = ["how the speaker moves", "what the speaker looks like"]
 eligible = ["how the speaker moves"]
-
-[[form.closing]]
-name = "remarks"
-text = "Is there anything you would like to tell us?"
-kind = "text"
-required = false
-"""
+{CLOSING}"""
 
 
 def _conditions(count: int) -> str:

@@ -15,48 +15,11 @@ from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, 
 from tests.functional.browsing import IN_A_BROWSER, follow, playing_on
 from tests.functional.looking import LAPTOP, photograph
 from tests.redefining import redefine
+from tests.support.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 
 pytestmark = IN_A_BROWSER
 
-WAY = """
-[[form.eligibility]]
-name = "adult"
-text = "Are you 18 years old or older?"
-choices = ["yes", "no"]
-eligible = ["yes"]
-
-[[form.consent]]
-name = "read"
-text = "I have read what the study is about."
-choices = ["yes"]
-eligible = ["yes"]
-
-[[form.demographics]]
-name = "age"
-text = "How old are you?"
-kind = "number"
-low = 18
-
-[[form.demographics]]
-name = "work"
-text = "What do you work on?"
-kind = "text"
-required = false
-
-[[form.demographics]]
-name = "often"
-text = "How often do you watch animated films?"
-kind = "scale"
-low = 1
-high = 7
-choices = ["never", "every day"]
-
-[[form.closing]]
-name = "comment"
-text = "Is there anything you want to tell us?"
-kind = "text"
-required = false
-"""
+WAY = ELIGIBILITY + CONSENT + DEMOGRAPHICS + SCALE + CLOSING
 HEARD_TO_THE_END = """async audio => {
   await audio.play();
   audio.currentTime = audio.duration - 0.5;
@@ -110,7 +73,7 @@ def hear(page: Page, database: Database) -> None:
 
 def begin(page: Page) -> None:
     page.get_by_label("How old are you?").fill("31")
-    page.get_by_label("7 – every day").check()
+    page.get_by_label("3 – every day").check()
     press(page, "Next")
     press(page, "Begin with the first pair")
 
