@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.planning.many_studies import clustered_tests, crossed_models, thresholds_of
+from analysis.planning.many_studies import clustered_tests, thresholds_of
 from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import (
     Expected,
@@ -27,7 +27,6 @@ from analysis.results.preference import FEWEST
 from analysis.stats.multiple_testing import holm_rows
 from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.strength_differences import difference_tests
-from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +63,7 @@ class DecidingTests:
     @cached_property
     def by_model(self) -> tuple[bool, ...]:
         """Whether a model decides each test; else a clustered mean does."""
-        if self.part.test == "crossed_lmm" or self.part.kind == "ratings":
+        if self.part.kind == "ratings":
             return (False,) * len(self.pairs)
         if self.part.kind == "rankings":
             return (True,) * len(self.pairs)
@@ -87,9 +86,7 @@ class DecidingTests:
     def quick(self, answers: Floats) -> Findings:
         """Test all studies of `answers`, as `drawn_answers` gives them."""
         found = [
-            self._crossed(answers[:, rows])
-            if self.part.test == "crossed_lmm"
-            else self._mean(answers, rows, pair, modelled)
+            self._mean(answers, rows, pair, modelled)
             for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
         ]
         means, p_values = zip(*found, strict=True)
@@ -131,24 +128,6 @@ class DecidingTests:
         scores = _savage_scores(answers) if modelled else answers
         a, b = pair
         return clustered_tests(scores[..., a] - scores[..., b], who, what)
-
-    def _crossed(self, given: Floats) -> tuple[Floats, Floats]:
-        trials = self.part.trials
-        if self.part.kind != "pairs":
-            raise InputError(
-                "the crossed linear mixed model is one of scores of pairs",
-                remedy="Leave --test away to simulate the report's own test",
-            )
-        people, items = trials.analysed, trials.shown_items
-        if len(trials.participants) != people * items or min(people, items) < 2:
-            raise InputError(
-                "the crossed linear mixed model is computed where every participant judges every "
-                "item once, two of each at least",
-                remedy="Set --trials 0, or leave --test away to simulate the report's own test",
-            )
-        order = np.lexsort((trials.items, trials.participants))
-        fitted = crossed_models(given[:, order].reshape(len(given), people, items))
-        return fitted.means, fitted.p_values
 
     def _sided(
         self, given: Floats, on_right: NDArray[np.bool_], rows: NDArray[np.intp]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import multiprocessing
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -79,7 +77,7 @@ class Task:
         digest.update(json.dumps(settings).encode())
         for part in self.size.parts:
             trials = part.trials
-            words = (part.name, part.kind, part.levels, part.blocks, part.family, part.test)
+            words = (part.name, part.kind, part.levels, part.blocks, part.family)
             digest.update(json.dumps([*words, trials.conditions]).encode())
             for codes in (trials.participants, trials.items, trials.left, trials.right):
                 digest.update(b"-" if codes is None else np.asarray(codes, "<i8").tobytes())
@@ -114,7 +112,7 @@ def _seconds(part: Part, effort: Effort, *, with_null: bool) -> float:
         1 if part.kind == "pairs" else part.trials.conditions
     )
     quick = 2.5e-7 * answers * effort.quick * (2 if with_null else 1)
-    if part.kind == "ratings" or part.test == "crossed_lmm":
+    if part.kind == "ratings":
         return quick
     tests = len(part.trials.pairs) if part.kind == "pairs" else 1
     each = (0.018 if part.kind == "pairs" else 0.006) * tests + 6e-6 * answers
@@ -184,7 +182,9 @@ class Runner:
             return
         # The longest first, so that no process is left with one at the end.
         order = sorted(waiting, key=lambda number: -tasks[number].seconds)
-        with _pool(min(self.processes, len(waiting))) as pool:
+        # New processes, not forks: OpenMP's threads do not survive a fork.
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(self.processes, len(waiting)), context) as pool:
             running = {pool.submit(simulated, tasks[number]): number for number in order}
             try:
                 for future in as_completed(running):
@@ -217,19 +217,3 @@ def _less(effort: Effort, share: float) -> Effort:
         quick=max(min(FEWEST_QUICK, effort.quick), int(effort.quick * share)),
         exact=max(FEWEST_EXACT, int(min(effort.exact, USUAL) * share)),
     )
-
-
-@contextmanager
-def _pool(processes: int) -> Iterator[Executor]:
-    # New processes, not forks: the number of threads is read when the libraries load.
-    before = os.environ.get("OPENBLAS_NUM_THREADS")
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    try:
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(processes, mp_context=context) as pool:
-            yield pool
-    finally:
-        if before is None:
-            del os.environ["OPENBLAS_NUM_THREADS"]
-        else:
-            os.environ["OPENBLAS_NUM_THREADS"] = before

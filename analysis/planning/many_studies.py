@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -200,86 +199,3 @@ def _variances(influences: Floats, codes: Codes, shares: Floats) -> Floats:
     )
     sums = np.asarray(table @ influences, np.float64)
     return one_way(sums, shares[:, None])[0]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CrossedModels:
-    """The fits of many studies.
-
-    Attributes
-    ----------
-    means, errors : ndarray, shape (studies,)
-        The fixed intercept and its standard error.
-    freedom : ndarray, shape (studies,)
-        Satterthwaite's degrees of freedom.
-    p_values : ndarray, shape (studies,)
-        Of the mean being zero; NaN where all scores of a study are alike.
-    participant_variances, item_variances, residual_variances : ndarray, shape (studies,)
-        Variance components.
-    """
-
-    means: Floats
-    errors: Floats
-    freedom: Floats
-    p_values: Floats
-    participant_variances: Floats
-    item_variances: Floats
-    residual_variances: Floats
-
-
-def crossed_models(scores: Floats) -> CrossedModels:
-    """Fit the crossed linear mixed model of balanced studies in closed form, and test its mean.
-
-    ``score ~ 1 + (1 | participant) + (1 | item)``, by restricted maximum likelihood. Where every
-    participant judges every item once, that gives the mean squares of the analysis of variance
-    (Searle, Casella & McCulloch 1992, ch. 4); a variance that would be negative is zero, and its
-    sum of squares belongs to the residual. The mean is tested by t with Satterthwaite's degrees of
-    freedom, as R's `lmerTest` does.
-
-    Parameters
-    ----------
-    scores : ndarray, shape (studies, participants, items)
-        At least two participants and two items.
-    """
-    _, people, items = scores.shape
-    means = scores.mean(axis=(1, 2))
-    centred = scores - means[:, None, None]
-    by_participant, by_item = centred.mean(axis=2), centred.mean(axis=1)
-    of_participants = items * (by_participant**2).sum(axis=1)
-    of_items = people * (by_item**2).sum(axis=1)
-    rest = np.maximum((centred**2).sum(axis=(1, 2)) - of_participants - of_items, 0.0)
-    free_participants, free_items = people - 1.0, items - 1.0
-    free_rest = np.full(len(scores), free_participants * free_items)
-    # The term with the smaller mean square falls to zero first; its squares join the residual.
-    sums = {"participant": of_participants, "item": of_items}
-    frees = {"participant": free_participants, "item": free_items}
-    zero = {name: np.zeros(len(scores), bool) for name in sums}
-    for _ in range(2):
-        for name, other in (("participant", "item"), ("item", "participant")):
-            own = sums[name] / frees[name]
-            smaller = (own <= sums[other] / frees[other]) | zero[other]
-            falls = ~zero[name] & smaller & (own < rest / free_rest)
-            rest = np.where(falls, rest + sums[name], rest)
-            free_rest = np.where(falls, free_rest + frees[name], free_rest)
-            zero[name] |= falls
-    residual = rest / free_rest
-    squares = {n: np.where(zero[n], residual, sums[n] / frees[n]) for n in sums}
-    variance = squares["participant"] + squares["item"] - residual
-    spread = (
-        np.where(zero["participant"], 0.0, squares["participant"] ** 2 / free_participants)
-        + np.where(zero["item"], 0.0, squares["item"] ** 2 / free_items)
-        + np.where(zero["participant"] ^ zero["item"], 0.0, residual**2 / free_rest)
-    )
-    with np.errstate(invalid="ignore", divide="ignore"):
-        freedom = variance**2 / spread
-        errors = np.sqrt(variance / (people * items))
-        p_values = 2 * stats.t.sf(np.abs(means) / errors, freedom)
-    return CrossedModels(
-        means=means,
-        errors=errors,
-        freedom=freedom,
-        p_values=np.where(variance > 0, p_values, np.nan),
-        participant_variances=(squares["participant"] - residual) / items,
-        item_variances=(squares["item"] - residual) / people,
-        residual_variances=residual,
-    )

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 Codes = NDArray[np.intp]
 
 Kind = Literal["pairs", "ratings", "rankings"]
-Test = Literal["report", "crossed_lmm"]
-"""What decides: what the study's report decides by, or a crossed linear mixed model of scores."""
 
 THRESHOLDS: Final = (0.45, 1.6)
 """Latent size of a difference from which answers are slight, and from which they are clear."""
@@ -109,8 +107,6 @@ class Part:
         its own, and each question.
     family : str
         Parts of one family are corrected together by Holm's method.
-    test : {'report', 'crossed_lmm'}
-        What decides.
     """
 
     name: str
@@ -119,7 +115,6 @@ class Part:
     levels: int
     blocks: int
     family: str
-    test: Test = "report"
 
     @property
     def tests(self) -> int:

@@ -244,8 +244,7 @@ def _cut(request: Request, asked: Sequence[Task], tasks: Sequence[Task]) -> str:
     return (
         f"Each power rests on {effort.quick:,} simulated studies instead of "
         f"{request.effort.quick:,}, and on at most {effort.exact} fitted models, to take about "
-        f"{request.minutes:g} minutes{still}; --precision {request.effort.precision:g} takes about "
-        f"{math.ceil(minutes_of(asked))} and cuts nothing."
+        f"{request.minutes:g} minutes{still}."
     )
 
 

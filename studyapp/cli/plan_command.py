@@ -54,13 +54,6 @@ class _Several(click.ParamType[tuple[Any, ...]]):
     help="Differences between conditions that are tried, in logits.  [default: 0.2,0.4,0.6]",
 )
 @click.option(
-    "--trials",
-    type=click.IntRange(0, 500),
-    metavar="N",
-    help="Trials of each participant, of each part of a study; 0 for all segments.  [default: as "
-    "the study says]",
-)
-@click.option(
     "--pilot",
     type=click.Path(exists=True, path_type=Path),
     help="A study folder that was answered, or a table of answers as 'motionjury report "
@@ -72,28 +65,8 @@ class _Several(click.ParamType[tuple[Any, ...]]):
     metavar="AMOUNT",
     help="What one participant costs, fees included; designs then say what they cost.",
 )
-@click.option(
-    "--test",
-    type=click.Choice(["report", "crossed_lmm"]),
-    default="report",
-    show_default=True,
-    help="What decides: what the study's report decides by, or a crossed linear mixed model of "
-    "scores (participants and segments as random effects; pairs where everybody judges all).",
-)
-@click.option(
-    "--precision",
-    type=click.FloatRange(0.002, 0.1),
-    help="Monte-Carlo standard error of each power, however long it takes.  [default: 0.02, or "
-    "what two minutes on two processors allow]",
-)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="The folder that gets plan.json, power.csv and power.png, .svg and .pdf.  [default: "
-    "FOLDER/plan]",
-)
 @processes
-def command(folder: StudyFolder, out: Path | None, processes: int, **options: Any) -> None:
+def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     """Say how many participants and segments a study needs, by simulating it.
 
     The study in FOLDER is drawn up in several sizes; simulated people answer it; its report's own
@@ -104,8 +77,8 @@ def command(folder: StudyFolder, out: Path | None, processes: int, **options: An
     from analysis.planning.writing import lines
     from studyapp.planning.plan import Options, plan_study
 
-    where = out or folder.root / "plan"
     with progress("simulating", "cell") as show:
-        found = plan_study(folder, Options(**options), where, processes=processes, show=show)
+        found = plan_study(folder, Options(**options), processes=processes, show=show)
+    where = folder.root / "plan"
     click.echo("\n".join((*lines(found), "", *sentences(found), "")))
     click.echo(f"The figure is {where / 'power.png'}, the numbers are {where / 'power.csv'}")

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from analysis.planning.grid import FEWEST_QUICK, Runner, Show
-from analysis.planning.part import Opinions, Size, Test
+from analysis.planning.grid import Runner, Show
+from analysis.planning.part import Opinions, Size
 from analysis.planning.plan import Plan, Request, plan
-from analysis.planning.power import FEWEST_EXACT, Effort
+from analysis.planning.power import Effort
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
 from studyapp.planning.pilot import read_pilot
@@ -21,13 +20,12 @@ from studyapp.planning.planned_study import (
     notes_of,
     own_participants,
     planned_segments,
-    with_trials,
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 MINUTES: Final = 2.0
-"""About how long a plan may take on two processors where no precision is asked for."""
+"""About how long a plan may take on two processors."""
 
 TIMES_PARTICIPANTS: Final = (1, 2, 4, 8)
 TIMES_ITEMS: Final = (1, 2)
@@ -47,47 +45,35 @@ class Options:
         Numbers that are tried.
     effects : tuple of float
         Differences, in logits.
-    trials : int or None
-        Trials of each participant; 0 for one of each item.
     pilot : Path or None
         A finished study, or a table of answers, whose spreads are taken.
     pay : float or None
         What one participant costs.
-    test : {'report', 'crossed_lmm'}
-        What decides.
-    precision : float or None
-        Monte-Carlo standard error of each power; None for what `MINUTES` allow.
     """
 
     participants: tuple[int, ...]
     items: tuple[int, ...]
     effects: tuple[float, ...]
-    trials: int | None
     pilot: Path | None
     pay: float | None
-    test: Test
-    precision: float | None
 
 
 def plan_study(
     folder: StudyFolder,
     options: Options,
-    out: Path,
     *,
     processes: int = 1,
     show: Show | None = None,
 ) -> Plan:
-    """Simulate the study of `folder` in several sizes, and write what it finds into `out`."""
+    """Simulate the study of `folder` in several sizes, and write what it finds into its folder."""
     study = folder.study()
     segments = planned_segments(folder, study, options.items)
-    if options.trials is not None:
-        study = with_trials(study, options.trials or max(options.items or (len(segments),)))
     pilot = None if options.pilot is None else read_pilot(options.pilot, study.protocol)
     excluded = excluded_by_default(study) if pilot is None else pilot.excluded
     own = own_participants(study), len(segments)
     participants = options.participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS)
     items = options.items or tuple(own[1] * n for n in TIMES_ITEMS)
-    planned = PlannedStudy(study=study, segments=segments, test=options.test, excluded=excluded)
+    planned = PlannedStudy(study=study, segments=segments, excluded=excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))
     stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
     source, opinions = "As the study file states" if stated else "Assumed", _opinions(study)
@@ -106,11 +92,12 @@ def plan_study(
         source=source if pilot is None else pilot.source,
         excluded=excluded,
         pay=options.pay,
-        effort=_effort(options.precision or Effort.precision),
-        minutes=MINUTES if options.precision is None else math.inf,
+        effort=Effort(),
+        minutes=MINUTES,
         seed=study.seed,
         notes=(*notes_of(study), *(pilot.notes if pilot is not None else ())),
     )
+    out = folder.root / "plan"
     found = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
     write_plan(found, out)
     return found
@@ -121,16 +108,6 @@ def _opinions(study: Study) -> Opinions:
     return Opinions(
         participant_sd=study.rehearsal.participants_differ,
         item_sd=study.rehearsal.segments_differ,
-    )
-
-
-def _effort(precision: float) -> Effort:
-    """Return how much is simulated at most for a precision."""
-    times = (Effort.precision / precision) ** 2
-    return Effort(
-        quick=max(FEWEST_QUICK, int(Effort.quick * times)),
-        exact=max(FEWEST_EXACT, int(Effort.exact * times)),
-        precision=precision,
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from analysis.answers.table import ANALYSED_KINDS
-from analysis.planning.part import Kind, Part, Size, Test, Trials, kept
+from analysis.planning.part import Kind, Part, Size, Trials, kept
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
@@ -28,9 +28,7 @@ Shown = Sequence[tuple[int, PlannedTrial]]
 _KINDS: Final[Mapping[str, Kind]] = {"rating": "ratings", "ranking": "rankings"}
 
 
-def planned_parts(
-    study: Study, shown: Shown, of_segment: Mapping[str, int], test: Test
-) -> Iterator[Part]:
+def planned_parts(study: Study, shown: Shown, of_segment: Mapping[str, int]) -> Iterator[Part]:
     """Yield the parts of a study, and those questions of a part apart that have other scales.
 
     Parameters
@@ -41,8 +39,6 @@ def planned_parts(
         The analysed trials of one arm, with the number of the participant.
     of_segment : mapping of str to int
         Numbers of the segments.
-    test : {'report', 'crossed_lmm'}
-        What decides.
     """
     for name in study.parts or ("",):
         own = [(who, trial) for who, trial in shown if trial.part == name]
@@ -56,7 +52,6 @@ def planned_parts(
                 levels=levels,
                 blocks=questions * alike,
                 family=name if isinstance(study, MismatchStudy) else "",
-                test=test,
             )
 
 
@@ -128,15 +123,12 @@ class PlannedStudy:
         The study file.
     segments : tuple of Segment
         Its segments, or made-up ones where there are none yet.
-    test : {'report', 'crossed_lmm'}
-        What decides.
     excluded : float
         Share of participants who will be left out.
     """
 
     study: Study
     segments: tuple[Segment, ...]
-    test: Test
     excluded: float
 
     def size(self, participants: int, items: int) -> Size:
@@ -154,7 +146,7 @@ class PlannedStudy:
             if trial.kind in ANALYSED_KINDS
         ]
         of_segment = {segment.name: number for number, segment in enumerate(segments)}
-        parts = tuple(planned_parts(study, shown, of_segment, self.test))
+        parts = tuple(planned_parts(study, shown, of_segment))
         return Size(
             participants=participants,
             items=items,
@@ -247,25 +239,6 @@ def with_participants(study: Study, participants: int) -> Study:
             update = {"participants_per_comparison": participants}
         elif study.follows_votes:
             update["comparisons"] = "all_pairs"
-    return study.model_copy(update=update)
-
-
-def with_trials(study: Study, trials: int) -> Study:
-    """Return the study with so many trials of each part for every participant, at most 500."""
-    count = min(trials, 500)
-    update: dict[str, Any]
-    match study:
-        case PairwiseStudy():
-            update = {"trials": count, "practice": min(study.practice, count)}
-        case RatingStudy():
-            update = {"sets": tuple(s.model_copy(update={"groups": count}) for s in study.sets)}
-        case RankingStudy():
-            blocks = tuple(b.model_copy(update={"trials": count}) for b in study.blocks)
-            update = {"blocks": blocks}
-        case MismatchStudy():
-            update = dict.fromkeys(study.parts, count)
-        case _:
-            raise TypeError(f"a plan knows no {type(study).__name__}")
     return study.model_copy(update=update)
 
 

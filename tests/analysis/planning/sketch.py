@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.planning.part import Kind, Part, Size, Test, Trials, kept
+from analysis.planning.part import Kind, Part, Size, Trials, kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +30,6 @@ class Sketch:
         Of each participant and comparison; None for one of each item.
     levels : int
         Points of the scale.
-    test : {'report', 'crossed_lmm'}
-        What decides.
     """
 
     kind: Kind
@@ -41,7 +39,6 @@ class Sketch:
     questions: int = 1
     trials: int | None = None
     levels: int = 5
-    test: Test = "report"
 
     def size(self, participants: int, items: int, *, excluded: float) -> Size:
         """Return the study with so many participants and items.
@@ -70,7 +67,6 @@ class Sketch:
             levels=self.levels,
             blocks=self.questions * self.comparisons,
             family="",
-            test=self.test,
         )
         return Size(
             participants=participants,

@@ -157,17 +157,22 @@ POWERS = {
     0.4: ((25, 24, 0.64), (50, 24, 0.82), (25, 48, 0.76)),
     0.6: ((25, 24, 0.93), (50, 24, 0.99), (25, 48, 0.99)),
 }
-"""By effect: participants, items and the power of a crossed linear mixed model, SDs .6 and .45."""
+"""By effect: participants, items and the power of a crossed linear mixed model of scores."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", POWERS)
-def test_the_crossed_model_has_the_powers_that_are_known(effect: float) -> None:
+def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
+    effect: float,
+) -> None:
     for participants, items, known in POWERS[effect]:
-        crossed = part(replace(PAIRS, test="crossed_lmm"), participants, items)
-        found = power_of((crossed,), Opinions(), effect, Effort(), (1,))[0]
+        tests = DecidingTests(part(PAIRS, participants, items), Opinions(), effect)
+        drawn = drawn_answers(tests.part, Opinions(), effect, 2000, np.random.default_rng(1))
+        found = tests.quick(drawn)
 
-        assert found.power == pytest.approx(known, abs=0.05)
+        assert np.mean((found.p_values < 0.05) & (found.signs > 0)) == pytest.approx(
+            known, abs=0.05
+        )
 
 
 @pytest.mark.parametrize("sketch", SKETCHES, ids=lambda one: one.kind)

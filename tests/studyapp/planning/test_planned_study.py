@@ -15,7 +15,6 @@ from studyapp.planning.planned_study import (
     notes_of,
     planned_segments,
     with_items,
-    with_trials,
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -30,7 +29,7 @@ def template(name: str, folder: Path) -> Study:
 
 
 def planned(study: Study, *, excluded: float = 0.0) -> PlannedStudy:
-    return PlannedStudy(study=study, segments=SEGMENTS, test="report", excluded=excluded)
+    return PlannedStudy(study=study, segments=SEGMENTS, excluded=excluded)
 
 
 def only(study: Study, participants: int = 6, items: int = 12, *, excluded: float = 0.0) -> Part:
@@ -101,20 +100,13 @@ def test_more_segments_are_like_those_there_are() -> None:
     assert {segment.name for segment in few} < {segment.name for segment in SEGMENTS}
 
 
-def test_trials_can_be_others_than_the_study_says() -> None:
-    study = make_study(trials=5)
-
-    assert only(with_trials(study, 9)).trials.items.size == 6 * 9
-    assert only(with_trials(study, 100)).trials.items.size == 6 * 12
-
-
 @pytest.mark.parametrize(
     ("name", "kind"), [("rating", "ratings"), ("ranking", "rankings"), ("mismatch", "pairs")]
 )
 def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
     study = template(name, tmp_path)
     segments = planned_segments(StudyFolder(tmp_path), study, (24,))
-    size = PlannedStudy(study=study, segments=segments, test="report", excluded=0.0).size(6, 24)
+    size = PlannedStudy(study=study, segments=segments, excluded=0.0).size(6, 24)
 
     assert tuple(part.name for part in size.parts) == study.parts
     assert {part.kind for part in size.parts} == {kind}
@@ -129,7 +121,7 @@ def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
 def test_own_and_other_speech_are_told_apart_by_side(tmp_path: Path) -> None:
     study = template("mismatch", tmp_path)
     segments = planned_segments(StudyFolder(tmp_path), study, (24,))
-    size = PlannedStudy(study=study, segments=segments, test="report", excluded=0.0).size(6, 24)
+    size = PlannedStudy(study=study, segments=segments, excluded=0.0).size(6, 24)
     trials = size.parts[0].trials
 
     assert trials.left is not None
