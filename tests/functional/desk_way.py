@@ -1,0 +1,370 @@
+"""The desk's whole way: from the owner's link to a study that is rehearsed, served and watched.
+
+Tests walk it; `tools.desk_way` takes a picture at each of its stops, for docs/desk-way.md.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from playwright.sync_api import Page, expect
+
+from tests.functional.browsing import expect_trial, follow, press
+from tests.functional.joining import NAME, join
+from tests.studyapp.takes import write_speech
+
+STUDY: Final = "first-study"
+TITLE: Final = "Which speaker do you prefer?"
+SPEECH: Final = {"greeting": "happiness", "story": "neutral", "quarrel": "anger"}
+"""The segments of the study, and their emotions."""
+
+TRIALS: Final = 4
+"""Each segment once, and a catch trial."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stop:
+    """Somewhere on the way.
+
+    Attributes
+    ----------
+    name : str
+        Of its picture.
+    title, words : str
+        Its heading, and what is done there, for docs/desk-way.md.
+    page : Page
+        Shows it.
+    kind : {'researchers', 'participants', 'document'}
+        Whose page it is; a document is what a job has written.
+    """
+
+    name: str
+    title: str
+    words: str
+    page: Page
+    kind: Literal["researchers", "participants", "document"] = "researchers"
+
+
+def write_recordings(folder: Path, *, seconds: float) -> list[Path]:
+    """Write a recording of each segment of `SPEECH`, and the table that describes them."""
+    folder.mkdir()
+    table = folder / "segments.csv"
+    with table.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(("name", "wav", "start", "end", "speaker", "emotion", "transcript"))
+        for name, emotion in SPEECH.items():
+            rows.writerow((name, f"{name}.wav", 0, seconds, "Robin", emotion, ""))
+    return [table, *(write_speech(folder / f"{name}.wav", seconds) for name in SPEECH)]
+
+
+def walk_the_desk(
+    page: Page,
+    visitor: Page,
+    link: str,
+    recordings: list[Path],
+    *,
+    participants: int,
+    size: int,
+) -> Iterator[Stop]:
+    """Go the whole way, and give each stop while its page is shown.
+
+    Parameters
+    ----------
+    page, visitor : Page
+        The browsers of the researcher and of a participant.
+    link : str
+        By which the desk's owner joins.
+    recordings : list of Path
+        Of `write_recordings`.
+    participants : int
+        For how many the study has places.
+    size : int
+        Of the videos, in pixels.
+    """
+    yield from _join(page, link)
+    yield from _make(page, participants)
+    yield from _set(page, size)
+    yield from _bring_in(page, recordings)
+    yield from _make_ready(page)
+    yield from _try(page)
+    yield from _rehearse(page)
+    yield from _take_home(page)
+    yield from _take_part(visitor, page.locator("main .link").inner_text())
+    yield from _watch(page)
+
+
+def _join(page: Page, link: str) -> Iterator[Stop]:
+    page.goto(link)
+    yield Stop(
+        name="join",
+        title="Join",
+        words="`motionjury desk` prints a link. Open it, and choose a name and a password.",
+        page=page,
+    )
+    join(page, link)
+    expect(page.get_by_text("You do not belong to a study yet.")).to_be_visible()
+
+
+def _make(page: Page, participants: int) -> Iterator[Stop]:
+    follow(page.get_by_role("link", name="Make a study"))
+    page.get_by_role("radio", name="pairwise").check()
+    yield Stop(
+        name="protocol",
+        title="Make a study",
+        words="Choose what participants do, and in which language.",
+        page=page,
+    )
+    press(page, "Next")
+    page.get_by_label("Name", exact=True).fill(STUDY)
+    page.get_by_label("Participants").fill(str(participants))
+    page.get_by_label("Trials").fill(str(len(SPEECH)))
+    page.get_by_label("Title").fill(TITLE)
+    page.get_by_label("Institution").fill("Institute of Gestures")
+    page.get_by_label("Contact").fill("gestures@example.org")
+    yield Stop(
+        name="describe",
+        title="Describe it",
+        words="The template's answers are filled in. Name the study, and change what you like.",
+        page=page,
+    )
+    press(page, "Make the study")
+    expect(page.get_by_role("heading", level=1)).to_have_text(TITLE)
+    yield Stop(
+        name="made",
+        title="The study's page",
+        words="It says what is still missing. Every further step begins here.",
+        page=page,
+    )
+
+
+def _set(page: Page, size: int) -> Iterator[Stop]:
+    follow(page.get_by_role("link", name="Settings"))
+    text = page.get_by_role("textbox")
+    wanted = text.input_value()
+    for before, after in (
+        (r"^size = 720$", f"size = {size}"),
+        (r"^practice = 1$", "practice = 0"),
+        (r"(?<=\[catch\]\n)((?:#.*\n)*)trials = 3$", r"\1trials = 1"),
+        (r"^sound_check = true$", "sound_check = false"),
+    ):
+        wanted, count = re.subn(before, after, wanted, flags=re.MULTILINE)
+        assert count == 1, before
+    text.fill(wanted.replace("avatar =", "avatr ="))
+    press(page, "Save")
+    line = wanted[: wanted.index("\navatar =")].count("\n") + 2
+    page.get_by_role("link", name=f"line {line}").click()
+    selected = "area => area.value.slice(area.selectionStart, area.selectionEnd)"
+    assert text.evaluate(selected) == 'avatr = "alex"'
+    yield Stop(
+        name="settings",
+        title="Change its settings",
+        words="`study.toml` holds everything about the study, with a comment at each key. What is "
+        "wrong is named with its line and is not saved.",
+        page=page,
+    )
+    text.fill(wanted)
+    press(page, "Save")
+    expect(page.get_by_role("status")).to_have_text("Saved.")
+    _back(page)
+
+
+def _bring_in(page: Page, recordings: list[Path]) -> Iterator[Stop]:
+    follow(page.get_by_role("link", name="Bring in"))
+    page.get_by_label("Files", exact=True).set_input_files(recordings)
+    press(page, "Upload")
+    expect(page.get_by_role("row")).to_have_count(1 + len(recordings))
+    yield Stop(
+        name="bring-in",
+        title="Bring in speech",
+        words="Upload recordings and a table that describes them; motion and videos come in the "
+        "same way.",
+        page=page,
+    )
+    press(page, "Bring into the study")
+    _end(page)
+    _back(page)
+
+
+def _begin(page: Page, title: str) -> None:
+    """Begin a job from the study's page."""
+    row = page.get_by_role("row").filter(has=page.get_by_role("link", name=title, exact=True))
+    follow(row.get_by_role("button"))
+    expect(page.get_by_role("heading", level=1)).to_have_text(title)
+
+
+def _end(page: Page) -> None:
+    """Wait until the job whose page this is has succeeded."""
+    expect(page.get_by_role("status")).to_contain_text("Done")
+
+
+def _run(page: Page, title: str) -> None:
+    _begin(page, title)
+    _end(page)
+
+
+def _back(page: Page) -> None:
+    """Go back to the study's page."""
+    follow(page.get_by_role("link", name=f"Back to {STUDY}"))
+
+
+def _make_ready(page: Page) -> Iterator[Stop]:
+    _run(page, "Generate")
+    _back(page)
+    _begin(page, "Render")
+    yield Stop(
+        name="render",
+        title="Make motion and videos",
+        words="*Generate* makes the motion, *Render* the videos. A job goes on when you close the "
+        "page; you can stop it, and it resumes where it was.",
+        page=page,
+    )
+    _end(page)
+    _back(page)
+    _run(page, "Check")
+    yield Stop(
+        name="check",
+        title="Check",
+        words="*Check* finds what can go wrong before people take part, and says what to do.",
+        page=page,
+    )
+    _back(page)
+    _run(page, "Plan")
+    yield Stop(
+        name="plan",
+        title="Plan",
+        words="*Plan* simulates how many participants and segments a difference needs.",
+        page=page,
+    )
+    _back(page)
+    follow(page.get_by_role("link", name="All segments and conditions"))
+    yield Stop(
+        name="material",
+        title="Look at the material",
+        words="Each segment in each condition. A click plays it.",
+        page=page,
+    )
+    _back(page)
+
+
+def _try(page: Page) -> Iterator[Stop]:
+    study = page.url
+    expect(page.get_by_text("ready for participants")).to_be_visible()
+    yield Stop(
+        name="ready",
+        title="The study is served",
+        words="As soon as its videos are there, the study answers at its address. Copy it for "
+        "whoever takes part.",
+        page=page,
+    )
+    press(page, "Preview")
+    follow(page.get_by_role("link", name="1", exact=True))
+    expect(page.locator("#play")).to_be_visible()
+    yield Stop(
+        name="preview",
+        title="Preview",
+        words="*Preview* shows each trial as participants see it.",
+        page=page,
+        kind="participants",
+    )
+    page.goto(study)
+    press(page, "Take part as a test")
+    expect(page.get_by_text("This is a test participation")).to_be_visible()
+    yield Stop(
+        name="test",
+        title="Take part as a test",
+        words="A test goes the whole way, takes no place and never counts.",
+        page=page,
+        kind="participants",
+    )
+    page.goto(study)
+
+
+def _rehearse(page: Page) -> Iterator[Stop]:
+    _run(page, "Rehearse")
+    follow(page.get_by_role("link", name="What it found"))
+    yield Stop(
+        name="rehearsal",
+        title="Rehearse",
+        words="Simulated participants take the whole study. What the analysis finds stands beside "
+        "what they were given.",
+        page=page,
+        kind="document",
+    )
+    page.go_back()
+    _back(page)
+
+
+def _take_home(page: Page) -> Iterator[Stop]:
+    _run(page, "Report")
+    yield Stop(
+        name="take-home",
+        title="Take home",
+        words="The report, the answers and the folder for another lab are made, opened and "
+        "downloaded here. Until somebody has answered, they show the rehearsal.",
+        page=page,
+    )
+    follow(page.get_by_role("link", name="Open the report"))
+    yield Stop(
+        name="report",
+        title="The report",
+        words="As it will look, with the rehearsal's numbers.",
+        page=page,
+        kind="document",
+    )
+    page.go_back()
+    _back(page)
+
+
+def _take_part(visitor: Page, address: str) -> Iterator[Stop]:
+    visitor.goto(address)
+    visitor.get_by_role("button", name="I agree").click()
+    visitor.get_by_role("button", name="Begin").click()
+    for number in range(1, TRIALS + 1):
+        expect_trial(visitor, number)
+        visitor.get_by_role("button", name="Play both").click()
+        for question in visitor.locator("#answers .question").all():
+            question.get_by_text("slightly A", exact=True).click()
+        expect(visitor.locator("#watched")).to_have_text("Watched ✓")
+        if number == 1:
+            yield Stop(
+                name="participant",
+                title="A participant comes",
+                words="Whoever opens the address takes part.",
+                page=visitor,
+                kind="participants",
+            )
+        visitor.locator("#next").click()
+    expect(visitor.locator("#completion-code")).to_be_visible()
+    yield Stop(
+        name="code",
+        title="and is done",
+        words="Each who finishes gets a code.",
+        page=visitor,
+        kind="participants",
+    )
+
+
+def _watch(page: Page) -> Iterator[Stop]:
+    press(page, "Watch")
+    expect(page.locator(".truth")).to_contain_text("1 of ")
+    expect(page.get_by_role("navigation")).to_contain_text(NAME)
+    yield Stop(
+        name="watch",
+        title="Watch",
+        words="How far the study is, when it will be done, what needs a decision, and who left.",
+        page=page,
+    )
+    follow(page.get_by_role("link", name="Study sessions"))
+    follow(page.get_by_role("row").last.get_by_role("link"))
+    expect(page.locator(".events")).to_contain_text("Trial 1 was shown")
+    yield Stop(
+        name="session",
+        title="One study session",
+        words="What one participant was shown, played and answered, moment by moment.",
+        page=page,
+    )
