@@ -10,7 +10,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from studyapp.cli.arguments import study_folder
 from studyapp.cli.output import counted, sign_of_life
-from studyapp.preflight.check import check, finished_videos
+from studyapp.preflight.check import check
 from studyapp.preflight.finding import record, summed_up, told
 from studyapp.study.folder import StudyFolder
 
@@ -71,10 +71,7 @@ def command(
         if made.errors:
             raise click.exceptions.Exit(1)
         return
-    for line in (
-        *told(findings, everything=everything),
-        *finished_videos(folder, everything=everything),
-    ):
+    for line in told(findings, everything=everything):
         click.echo(line)
     if made.errors:
         things = "1 thing" if made.errors == 1 else f"{made.errors} things"

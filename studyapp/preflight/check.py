@@ -12,10 +12,7 @@ from motion.errors import InputError
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.design_checks import balance_findings, design_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, finding
-from studyapp.preflight.finished_video_checks import (
-    finished_video_findings,
-    video_table,
-)
+from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.preflight.recruiting_checks import (
@@ -72,14 +69,6 @@ def check(
     if address is not None:
         findings += address_findings(address)
     return sorted(findings, key=lambda found: SEVERITIES.index(found.severity))
-
-
-def finished_videos(folder: StudyFolder, *, everything: bool = False) -> list[str]:
-    """Return the `video_table` of a study; nothing where `check` says that it cannot be read."""
-    try:
-        return list(video_table(Material.of(folder, folder.study()), everything=everything))
-    except InputError:
-        return []
 
 
 def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterator[Finding]:

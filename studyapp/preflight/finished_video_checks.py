@@ -40,8 +40,6 @@ _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-MISSING: Final = "MISSING"
-
 SMALLEST: Final = 360
 """Pixels of the shorter side below which hands of an upper body are some ten pixels wide."""
 
@@ -65,33 +63,6 @@ def finished_video_findings(material: Material) -> Iterator[Finding]:
         yield from _original_findings(material, content, material.by_name[content[0].segment])
     yield from _format_findings(material)
     yield from _look_findings(material)
-
-
-def video_table(material: Material, *, everything: bool = False) -> Iterator[str]:
-    """Yield the lines of a table of segments and conditions: which finished videos are there.
-
-    Parameters
-    ----------
-    everything : bool
-        Whether segments that lack nothing are in it.
-    """
-    cells: defaultdict[str, dict[str, str]] = defaultdict(dict)
-    for file, (shown, *_) in material.brought.items():
-        row = cells[shown.segment]
-        there = row.get(shown.condition) != MISSING and file.is_file()
-        row[shown.condition] = "yes" if there else MISSING
-    conditions = dict.fromkeys(name for row in cells.values() for name in row)
-    chosen = {name: row for name, row in cells.items() if everything or MISSING in row.values()}
-    if not chosen:
-        return
-    first = max(len(name) for name in ("segment", *chosen))
-    widths = [max(len(name), len(MISSING)) for name in conditions]
-    for name, row in (("segment", dict(zip(conditions, conditions, strict=True))), *chosen.items()):
-        said = [
-            row.get(each, "").ljust(width) for each, width in zip(conditions, widths, strict=True)
-        ]
-        yield "  ".join((name.ljust(first), *said)).rstrip()
-    yield ""
 
 
 def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:

@@ -36,6 +36,7 @@ from tests.support.throwaway_postgresql import (
 )
 
 DatabaseKind = Literal["sqlite", "postgresql"]
+OwnStudy = Callable[[str], StudyFolder]
 
 
 BOTH_DATABASES = (
@@ -77,6 +78,16 @@ def finished_study(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], 
         return folder
 
     return write
+
+
+@pytest.fixture
+def own_study(finished_study: Callable[[str], Path], tmp_path: Path) -> OwnStudy:
+    """Return a function that gives a test a copy of its own of a protocol's finished study."""
+
+    def copy(protocol: str) -> StudyFolder:
+        return StudyFolder(Path(shutil.copytree(finished_study(protocol), tmp_path / protocol)))
+
+    return copy
 
 
 @pytest.fixture

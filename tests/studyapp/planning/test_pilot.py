@@ -6,19 +6,14 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.planning.pilot import read_pilot
-from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.conftest import OwnStudy
 
 
 @pytest.fixture
-def pairwise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def pairwise(own_study: OwnStudy, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    video = tmp_path / "short.mp4"
-    write_short_video(video)
-    folder = tmp_path / "pilot"
-    folder.mkdir()
-    write_finished_study(folder, "pairwise", video)
-    return folder
+    return own_study("pairwise").root
 
 
 def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> None:
@@ -33,7 +28,7 @@ def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> 
     assert found.opinions.participant_sd >= 0
     assert 0 < found.opinions.slight <= found.opinions.clear
     assert "Estimated from" in found.source
-    assert "pilot" in found.source
+    assert "pairwise" in found.source
     assert "its spreads are rough" in found.notes[0]
 
 

@@ -118,19 +118,6 @@ def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
         assert len(np.unique(shown, axis=1).T) == shown.shape[1]
 
 
-def test_own_and_other_speech_are_told_apart_by_side(tmp_path: Path) -> None:
-    study = template("mismatch", tmp_path)
-    segments = planned_segments(StudyFolder(tmp_path), study, (24,))
-    size = PlannedStudy(study=study, segments=segments, excluded=0.0).size(6, 24)
-    trials = size.parts[0].trials
-
-    assert trials.left is not None
-    assert trials.right is not None
-    assert (trials.left + trials.right == 1).all()
-    assert 0 < trials.left.mean() < 1
-    assert size.parts[0].levels == 3
-
-
 def test_a_study_without_speech_needs_to_be_told_how_many_segments(tmp_path: Path) -> None:
     study = template("pairwise", tmp_path)
     folder = StudyFolder(tmp_path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -38,16 +37,6 @@ def found(flawed: MotionClip, **changes: object) -> Mapping[str, str]:
         "broken": {"one": flawed},
     }
     return {each.name: each.what for each in catch_motion_findings(study, clips)}
-
-
-def test_the_same_motion_does_not_differ() -> None:
-    alike = difference(swing(0.5), swing(0.5))
-
-    assert (alike.metres, alike.rougher) == (0.0, 1.0)
-
-
-def test_motion_beside_stillness_is_infinitely_rougher() -> None:
-    assert difference(swing(0.0), swing(0.5)).rougher == math.inf
 
 
 def test_clips_of_other_rates_and_lengths_are_compared_as_far_as_both_last() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 from studyapp.preflight.design_checks import (
@@ -10,8 +9,6 @@ from studyapp.preflight.design_checks import (
     balance_findings,
     counts_of_pairs,
     counts_of_segments,
-    orders_of_pairs,
-    places_of_conditions,
 )
 from studyapp.preflight.material import Material
 from studyapp.study.design.trial import PlannedTrial, Stimulus
@@ -48,26 +45,10 @@ def found(study: PairwiseStudy, plans: Plans | None = None) -> list[str]:
     return [finding.name for finding in balance_findings(material)]
 
 
-def shares(of: Iterable[object]) -> list[str]:
-    return [f"{share.what}: {share.times} of {share.of}" for share in of]  # type: ignore[attr-defined]
-
-
-def test_sides_and_orders_and_segments_are_counted() -> None:
+def test_pairs_and_segments_are_counted() -> None:
     plans = [plan("ab", "ab", "ba", "ac"), plan("ac", "ab")]
-
-    assert shares(places_of_conditions(plans)) == [
-        "'a' stands left of b: 3 of 4",
-        "'b' stands left of a: 1 of 4",
-        "'a' stands left of c: 2 of 2",
-        "'c' stands left of a: 0 of 2",
-    ]
-    assert shares(orders_of_pairs(plans)) == ["a and b come before a and c: 1 of 2"]
     assert counts_of_pairs(plans) == {"": {("a", "b"): 4, ("a", "c"): 2}}
     assert counts_of_segments(plans, [SEGMENT.name, OTHER.name]) == {SEGMENT.name: 6, OTHER.name: 0}
-
-
-def test_only_analysed_trials_count() -> None:
-    assert counts_of_pairs([plan("ab", kind="practice"), plan("ab", kind="catch")]) == {}
 
 
 def test_the_projects_own_designs_are_balanced() -> None:
@@ -77,17 +58,6 @@ def test_the_projects_own_designs_are_balanced() -> None:
 
 def test_what_follows_answers_is_not_counted_beforehand() -> None:
     assert found(make_study(comparisons="adaptive", participants=60)) == ["balance"]
-
-
-def test_a_side_that_comes_too_often_is_told() -> None:
-    assert "sides-uneven" in found(make_study(), [plan(*["ab"] * 6, *["ba"] * 4)] * 40)
-    assert "sides-uneven" not in found(make_study(), [plan(*["ab"] * 5, *["ba"] * 5)] * 40)
-
-
-def test_an_order_that_is_always_the_same_is_told() -> None:
-    assert "orders-uneven" in found(make_study(), [plan("ab", "ba", "ac", "ca")] * 40)
-    turned = [plan("ab", "ba", "ac", "ca"), plan("ac", "ca", "ab", "ba")] * 20
-    assert "orders-uneven" not in found(make_study(), turned)
 
 
 def test_conditions_that_come_too_rarely_and_segments_that_nobody_sees_are_told() -> None:

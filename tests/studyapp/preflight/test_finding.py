@@ -91,18 +91,6 @@ def test_a_place_that_the_sentence_names_is_not_told_twice() -> None:
     assert lines([gone("a.mp4 is gone", where="a.mp4")]).count("a.mp4") == 1
 
 
-def test_notes_are_told_where_everything_is() -> None:
-    assert lines([known("it is known")]) == ""
-    assert "note: known" in lines([known("it is known")], everything=True)
-
-
-def test_a_remedy_of_its_own_takes_the_place_of_the_kinds() -> None:
-    said = lines([gone("x is gone", remedy="Draw it"), gone("y is gone")])
-
-    assert "> Draw it." in said
-    assert said.count("> ") == 2
-
-
 def test_findings_of_one_kind_are_told_together_and_many_are_counted() -> None:
     many = [gone(f"video {number} is gone") for number in range(9)]
 

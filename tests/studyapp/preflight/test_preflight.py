@@ -122,16 +122,6 @@ def test_each_missing_video_is_named_with_its_conditions_and_errors_come_first(
     assert pair.segment in error
 
 
-def test_before_rendering_the_design_is_told_all_the_same(ready: StudyFolder) -> None:
-    shutil.rmtree(ready.videos)
-    ready.stimuli.unlink()
-
-    found = check(ready)
-
-    assert told(found, "error") == ["the study has no videos yet"]
-    assert any("pairs per participant" in note for note in told(found, "note"))
-
-
 def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
     pair = read_stimuli(ready.stimuli).pairs[0]
     with (ready.root / pair.file).open("ab") as file:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +18,7 @@ from studyapp.preflight.serving_checks import address_findings, probe_findings, 
 from studyapp.study.folder import StudyFolder
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.conftest import OwnStudy
 from tests.support.stored import writing
 
 
@@ -33,9 +33,9 @@ def names(root: Path) -> dict[str, str]:
 
 @pytest.mark.parametrize("protocol", ["pairwise", "ranking"])
 def test_a_video_is_asked_for_in_pieces_and_nothing_is_left_behind(
-    finished_study: Callable[[str], Path], tmp_path: Path, protocol: str
+    own_study: OwnStudy, protocol: str
 ) -> None:
-    root = Path(shutil.copytree(finished_study(protocol), tmp_path / "study"))
+    root = own_study(protocol).root
     before = sorted(root.rglob("*"))
 
     assert list(probe_findings(material(root))) == []
@@ -138,10 +138,6 @@ def asked(address: str, transport: httpx.BaseTransport) -> list[str]:
     return [found.name for found in address_findings(address, transport=transport)]
 
 
-def test_a_study_that_is_well_is_found_on_its_sub_path() -> None:
-    assert asked(HTTPS, answering()) == []
-
-
 def test_an_address_without_encryption_is_warned_of_except_on_this_machine() -> None:
     assert asked("http://study.example.org/mine", answering()) == ["address-insecure"]
     assert asked("http://localhost/mine", answering()) == []
@@ -157,10 +153,3 @@ def test_an_address_without_encryption_is_warned_of_except_on_this_machine() -> 
 )
 def test_what_answers_otherwise_is_told(transport: httpx.BaseTransport, name: str) -> None:
     assert asked(HTTPS, transport) == [name]
-
-
-def test_an_address_that_nobody_answers_at_is_told() -> None:
-    def refuse(_: httpx.Request) -> httpx.Response:
-        raise httpx.ConnectError("no route")
-
-    assert asked(HTTPS, httpx.MockTransport(refuse)) == ["address-unreachable"]

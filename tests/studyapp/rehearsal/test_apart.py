@@ -8,10 +8,8 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-import boto3
 import pandas as pd
 import pytest
-from botocore.stub import Stubber
 from click.testing import CliRunner
 from flask import Flask
 from sqlalchemy import func, select
@@ -21,8 +19,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
 from studyapp.monitoring.study_sessions import progress_of_sessions
-from studyapp.recruitment import mturk, prolific
-from studyapp.recruitment.mturk import SANDBOX, MTurkClient
+from studyapp.recruitment import prolific
 from studyapp.recruitment.payment import arrived
 from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import MadeThere, write_made_there
@@ -166,27 +163,6 @@ def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
         assert found.missing_there == ()
         assert site.submissions[0]["status"] == "AWAITING REVIEW"
         assert all(asked.startswith("GET ") for asked in site.asked)
-
-
-def test_nobody_is_paid_at_mechanical_turk_for_what_was_rehearsed(
-    rehearsed: StudyFolder,
-) -> None:
-    write_made_there(rehearsed.root, MadeThere(sandbox_hits=("h1",)))
-    handed_in = {
-        "AssignmentId": "a1",
-        "WorkerId": PERSON,
-        "AssignmentStatus": "Submitted",
-        "Answer": "",
-    }
-    keys = {"aws_access_key_id": "k", "aws_secret_access_key": "s"}
-    connection = boto3.client("mturk", region_name="us-east-1", endpoint_url=SANDBOX, **keys)
-    with Stubber(connection) as stub:  # which refuses whatever else is asked
-        stub.add_response("list_assignments_for_hit", {"Assignments": [handed_in]})
-        client = MTurkClient(connection)
-        found = mturk.judged(rehearsed, client, live=False)
-        assert mturk.approve(client, found) == 0
-
-    assert [each.judged.why for each in found] == ["never began here"]
 
 
 def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder) -> None:

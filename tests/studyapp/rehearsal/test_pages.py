@@ -102,17 +102,6 @@ def test_a_form_that_lacks_what_a_person_needs_is_named(lost: str, named: str) -
     assert "/p/trial" in str(caught.value)
 
 
-def test_all_players_of_a_page_are_read_with_their_addresses_in_their_order() -> None:
-    second = '<video data-duration="2" data-watched-url="/watched/8"><source src="/b.mp4"></video>'
-    first, other = trial(TRIAL + second).players
-
-    assert first.source == "http://study.test/media/t0ken.mp4"
-    assert first.watched_address == "http://study.test/watched/7"
-    assert first.duration == 5.2
-    assert "t0ken" in first.token_candidates
-    assert other.source == "http://study.test/b.mp4"
-
-
 @pytest.mark.parametrize(
     ("lost", "named"),
     [
@@ -125,21 +114,6 @@ def test_all_players_of_a_page_are_read_with_their_addresses_in_their_order() ->
 def test_a_video_that_cannot_be_watched_is_named(lost: str, named: str) -> None:
     with pytest.raises(BrokenPageError, match=named):
         _ = trial(TRIAL.replace(lost, "")).players
-
-
-def test_the_next_step_is_a_form_sent_by_post_to_its_own_page_unless_it_says_where() -> None:
-    page = Page("http://study.test/consent", "<form method=post><button>I agree</button></form>")
-    assert page.target(page.next_form) == "http://study.test/consent"
-    with pytest.raises(BrokenPageError, match="no form that leads on"):
-        _ = Page("http://study.test/", "<form><button>Go</button></form>").next_form
-
-
-def test_sounds_are_told_from_the_sound_of_videos() -> None:
-    html = """<audio controls src="/sound/x.wav"></audio>
-      <audio><source src="/sound/y.wav"></audio>
-      <video><source src="/media/v.mp4"></video>"""
-    sounds = Page("http://study.test/take/t", html).sounds
-    assert sounds == ("http://study.test/sound/x.wav", "http://study.test/sound/y.wav")
 
 
 def test_a_completion_code_is_read_from_its_place_alone() -> None:

@@ -5,15 +5,10 @@ from __future__ import annotations
 import httpx
 import pytest
 from flask import Flask
-from sqlalchemy import select
 
-from studyapp.database.tables import Response
-from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import BrokenPageError, Page
+from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.simulation.judgement import Judgement
-from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
-from tests.studyapp.rehearsal.steps import answering, browser
+from tests.studyapp.rehearsal.steps import browser
 
 
 def test_a_page_that_fails_stops_the_participant_with_its_status(
@@ -45,17 +40,3 @@ def test_a_video_of_somebody_else_is_not_judged(app: Flask, participant: Partici
         pytest.raises(BrokenPageError, match="no trial of this rehearsal"),
     ):
         participant.take_part(client)
-
-
-def test_a_stopped_rehearsal_sends_no_answer(
-    app: Flask, participant: Participant, eyes: Eyes
-) -> None:
-    def stopping(visit: Visit, page: Page, judgement: Judgement) -> Page:
-        participant.stop.set()
-        return visit.send(page, page.answer_form, judgement.fields())
-
-    stopped = answering(participant, stopping)
-    with browser(app) as client, pytest.raises(InterruptedRehearsal):
-        stopped.take_part(client)
-    with eyes.database.reading() as session:
-        assert session.scalars(select(Response)).first() is None

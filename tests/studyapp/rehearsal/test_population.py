@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from studyapp.rehearsal.simulation.population import (
     Kind,
     Population,
     default_population,
-    preference_thresholds,
     ranks,
     rating_thresholds,
     step,
@@ -22,11 +20,6 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.settings.rehearsal import Rehearsal
-
-
-def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Population) -> None:
-    rhythm = {name: quality["rhythm"] for name, quality in population.quality.items()}
-    assert rhythm["rule_based"] > rhythm["mismatched"] > rhythm["static"] > rhythm["broken"]
 
 
 def test_unknown_conditions_are_ordered_by_the_file(study: PairwiseStudy) -> None:
@@ -40,37 +33,6 @@ def test_a_condition_of_another_name_is_as_good_as_its_generator(study: Pairwise
     conditions = {**study.conditions, "frozen": study.conditions["static"]}
     quality = default_population(study.model_copy(update={"conditions": conditions})).quality
     assert quality["frozen"] == quality["static"]
-
-
-def test_only_motion_that_is_better_than_mismatched_suits_its_own_speech_better(
-    population: Population,
-) -> None:
-    belonging = {name: belongs["rhythm"] for name, belongs in population.belonging.items()}
-    assert belonging["brought"] > belonging["rule_based"] > 0
-    assert belonging["mismatched"] == belonging["static"] == belonging["broken"] == 0
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"weak": 0.0},
-        {"weak": 3.0},
-        {"participant_sd": -0.1},
-        {"item_sd": -0.1},
-        {"side_bias_sd": -0.1},
-        {"leniency_sd": -0.1},
-        {"rating_spread": 0.0},
-        {"kinds": {"careless": 1.1}},
-        {"kinds": {"careless": 0.6, "hasty": 0.5}},
-        {"overlooked": -0.1},
-        {"reasons": 2.0},
-    ],
-)
-def test_an_impossible_population_is_refused(
-    population: Population, change: dict[str, Any]
-) -> None:
-    with pytest.raises(ValueError, match=r"thresholds|negative|share|above 0|more than 1"):
-        replace(population, **change)
 
 
 def test_what_the_study_states_takes_the_place_of_what_is_guessed(study: PairwiseStudy) -> None:
@@ -110,19 +72,6 @@ POPULATION = Population(quality={})
 UTILITIES = st.lists(st.floats(-9, 9), min_size=2, max_size=8)
 
 
-@pytest.mark.parametrize("levels", [2, 3, 5])
-def test_a_preference_scale_is_symmetric_and_has_one_border_fewer_than_answers(levels: int) -> None:
-    borders = preference_thresholds(POPULATION, levels)
-    assert len(borders) == levels - 1
-    assert borders == tuple(-border for border in reversed(borders))
-
-
-@pytest.mark.parametrize("levels", [5, 101])
-def test_a_rating_of_nothing_special_is_the_middle_of_the_scale(levels: int) -> None:
-    values = range(levels)
-    assert step(values, rating_thresholds(POPULATION, levels), 0.0) == levels // 2
-
-
 @given(latent=st.floats(-12, 12))
 def test_a_slider_is_moved_into_the_band_whose_label_would_have_been_chosen(latent: float) -> None:
     slider = RatingQuestion(name="q", title="Q", text="?", scale="slider")
@@ -150,7 +99,3 @@ def test_shared_ranks_leave_no_rank_out_and_keep_the_order(
         for c, d in zip(utilities, found, strict=True):
             assert (a <= c) or b <= d
             assert b != d or abs(a - c) <= within
-
-
-def test_what_is_put_first_on_demand_shares_its_rank_with_nothing() -> None:
-    assert ranks([0.1, float("inf"), 0.2, 3.0], tie_within=0.3) == (3, 1, 3, 2)

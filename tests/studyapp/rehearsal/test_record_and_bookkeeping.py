@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.rehearsal.bookkeeping import Acknowledged, Ledger
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import expectations
@@ -29,11 +29,6 @@ def test_the_truth_survives_its_file(
     assert again == truth
     shares = {(entry.about, entry.question): entry.value for entry in again.expected}
     assert shares["rule_based-static", "rhythm"] == pytest.approx(0.77, abs=0.03)
-
-
-def test_a_missing_truth_says_what_to_run(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"rehearsal\.json.*motionjury rehearse"):
-        read_truth(tmp_path / "rehearsal.json")
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"seed": 1, "population": {"weak": 9}}'])
@@ -66,11 +61,3 @@ def test_a_line_that_was_never_finished_spoils_no_other(ledger: Ledger) -> None:
         file.write('{"participant": "q", "co')
     ledger.completed("r", "SECOND")
     assert ledger.read().codes == {"p": "FIRST", "r": "SECOND"}
-
-
-def test_nothing_is_known_before_anything_was_noted(ledger: Ledger) -> None:
-    assert ledger.read() == Acknowledged()
-    ledger.remove()
-    ledger.completed("p", "CODE")
-    ledger.remove()
-    assert ledger.read() == Acknowledged()

@@ -11,7 +11,6 @@ from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
 from studyapp.rehearsal.recovery_page import recovery_page, recovery_tables
 from studyapp.rehearsal.recovery_words import (
-    chance_in_words,
     chance_of_missing,
     difference_in_words,
     exclusions_in_words,
@@ -128,32 +127,7 @@ def test_tables_and_page_hold_it_all() -> None:
     ]
 
 
-def test_a_rehearsal_of_nobody_says_so() -> None:
-    nothing = replace(RECOVERY, values=(), differences=(), kinds=())
-    said = " ".join(recovery_lines(nothing))
-    assert "No true value could be estimated" in said
-    assert "No two conditions could be compared" in said
-
-
-def test_of_many_comparisons_without_an_answer_the_wrong_ones_and_a_few_are_told() -> None:
-    wrong = replace(
-        UNDECIDED, first="theirs", found=replace(UNDECIDED.found, estimate=-0.3), decided=True
-    )
-    said = list(summary(replace(RECOVERY, differences=(*[UNDECIDED] * 6, wrong))))
-    told = [line for line in said if line.startswith("  fit")]
-    assert len(told) == 4
-    assert "finds -0.30 where +0.10 is true" in told[0]
-    assert "  … and 3 more, which the page lists" in said
-
-
 @pytest.mark.parametrize(("missed", "intervals"), [(1, 4), (2, 20), (5, 20)])
 def test_the_chance_of_so_many_misses_is_that_of_a_binomial(missed: int, intervals: int) -> None:
     by_hand = 1 - sum(comb(intervals, k) * 0.05**k * 0.95 ** (intervals - k) for k in range(missed))
     assert chance_of_missing(missed, intervals) == pytest.approx(by_hand)
-
-
-def test_no_miss_is_said_to_be_no_proof() -> None:
-    assert chance_in_words(0, 4) == (
-        "A sound design finds all of 4 intervals right in 81 of 100 rehearsals."
-    )
-    assert "no interval" in chance_in_words(0, 0)

@@ -31,14 +31,6 @@ def database(begun: StudyFolder) -> Iterator[Database]:
         yield there
 
 
-def test_the_truth_is_on_disk_before_anybody_comes(folder: StudyFolder) -> None:
-    truth, note = prepare(folder, seed=7)
-    assert read_truth(folder.rehearsal_truth) == truth
-    assert truth.seed == 7
-    assert note == ""
-    assert not folder.rehearsal.exists()
-
-
 def change_the_study(folder: StudyFolder) -> None:
     text = folder.definition.read_text()
     folder.definition.write_text(text.replace("trials = 4", "trials = 3"))
@@ -104,12 +96,6 @@ def test_the_roster_tells_who_is_where(database: Database) -> None:
     assert roster.finished == ("rehearsal-00002",)
     assert roster.halfway == ("rehearsal-00001",)
     assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
-
-
-def test_somebody_else_is_awaited_for_who_was_excluded(database: Database) -> None:
-    store(database, ("rehearsal-00000", True, None), ("rehearsal-00001", True, 0))
-    roster = call_roster(database, 2, TRUTH)
-    assert (roster.wanted, roster.awaited) == (3, ("rehearsal-00002",))
 
 
 def test_no_more_are_awaited_than_twice_as_many_as_there_are_places(database: Database) -> None:

@@ -15,10 +15,7 @@ from analysis.results.known_values import KnownValue
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.simulation.truth import (
-    averaged,
     expectations,
-    mean_rank,
-    mean_rating,
     win_share,
 )
 from studyapp.study.design.order import PREFERENCES
@@ -101,22 +98,6 @@ def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
     assert 0 <= share <= 1
     assert share + win_share(population, -gap, slope_sd) == pytest.approx(1)
     assert (share - 0.5) * gap >= -1e-12
-
-
-@given(gap=st.floats(0.05, 6), slope_sd=st.floats(0, 1.5), more=st.floats(0.05, 2))
-def test_a_wider_gap_wins_more_and_disagreement_wins_less(
-    gap: float, slope_sd: float, more: float
-) -> None:
-    population = Population(quality={})
-    assert win_share(population, gap + more, slope_sd) > win_share(population, gap, slope_sd)
-    assert win_share(population, gap, slope_sd + more) < win_share(population, gap, slope_sd)
-
-
-def test_a_known_share_is_reproduced_by_hand() -> None:
-    """Without any spread: P(y > .5) + P(-.5 < y < .5) / 2 for a logistic around 1."""
-    population = Population(quality={}, side_bias=0, side_bias_sd=0, weak=0.5)
-    right, not_left = 1 / (1 + math.exp(-0.5)), 1 / (1 + math.exp(-1.5))
-    assert win_share(population, 1.0, 0.0) == pytest.approx((right + not_left) / 2)
 
 
 CONDITIONS = ("ours", "theirs", "real")
@@ -222,30 +203,3 @@ def test_nothing_is_expected_of_shared_ranks() -> None:
         }
     )
     assert expectations(study, THREE, population=PEOPLE, seed=3) == ()
-
-
-@given(utilities=st.lists(st.floats(-5, 5), min_size=2, max_size=8), sd=st.floats(0, 2))
-def test_mean_ranks_share_out_the_ranks_that_there_are(utilities: list[float], sd: float) -> None:
-    count = len(utilities)
-    means = [
-        mean_rank([own - other for i, other in enumerate(utilities) if i != index], sd)
-        for index, own in enumerate(utilities)
-    ]
-    assert sum(means) == pytest.approx(count * (count + 1) / 2)
-    assert all(1 <= mean <= count for mean in means)
-
-
-@given(quality=st.floats(-8, 8), more=st.floats(0.1, 2), spread=st.floats(0, 2))
-def test_a_better_condition_has_the_better_mean_rating(
-    quality: float, more: float, spread: float
-) -> None:
-    lower, higher = (
-        mean_rating(PEOPLE, worth, spread, range(1, 6)) for worth in (quality, quality + more)
-    )
-    assert 1 <= lower < higher <= 5
-    assert mean_rating(PEOPLE, -quality, spread, range(1, 6)) == pytest.approx(6 - lower)
-
-
-def test_an_average_over_nothing_is_the_value_itself() -> None:
-    assert averaged(np.cos, 0.4, 0.0) == pytest.approx(math.cos(0.4))
-    assert averaged(np.square, 1.0, 2.0) == pytest.approx(5.0)

@@ -106,15 +106,6 @@ def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: 
     assert seen[1].sum() > 1.03 * seen[0].sum()
 
 
-def test_motion_files_are_variations_too(study: StudyFolder, tmp_path: Path) -> None:
-    seed = tmp_path / "seed-7.npz"
-    write_clip(seed, read_clip(study.clip("rule_based", SEGMENT)))
-    path = tmp_path / "overlay.pdf"
-    choice = Choice(segment=SEGMENT, conditions=("ground_truth",), moments=(Moment(seconds=0.5),))
-    write_overlay(study, choice, a_print(path, clear=True), motions=((seed, "seed 7"),))
-    assert path.read_bytes().startswith(b"%PDF")
-
-
 def test_variations_of_one_file_name_are_told_apart(study: StudyFolder) -> None:
     seed = str(study.clip("rule_based", SEGMENT))
     command = ["--debug", "figure", "overlay", str(study.root), "--segment", SEGMENT, "--at", "0.5",

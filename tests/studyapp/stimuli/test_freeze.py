@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,12 +15,8 @@ from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.shown_motion import read_motion_shown
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
-from studyapp.web.app import create_app
-from studyapp.web.running import running
 from tests.edited_study import edited
-from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
-from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.web.visitor import Visitor
+from tests.finished_study import PROTOCOLS
 
 FROZEN = ("face", "lower_body", "root")
 
@@ -46,29 +41,3 @@ def test_no_frozen_channel_moves_in_any_motion_shown(
     found = motion_findings(Material.of(folder, study))
     said = [f.what for f in found if f.severity != "note"]
     assert not [what for what in said for channel in FROZEN if what.startswith(channel)]
-
-
-def test_amuses_template_compares_gestures_of_a_still_face(tmp_path: Path) -> None:
-    study = new_study(tmp_path / "study.toml", template="pairwise", name="study")
-
-    assert study.freeze == FROZEN
-    assert study.video.framing == "upper_body"
-    assert all("gestures" in question.text for question in study.questions)
-    assert "{emotion}" in study.questions[1].text
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_instructions_of_every_protocol_say_what_is_held_still(
-    tmp_path: Path, protocol: str
-) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
-    definition = tmp_path / "study.toml"
-    definition.write_text('freeze = ["face", "root"]\n' + definition.read_text())
-
-    app = create_app(tmp_path)
-    text = re.sub(r"\s+", " ", Visitor(app, SetClock()).enrol().page().text)
-    with app.app_context():
-        running().database.close()
-
-    assert "Kept still on purpose in every video: the face and whole-body movement" in text

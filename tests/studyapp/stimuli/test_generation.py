@@ -109,11 +109,6 @@ def test_a_source_without_motion_is_named(study: StudyFolder) -> None:
         generate(study)
 
 
-def test_a_study_without_speech_says_what_to_do(folder: StudyFolder) -> None:
-    with pytest.raises(InputError, match="motionjury import"):
-        generate(folder)
-
-
 def test_a_segment_that_reaches_past_its_recording_is_named(study: StudyFolder) -> None:
     table = study.speech / "segments.csv"
     table.write_text(

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from generators.interface import OnPart, SpeechSegment, StudyClips, unheard
 from generators.learned_settings import ModelSettings
-from generators.registry import GENERATORS, TRAINABLE, Entry, Trainable
+from generators.registry import GENERATORS, Entry
 from generators.settings import File
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
@@ -75,23 +75,10 @@ class Sway:
         )
 
 
-SWAYING = Trainable(
-    summary="Teach a body to sway.",
-    explanation="",
-    configs={"tiny": "one number"},
-    home="nowhere:x",
-    taken_by="motionjury generate --generator sway --checkpoint {out}",
-)
-
-
 @pytest.fixture(autouse=True)
 def weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    entry = Entry(
-        home=f"{__name__}:Sway",
-        settings=f"{__name__}:SwaySettings",
-    )
+    entry = Entry(home=f"{__name__}:Sway", settings=f"{__name__}:SwaySettings")
     monkeypatch.setitem(GENERATORS, "sway", entry)
-    monkeypatch.setitem(TRAINABLE, "sway", SWAYING)
     path = tmp_path / "sway.txt"
     path.write_text("6.3")
     return path
@@ -122,13 +109,8 @@ def test_a_study_moves_by_it_and_makes_clips_anew_where_anything_it_is_told_chan
     import_take(folder, take(speech=2.0, motion=2.0))
     (folder.root / "sway.txt").write_text("6.3")
     made = []
-    for keys in (
-        {},
-        {},
-        {"angle": 0.2},
-        {"angle": 0.2, "pace": "brisk"},
-        {"angle": 0.2, "pace": "brisk", "turns": 2},
-    ):
+    brisk = {"angle": 0.2, "pace": "brisk"}
+    for keys in ({}, {}, {"angle": 0.2}, brisk, {**brisk, "turns": 2}):
         stated(folder, checkpoint="sway.txt", **keys)
         made.append(run("generate", folder.root).output)
     (folder.root / "sway.txt").write_text("3")
@@ -203,25 +185,6 @@ def test_the_command_line_says_which_option_does_not_fit(
     refusal = run("generate", "--speech", speech, "--out", tmp_path / "out", "--generator", *given)
     assert refusal.exit_code == 1
     assert said in refusal.output
-
-
-def test_commands_list_its_options_and_those_of_others_once() -> None:
-    said = " ".join(run("generate", "--help").output.split())
-    assert "--angle FLOAT Radians to either side." in said
-    assert "--pace [slow|brisk] How fast." in said
-    assert said.count("--checkpoint FILE") == 1
-    assert "sway" in run("train", "--help").output
-
-
-def test_a_new_study_has_it_as_a_condition(tmp_path: Path, weights: Path) -> None:
-    made = run(
-        "init", tmp_path / "a", "--condition", "real=files", "--condition", f"ours=sway:{weights}"
-    )
-
-    assert made.exit_code == 0, made.output
-    assert "type sway:FILE" in sources()["sway"]
-    ours = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
-    assert ours == SwaySettings(checkpoint=weights)
 
 
 def test_a_network_of_two_files_is_a_condition_by_both(

@@ -202,14 +202,3 @@ def test_speech_and_motion_without_what_they_need_say_so(
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no file to bring in"):
         folder_items(folder, tmp_path / "empty", FolderFacts())
-
-
-def test_only_a_folder_is_moved(folder: StudyFolder, brought: Path) -> None:
-    motion = str(brought / "ours" / "take.npz")
-    ours = ("--condition", "ours")
-    for wrong in (
-        [motion, str(folder.root), "--move", *ours],
-        [str(brought), motion, str(folder.root), *ours],
-        [str(brought), str(folder.root), "--speech", str(brought / "alone.wav")],
-    ):
-        assert CliRunner().invoke(group, ["import", *wrong]).exit_code == 2

@@ -43,12 +43,6 @@ def test_ends_up_to_a_second_apart_are_cut_to_the_common_part_and_said(
     assert any("6.90 s" in note and "cut to the common 6.00 s" in note for note in notes)
 
 
-def test_a_rest_too_short_for_a_segment_is_said(folder: StudyFolder, take: MakeTake) -> None:
-    segments, notes = import_take(folder, take(speech=5.5, motion=5.5))
-    assert len(segments) == 2
-    assert any("last 1.5 s" in note for note in notes)
-
-
 @pytest.mark.parametrize(
     ("lengths", "said"),
     [
@@ -70,12 +64,6 @@ def test_importing_the_same_take_again_changes_nothing(folder: StudyFolder, take
     before = {name: (folder.root / name).read_bytes() for name in files_in(folder)}
     assert import_take(folder, take()) == (segments, [])
     assert {name: (folder.root / name).read_bytes() for name in files_in(folder)} == before
-
-
-def test_a_second_take_is_added_to_the_first(folder: StudyFolder, take: MakeTake) -> None:
-    import_take(folder, take(name="one"))
-    import_take(folder, take(name="two"))
-    assert len(folder.segments()) == 6
 
 
 def test_other_cuts_of_a_known_take_are_refused(folder: StudyFolder, take: MakeTake) -> None:
@@ -217,11 +205,6 @@ def test_another_motion_of_the_same_condition_and_speech_is_refused(
         import_clips(folder, [piece], condition="ground_truth", frame_rate=None)
 
     assert stored.read_bytes() == before
-
-
-def test_a_segment_length_that_is_no_number_is_refused(folder: StudyFolder, take: MakeTake) -> None:
-    with pytest.raises(InputError, match="segment of nan s"):
-        import_take(folder, take(segment=float("nan")))
 
 
 def test_speech_whose_name_cannot_name_segments_is_told(

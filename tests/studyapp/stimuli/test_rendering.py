@@ -154,22 +154,6 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
     assert not study.videos.exists()
 
 
-def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
-    for condition in study.study().conditions:
-        for segment in study.segments():
-            study.clip(condition, segment.name).write_text("torn")
-    with pytest.raises(InputError, match=r"take_01\.npz: the file is not an \.npz archive"):
-        render(study, processes=1)
-    assert not study.videos.exists()
-
-
-def test_speech_that_cannot_be_read_is_reported_video_by_video(study: StudyFolder) -> None:
-    (study.speech / "take.wav").write_bytes(b"no sound")
-    count = render(study, processes=1)
-    assert (len(count.failures), count.left_out, count.made) == (8, 12, 0)
-    assert all("take.wav" in failure for failure in count.failures)
-
-
 def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
     blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
     blocked.mkdir(parents=True)

@@ -20,7 +20,8 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.study_file import new_study
 from tests.edited_study import edited
-from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.conftest import OwnStudy
 
 pytestmark = pytest.mark.slow
 
@@ -54,26 +55,20 @@ def encoded_picture(video: Path) -> bytes:
         return b"".join(bytes(packet) for packet in container.demux(video=0))
 
 
-def test_a_finished_video_that_is_missing_says_where_it_belongs(tmp_path: Path) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, "mismatch", tmp_path / "short.mp4")
-    folder = StudyFolder(tmp_path)
+def test_a_finished_video_that_is_missing_says_where_it_belongs(own_study: OwnStudy) -> None:
+    folder = own_study("mismatch")
     (gone,) = list((folder.videos / "ours").glob("one@*.mp4"))
     gone.unlink()
 
     count = render(folder, processes=1)
 
-    assert [str(gone.relative_to(tmp_path)) in failure for failure in count.failures] == [True]
+    assert [str(gone.relative_to(folder.root)) in failure for failure in count.failures] == [True]
     (error,) = [finding for finding in check(folder) if finding.severity == "error"]
 
     assert "with the speech of" in error.what
     assert str(gone) in error.remedy
 
 
-def test_a_study_of_finished_videos_has_no_motion_to_draw(tmp_path: Path) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, "rating", tmp_path / "short.mp4")
-    folder = StudyFolder(tmp_path)
-
+def test_a_study_of_finished_videos_has_no_motion_to_draw(own_study: OwnStudy) -> None:
     with pytest.raises(InputError, match="brought finished, and there is no motion to draw"):
-        RenderPlan.of(folder)
+        RenderPlan.of(own_study("rating"))

@@ -6,7 +6,6 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from motion.errors import InputError
@@ -98,12 +97,3 @@ def test_a_folder_without_motion_is_refused(tmp_path: Path) -> None:
         recordings_of(tmp_path, condition="")
     with pytest.raises(InputError, match="no such folder"):
         recordings_of(tmp_path / "none", condition="")
-
-
-def test_a_real_capture_is_read_at_the_rate_that_is_given(
-    shared_data: Path, tmp_path: Path
-) -> None:
-    shutil.copy(shared_data / "2_scott_0_1_1.bvh", tmp_path)
-    clip = recordings_of(tmp_path, condition="", file_rate=15).sources[0].read()
-    assert (len(clip), clip.frame_rate) == (957, 15)
-    assert np.ptp(clip.poses[:, 16], axis=0).max() > 0.1

@@ -156,12 +156,6 @@ def test_without_sound_a_video_has_no_sound_in_its_file(study: Callable[..., Stu
     assert errors(folder) == []
 
 
-def test_a_study_is_not_served_from_the_originals(study: Callable[..., StudyFolder]) -> None:
-    served = ServedStudy.read(study().root)
-
-    assert {video.file.parent.name for video in served.videos.values()} == {"copies"}
-
-
 @pytest.mark.parametrize(
     ("ours", "said"),
     [

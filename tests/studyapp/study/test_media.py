@@ -19,7 +19,8 @@ from studyapp.study.media import (
     read_stimuli,
     write_stimuli,
 )
-from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
+from tests.finished_study import PROTOCOLS, SEGMENTS
+from tests.studyapp.conftest import OwnStudy
 from tests.studyapp.made_study import make_study
 from tests.studyapp.takes import write_speech
 
@@ -28,19 +29,15 @@ MUTED = Stimulus(condition="ours", segment="one", speech=None)
 
 
 @pytest.fixture
-def finished(tmp_path: Path) -> StudyFolder:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, "mismatch", tmp_path / "short.mp4")
-    return StudyFolder(tmp_path)
+def finished(own_study: OwnStudy) -> StudyFolder:
+    return own_study("mismatch")
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
-    tmp_path: Path, protocol: str
+    own_study: OwnStudy, protocol: str
 ) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
-    folder = StudyFolder(tmp_path)
+    folder = own_study(protocol)
     study = folder.study()
     segments = folder.segments_of(study)
     media = Media.of(folder, study)

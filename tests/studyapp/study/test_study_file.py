@@ -98,30 +98,6 @@ def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with
     assert (study.trials, study.participants) == (15, 10)
 
 
-def test_a_network_takes_its_place_in_the_study_of_three_systems_by_one_line(
-    tmp_path: Path,
-) -> None:
-    path = tmp_path / "study.toml"
-    new_study(path, template="three-systems", name="s")
-    files = {
-        f"networks/{name}.safetensors": f"released/{name}.pt"
-        for name in ("amuse", "amuse-speech", "diffsheg", "s2ue")
-    }
-    lines = path.read_text().splitlines()
-    for old, new in files.items():
-        (line,) = (number for number, text in enumerate(lines) if f'"{old}"' in text)
-        lines[line] = lines[line].replace(old, new)
-    path.write_text("\n".join(lines))
-    settings = [condition.settings for condition in read_study(path).conditions.values()]
-    told = {
-        str(value)
-        for one in settings
-        for key, value in one.model_dump(exclude_none=True).items()
-        if key in ("checkpoint", "speech_model")
-    }
-    assert told == set(files.values())
-
-
 def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: Path) -> None:
     conditions = {"amuse": Condition(generator="static"), "b": Condition(generator="rule_based")}
     study = new_study(

@@ -3,11 +3,10 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.study.design.adaptive import PRIOR_SD, posterior, worthiest_pairs
+from studyapp.study.design.adaptive import worthiest_pairs
 
 NAMES = ("a", "b", "c", "d")
 VOTES = st.dictionaries(
@@ -51,18 +50,3 @@ def test_among_unequal_conditions_neighbours_are_worth_more_than_extremes() -> N
     }
 
     assert ("a", "d") not in worthiest_pairs(NAMES, votes, 6, chance())
-
-
-@given(VOTES)
-def test_more_wins_never_make_a_condition_weaker(votes: dict[tuple[str, str], int]) -> None:
-    before, _ = posterior(NAMES, votes)
-    after, _ = posterior(NAMES, {**votes, ("a", "b"): votes.get(("a", "b"), 0) + 3})
-
-    assert after[0] - after[1] >= before[0] - before[1] - 1e-9
-
-
-def test_the_posterior_is_the_prior_before_anybody_answers() -> None:
-    strengths, covariance = posterior(NAMES, {})
-
-    assert strengths.tolist() == [0.0] * 4
-    assert covariance == pytest.approx(np.eye(4) * PRIOR_SD**2)

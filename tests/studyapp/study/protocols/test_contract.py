@@ -140,17 +140,6 @@ def test_an_attention_check_is_passed_by_who_does_as_it_says(design: Any) -> Non
 
 
 @pytest.mark.parametrize("protocol", sorted(KEYS))
-def test_the_same_place_always_has_the_same_trials(protocol: str) -> None:
-    study = make(protocol, attention={"trials": 1})
-    (first, *_) = study.arms
-
-    plans = [make(protocol, attention={"trials": 1}).plan(first, 3, SEGMENTS) for _ in "ab"]
-
-    assert plans[0] == plans[1] == study.plan(first, 3, SEGMENTS)
-    assert plans[0] != study.plan(first, 4, SEGMENTS)
-
-
-@pytest.mark.parametrize("protocol", sorted(KEYS))
 def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str) -> None:
     def digest(**changes: Any) -> str:
         return design_digest(make(protocol, **changes), SEGMENTS, {})

@@ -4,12 +4,10 @@ from itertools import product
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.study.design.trial import AnswerKey, PlannedTrial, Stimulus
+from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.study_file import new_study
 from tests.studyapp.made_study import make_segments
@@ -70,28 +68,6 @@ def test_a_block_has_the_segments_of_its_length() -> None:
         ("short", 10.0),
     }
     assert len({trial.segment for trial in plan}) == 20
-
-
-@given(st.integers(0, 40))
-def test_the_reference_is_shown_apart_and_never_ranked(number: int) -> None:
-    study = make("ranking")
-
-    for trial in study.plan(study.arms[0], number, make_segments(["anger"] * 8)):
-        assert trial.reference == Stimulus.own("real", trial.segment.name)
-        assert "real" not in trial.conditions
-
-
-def test_a_study_may_do_without_a_reference() -> None:
-    _, trial = first_trial(reference=None)
-
-    assert trial.reference is None
-
-
-@given(st.permutations([1, 2, 3]))
-def test_every_whole_order_is_accepted(order: list[int]) -> None:
-    study, trial = first_trial()
-
-    assert study.problem(trial, ranks(*order)) is None
 
 
 @pytest.mark.parametrize(

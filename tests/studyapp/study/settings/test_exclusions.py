@@ -54,16 +54,6 @@ def test_a_list_holds_alone_and_in_its_order(read: Read) -> None:
     assert written(read(rules)) == ["coverage<0.9", "catch>1", "time<8,share=0.5"]
 
 
-def test_an_empty_list_leaves_nobody_out(read: Read) -> None:
-    assert written(read([])) == []
-
-
-@pytest.mark.parametrize(("more_than", "rule"), [(0, "failed a catch trial"), (1, "failed more")])
-def test_both_of_amuses_rules_can_be_stated(read: Read, more_than: int, rule: str) -> None:
-    stated = read([{"rule": "catch", "more_than": more_than}])
-    assert stated.settled_exclusions[0].made().description.startswith(rule)
-
-
 def test_the_number_of_a_catch_rule_may_stand_in_either_place(read: Read) -> None:
     assert written(read([{"rule": "catch"}], catch={"max_failed": 0})) == ["catch>0"]
     assert written(read([{"rule": "catch", "more_than": 0}])) == ["catch>0"]
@@ -102,32 +92,23 @@ def test_what_cannot_be_is_refused_with_its_place(
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "meant"),
     [
-        *("incomplete", "catch>0", "attention>2", "coverage<0.95", "time<2.5,share=0.25"),
-        "straight_lining>=0.9,trials=12",
+        *((same, same) for same in ("incomplete", "catch>0", "attention>2", "coverage<0.95")),
+        *((same, same) for same in ("time<2.5,share=0.25", "straight_lining>=0.9,trials=12")),
+        (" coverage < 0.9 ", "coverage<0.9"),
+        ("straight-lining>=1", "straight_lining>=1,trials=10"),
+        ("time<3, share=1", "time<3,share=1"),
     ],
 )
-def test_what_is_written_in_one_word_is_read_back(text: str) -> None:
-    assert read_exclusion(text, where="--exclude").written() == text
+def test_what_is_written_in_one_word_is_read_back(text: str, meant: str) -> None:
+    assert read_exclusion(text, where="--exclude").written() == meant
 
 
 def test_every_rule_can_be_written_in_one_word() -> None:
     with pytest.raises(InputError) as caught:
         read_exclusion("nothing", where="--exclude")
     assert all(section.model_fields["rule"].default in str(caught.value) for section in SECTIONS)
-
-
-@pytest.mark.parametrize(
-    ("text", "meant"),
-    [
-        (" coverage < 0.9 ", "coverage<0.9"),
-        ("straight-lining>=1", "straight_lining>=1,trials=10"),
-        ("time<3, share=1", "time<3,share=1"),
-    ],
-)
-def test_blanks_and_hyphens_do_not_matter(text: str, meant: str) -> None:
-    assert read_exclusion(text, where="--exclude").written() == meant
 
 
 @pytest.mark.parametrize(

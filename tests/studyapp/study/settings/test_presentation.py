@@ -3,7 +3,6 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
 from studyapp.study.settings.presentation import Page
 
@@ -32,12 +31,3 @@ def test_breaks_come_after_so_many_trials_but_not_shortly_before_the_end(
     due = [done for done in range(presentations + 1) if asked.break_after(done, presentations)]
 
     assert due == breaks
-
-
-@pytest.mark.parametrize(
-    "keys",
-    [{"language": "fr"}, {"devices": []}, {"withdrawn": "sold"}, {"break_every": -1}],
-)
-def test_a_page_key_that_means_nothing_is_refused(keys: dict[str, object]) -> None:
-    with pytest.raises(ValidationError):
-        page(**keys)

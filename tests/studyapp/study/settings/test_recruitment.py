@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from decimal import Decimal
 from typing import Any
 
 import pytest
@@ -8,11 +7,8 @@ from pydantic import ValidationError
 
 from studyapp.study.settings.recruitment import (
     CODE_LENGTH,
-    Recruitment,
     draw_code,
     guessable,
-    hourly,
-    money,
 )
 from tests.studyapp.made_study import make_study
 
@@ -52,19 +48,6 @@ def test_a_study_may_wait_for_its_codes() -> None:
     assert study.recruitment.missing_codes == ["screened_out", "failed_attention"]
 
 
-def recruited(**keys: Any) -> Recruitment:
-    return Recruitment.model_validate(keys)
-
-
-def test_each_channel_has_its_own_key_for_what_is_paid() -> None:
-    pay = {"amount": "3.00", "currency": "EUR"}
-    assert recruited(pay=pay).amount == Decimal("3.00")
-    prolific = recruited(channel="prolific", pay=pay, prolific={"reward": 250})
-    assert (prolific.amount, prolific.currency) == (Decimal("2.50"), "EUR")
-    mturk = recruited(channel="mturk", pay=pay, mturk={"reward": "1.75"})
-    assert (mturk.amount, mturk.currency) == (Decimal("1.75"), "USD")
-
-
 @pytest.mark.parametrize(
     "pay",
     [
@@ -78,12 +61,6 @@ def test_each_channel_has_its_own_key_for_what_is_paid() -> None:
 def test_pay_that_cannot_be_reckoned_with_is_refused(pay: dict[str, str]) -> None:
     with pytest.raises(ValidationError, match=r"recruitment\.pay|pattern"):
         make_study(recruitment={"pay": pay})
-
-
-def test_pay_for_an_hour_and_in_words() -> None:
-    assert hourly(Decimal("2.50"), 15) == 10.0
-    assert money(10, "EUR") == "10.00 EUR"
-    assert money(Decimal("2.5"), "") == "2.50"
 
 
 @pytest.mark.parametrize(
