@@ -21,14 +21,24 @@ from analysis.report import wording
 from analysis.report.content import Picture, Section, Table
 from analysis.report.figures.svg import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section
-from analysis.report.sections.answer import answer, certainty
-from analysis.report.sections.checks import sensitivity_section, truth_section
-from analysis.report.sections.diagnostics import diagnostics_section
-from analysis.report.sections.flow import flow_line, flow_section, looks_section
+from analysis.report.sections.answer import (
+    ANCHOR,
+    answer,
+    certainty,
+    limits_section,
+    methods_section,
+)
 from analysis.report.sections.heterogeneity import heterogeneity_section
-from analysis.report.sections.methods import ANCHOR, limits_section, methods_section
 from analysis.report.sections.metric import metric_section
 from analysis.report.sections.metric_table import SCORES
+from analysis.report.sections.participants import (
+    diagnostics_section,
+    flow_line,
+    flow_section,
+    looks_section,
+    sensitivity_section,
+    truth_section,
+)
 from analysis.report.sections.played_pairs import played_pairs_section
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
 from analysis.report.sections.rankings import ranking_sections

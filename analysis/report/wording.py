@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Protocol
 
 from analysis.results.grouping import Place
 from analysis.results.strengths import RankInterval
 from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.stats.f_tests import FTest
 
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
@@ -120,6 +121,10 @@ def count(number: int, noun: str) -> str:
     return f"{number:,} {noun if number == 1 else noun + 's'}"
 
 
+SIGNIFICANCE: Final = 0.05
+"""Corrected p values below this decide."""
+
+
 CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
 """How intervals of means are computed, for captions."""
 
@@ -128,6 +133,18 @@ INTERVAL: Final = f"{LEVEL:.0%} interval"
 
 
 HOLM: Final = f"p{NO_BREAK}(Holm)"
+
+
+class Interval(Protocol):
+    """What has two ends, NaN for none."""
+
+    @property
+    def low(self) -> float:
+        """The lower one."""
+
+    @property
+    def high(self) -> float:
+        """The higher one."""
 
 
 def place_of(one: Place) -> str:
@@ -140,6 +157,31 @@ def interval(found: Estimate, written: Callable[[float], str] = share) -> str:
     if found.reason or math.isnan(found.low):
         return ""
     return between(written(found.low), written(found.high))
+
+
+def interval_or_why(found: Interval, reason: str | None = None) -> str:
+    """Return the interval of a share, or that there is none and why."""
+    if math.isnan(found.low) or math.isnan(found.high):
+        why = getattr(found, "reason", "") if reason is None else reason
+        return f"none: {why}" if why else "none"
+    return between(share(found.low), share(found.high))
+
+
+def f_test(found: FTest) -> str:
+    """Return an F test as a sentence has it."""
+    freedom = f"{found.df:.0f}, {quantity(found.df_rest)}"
+    return f"F({freedom}) = {number(found.statistic)}, {p_is(found.p_value)}"
+
+
+def end_of(text: str) -> str:
+    """Return words as the end of a sentence."""
+    return f"{text.rstrip('.')}."
+
+
+def ordinal(place: int) -> str:
+    """Return a place as '1st', '2nd', '3rd', '4th'."""
+    ending = "th" if 10 < place % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(place % 10, "th")
+    return f"{place}{ending}"
 
 
 def between(low: str, high: str) -> str:
@@ -168,12 +210,6 @@ def ranks(found: RankInterval | None) -> str:
     if found is None:
         return "–"
     return str(found.best) if found.best == found.worst else f"{found.best}–{found.worst}"
-
-
-def notes(reason: str, remark: str, about: str = "") -> tuple[str, ...]:
-    """Return why a number is missing and what limits it, as footnotes."""
-    subject = f"{about}: " if about else ""
-    return tuple(f"{subject}{text.rstrip('.')}." for text in (reason, remark) if text)
 
 
 def suffix(name: str | None, number: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,14 @@ Result = TypeVar("Result")
 ResultT = TypeVar("ResultT", covariant=True)
 
 
+class Row(NamedTuple, Generic[Result]):
+    """A result, and what it is about; no set is ''."""
+
+    set: str
+    question: str
+    found: Result
+
+
 @dataclass(frozen=True)
 class ByQuestion(Generic[ResultT]):
     """Results by question, and by set where the table has sets.
@@ -39,10 +47,10 @@ class ByQuestion(Generic[ResultT]):
     found: Mapping[tuple[str | None, str], ResultT] = field(default_factory=dict)
     sets: tuple[str, ...] = ()
 
-    def rows(self) -> Iterator[tuple[str, str, ResultT]]:
-        """Give set ('' where there are none), question and result, in their order."""
+    def rows(self) -> Iterator[Row[ResultT]]:
+        """Give every result with its place, in their order."""
         for (name, question), one in self.found.items():
-            yield name or "", question, one
+            yield Row(name or "", question, one)
 
     def of_set(self, name: str | None) -> dict[str, ResultT]:
         """Return the results of a set by question; of a table without sets, all of them."""

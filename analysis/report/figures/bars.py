@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from analysis.report import wording
-from analysis.report.content import Picture
+from analysis.report.content import About, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import (
     INK,
@@ -21,7 +21,6 @@ from analysis.report.figures.style import (
     on,
     write_beside,
 )
-from analysis.report.figures.svg import About
 from analysis.stats.clustered_mean import Estimate
 
 _WORDS: Final = 0.76
@@ -34,8 +33,7 @@ _NARROWEST: Final = 0.155
 """Inches that a part must span to carry its number."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Part:
+class Part(NamedTuple):
     """One part of a bar: how many percent, its colour, and what a reader sees who points at it."""
 
     percent: float
@@ -167,8 +165,7 @@ def _tell(name: str, bar: Bar, measure: str) -> str:
     return f"{name}: {parts}; {measure} {bar.words} {bar.below}."
 
 
-@dataclass(frozen=True, kw_only=True)
-class Won:
+class Won(NamedTuple):
     """A win share against one condition, in words, and whether its test decides."""
 
     share: float

@@ -11,10 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from analysis.report import wording
-from analysis.report.content import Picture
+from analysis.report.content import About, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import BLUE, LINE, PAPER, Scale, fitted, sign_of, write_beside
-from analysis.report.figures.svg import About
 from analysis.results.against_people import MetricAgainstPeople, Place
 
 

@@ -14,7 +14,7 @@ import matplotlib as mpl
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
-from analysis.report.content import Picture
+from analysis.report.content import About, Picture
 from analysis.report.figures.style import FOLLOWS_THE_PAGE, STYLE
 
 WIDTH: Final = 7.2
@@ -39,31 +39,6 @@ class Drawing:
 
     figure: Figure
     hints: Mapping[str, str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class About:
-    """What stands around a figure.
-
-    Attributes
-    ----------
-    name : str
-        Of its file, and prefix of its ids: letters, digits and '-'.
-    title : str
-        What it is, in a few words.
-    caption : str
-        What stands under it.
-    data : str
-        File in the report's ``tables`` folder with its numbers; empty for none.
-    mark : str
-        Written on top of it; empty for none.
-    """
-
-    name: str
-    title: str
-    caption: str
-    data: str = ""
-    mark: str = ""
 
 
 def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing | None = None) -> Picture:

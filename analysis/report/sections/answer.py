@@ -1,42 +1,190 @@
-"""The report's first words: the study's question answered, and how sure that is."""
+"""The report's first words, its methods and its limits: what every test decides, in sentences."""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+import platform
+from collections import Counter
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any, Final, Literal
 
 from analysis.report import wording
-from analysis.report.sections.flow import is_half_finished, looks_sentence, places_words
+from analysis.report.content import Section
 from analysis.report.sections.heterogeneity import whole_effects
-from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
+from analysis.report.sections.participants import looks_sentence, places_words
 from analysis.report.subject import Subject
-from analysis.results.grouping import ByQuestion
-from analysis.results.pairwise import PairwiseResults
+from analysis.report.texts import paragraphs
+from analysis.report.wording import SIGNIFICANCE, between, number
+from analysis.results.grouping import Place, Row
+from analysis.results.pairwise import MismatchResults, PairwiseResults
+from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
-from analysis.results.report import Results, TableReport
-from analysis.results.strengths import Standings
-from motion.errors import listed
+from analysis.results.rating_contrasts import RatedDifference
+from analysis.results.report import TableReport
+from analysis.results.strengths import StrengthContrast
+from analysis.stats.clustered_mean import LEVEL
 
 MOST: Final = 4
 """How many of a kind a sentence names; the tables hold all of them."""
+
+FEW_SEGMENTS: Final = 6
+"""Segments below which the text says what few of them mean."""
+
+ANCHOR: Final = "methods"
+"""Of the section of methods, by which other parts find it."""
+
+_LIBRARIES: Final = ("numpy", "scipy", "pandas", "matplotlib")
+
+_MEASURES: Final = {"clmm": "log-odds", "win_share": "win share", "sign": "share of participants"}
+
+Outcome = Literal["decided", "undecided", "untested", "outside"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What one test of the report decides.
+
+    Attributes
+    ----------
+    place : int
+        Among all of them.
+    outcome : {'decided', 'undecided', 'untested', 'outside'}
+        Whether the corrected test decides, or there is none, or it is not of the report's family.
+    better, worse : str
+        What is ahead in the answers, and of what, as readers know them.
+    question, set : str
+        What was asked; empty where there are no sets.
+    numbers, measure : str
+        The estimate that the test is about, with its interval; and what that is.
+    apart : bool
+        Whether the interval leaves out no difference.
+    size : float
+        How far from no difference, to list the largest first; NaN for none.
+    why, reason : str
+        Why this test stands in for the usual one; why there is no test.
+    """
+
+    place: int
+    outcome: Outcome
+    better: str
+    worse: str
+    question: str
+    set: str
+    numbers: str
+    measure: str
+    apart: bool
+    size: float
+    why: str
+    reason: str
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """Both names, in an order that does not depend on the answers."""
+        return (self.better, self.worse) if self.better < self.worse else (self.worse, self.better)
+
+
+def verdicts(report: TableReport) -> tuple[Verdict, ...]:
+    """Return what every test of the report decides, in the report's order."""
+    results = report.results
+    match results:
+        case PairwiseResults(decided_by="comparisons"):
+            return tuple(_preferred(*one) for one in enumerate(results.comparisons))
+        case MismatchResults():
+            return tuple(_preferred(*one) for one in enumerate(results.conditions))
+        case RatingResults():
+            return tuple(
+                _verdict(place, one, one.difference, "mean difference")
+                for place, one in enumerate(results.contrasts)
+            )
+        case _:
+            what = "worths" if isinstance(results, RankingResults) else "strengths"
+            return tuple(
+                _verdict(place, one, one, f"difference of {what} in logits", why=one.remark)
+                for place, one in enumerate(results.contrasts)
+            )
+
+
+def _preferred(place: int, one: Comparison | MatchedCondition) -> Verdict:
+    found = one.decision
+    return _verdict(
+        place,
+        one,
+        found,
+        _MEASURES[found.by],
+        null=found.null,
+        size=abs(one.win_share.estimate - 0.5),
+        why=found.why,
+        unknown=one.win_share.reason,
+    )
+
+
+def _verdict(
+    place: int,
+    of: Place,
+    found: Decision | RatedDifference | StrengthContrast,
+    measure: str,
+    *,
+    null: float = 0.0,
+    size: float | None = None,
+    why: str = "",
+    unknown: str | None = None,
+) -> Verdict:
+    """Return what a test of `found`, which is `null` without any difference, decides."""
+    names = tuple(map(wording.condition, of.names))
+    if len(names) == 1:
+        names = (f"{names[0]} with its own speech", f"{names[0]} with another's speech")
+    turned = found.estimate < null
+    ends = found.low, found.high
+    estimate, low, high = found.estimate, *ends
+    if turned:
+        estimate, low, high = 2 * null - estimate, 2 * null - high, 2 * null - low
+    written = wording.share if null else number
+    reason = found.reason or (NO_END if getattr(found, "by", "") == "sign" and not null else "")
+    why_none = reason if unknown is None else unknown
+    if math.isnan(estimate):
+        numbers = f"– ({why_none or 'no answers'})"
+    elif math.isnan(low):
+        numbers = f"{written(estimate)}, no interval: {why_none}"
+    else:
+        numbers = (
+            f"{written(estimate)}, {LEVEL:.0%} interval {between(written(low), written(high))}"
+        )
+    return Verdict(
+        place=place,
+        outcome=_outcome(found.p_value, found.p_holm),
+        better=names[turned],
+        worse=names[not turned],
+        question=of.question,
+        set=of.set or "",
+        numbers=numbers,
+        measure=measure,
+        apart=ends[0] > null or ends[1] < null,
+        size=abs(found.estimate) if size is None else size,
+        why=why,
+        reason=reason,
+    )
+
+
+NO_END: Final = "one of the two never lost to the other"
+
+
+def _outcome(p: float, p_holm: float) -> Outcome:
+    if math.isnan(p):
+        return "untested"
+    if math.isnan(p_holm):
+        return "outside"
+    return "decided" if p_holm < SIGNIFICANCE else "undecided"
 
 
 def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
     """Return what was found in one sentence, what it rests on, and what it does not show."""
     if subject.origin == "none":
-        return (
-            "No participant has answered yet, so this report says nothing about preference.",
-            *_metrics_only(subject),
-        )
-    warning = _unfinished(report, subject)
-    if report.remark:
-        return tuple(filter(None, (report.remark, warning)))
-    effect = _effect(verdicts(report), report, subject)
-    return (
-        effect,
-        _basis(report, subject),
-        warning or looks_sentence(report) or _not_shown(subject),
+        scores = subject.metrics.conditions if subject.metrics else ()
+        return paragraphs("answer.nobody", measured=len({one.condition for one in scores}))
+    return paragraphs(
+        "answer.nothing" if report.remark else "answer.answer", **_facts(report, subject)
     )
 
 
@@ -44,236 +192,110 @@ def certainty(report: TableReport, subject: Subject) -> tuple[str, ...]:
     """Return what a careful reader of the answer wants to know besides; () without one."""
     if subject.origin == "none" or report.remark:
         return ()
-    found = verdicts(report)
-    return tuple(
-        part
-        for part in (
-            _further(found),
-            _together(report),
-            _undecided(found),
-            _stand_ins(found),
-            _seeming(found),
-            _equivalent(report.results),
-            _unequal(report.results),
-            _equality(report, subject, found),
-            *_after_the_warning(report, subject),
-        )
-        if part
+    return paragraphs("answer.certainty", **_facts(report, subject))
+
+
+def _facts(report: TableReport, subject: Subject) -> dict[str, object]:
+    """Return what the sentences of the answer rest on; of verdicts, the largest first."""
+    results = report.results
+    found = sorted(
+        verdicts(report), key=lambda one: math.inf if math.isnan(one.size) else -one.size
     )
+    people = report.participants
+    tested = [one for one in found if one.outcome in ("decided", "undecided") and one.why]
+    tested.sort(key=lambda one: one.place)
+    equivalent = results.equivalence if isinstance(results, PairwiseResults | RatingResults) else ()
+    return {
+        "report": report,
+        "people": subject.people,
+        "rehearsal": subject.origin == "rehearsal",
+        "found": found,
+        "decided": [one for one in found if one.outcome == "decided"],
+        "most": MOST,
+        "equivalent": [one for one in equivalent if one.verdict.startswith("equivalent")],
+        "excluded": people.recruited - people.attentive,
+        "exploratory": sum(rule.removed for rule in report.rules if rule.exploratory),
+        "segments": len(subject.excerpts),
+        "speakers": len(subject.speakers),
+        "places": places_words(report, subject),
+        "looks": looks_sentence(report),
+        "together": _together(report),
+        "stand_ins": [*Counter((one.measure, one.why.rstrip(".")) for one in tested).items()],
+        "unequal": [
+            f"{wording.against(*names)}: {one.remark}"
+            for (_, _, names), one in whole_effects(results).items()
+            if one.remark
+        ],
+    }
 
 
-def _effect(found: tuple[Verdict, ...], report: TableReport, subject: Subject) -> str:
-    """Name the largest of what is decided, or say that nothing is."""
-    decided = largest_first([one for one in found if one.outcome == "decided"])
-    found = tuple(one for one in found if one.outcome != "outside")
-    tested = [one for one in found if one.outcome != "untested"]
-    if not tested:
-        reasons = list(dict.fromkeys(one.reason for one in found if one.reason))
-        why = f": {reasons[0]}" if len(reasons) == 1 else "; the tables say why"
-        seen = [one for one in largest_first(found) if one.size > 0]
-        widest = f"; the largest difference is that of {_named(seen[0])}" if seen else ""
-        return f"No test could be made{why}{widest}."
-    if not decided:
-        alike = _equivalent(report.results).rstrip(".")
-        equivalent = f"; {alike[0].lower()}{alike[1:]}" if alike else ""
-        return (
-            f"None of {wording.count(len(found), 'test')} decides between what was compared (p at "
-            f"least {SIGNIFICANCE:g} after Holm's correction); the largest difference is that of "
-            f"{_named(largest_first(tested)[0])}{equivalent}."
-        )
-    others = _others(len(decided) - 1, len(found) - 1)
-    return f"{subject.people.capitalize()} preferred {_named(decided[0])}{others}."
-
-
-def _others(decided: int, others: int) -> str:
-    """Say how many of the other tests decide too, as the end of a sentence."""
-    if not others:
-        return ""
-    if others == 1:
-        return f"; the other test {'decides too' if decided else 'does not decide'}"
-    of = f"of the other {others} tests"
-    if not decided:
-        return f"; none {of} decides"
-    return f"; {decided} {of} {'decides' if decided == 1 else 'decide'} too"
-
-
-def _further(found: tuple[Verdict, ...]) -> str:
-    """Name what else is decided, the largest first."""
-    decided = largest_first([one for one in found if one.outcome == "decided"])[1:]
-    named = [_named(one) for one in decided[:MOST]]
-    more = f", and {len(decided) - len(named)} more" if len(decided) > len(named) else ""
-    return f"Also preferred: {'; '.join(named)}{more}." if named else ""
-
-
-def _named(one: Verdict) -> str:
-    return (
-        f"{one.better} to {one.worse} {about(one.question, one.set)} ({one.measure} {one.numbers})"
-    )
-
-
-def _undecided(found: tuple[Verdict, ...]) -> str:
-    """Name what stays open."""
-    undecided = [one for one in found if one.outcome == "undecided"]
-    untested = [one for one in found if one.outcome == "untested"]
-    words = []
-    if undecided and len(undecided) < len(found):
-        words.append(_open(undecided, len(found)))
-    if untested:
-        words.append(f"{wording.count(len(untested), 'test')} could not be made")
-    text = "; ".join(words)
-    return f"{text[0].upper()}{text[1:]}." if text else ""
-
-
-def _open(undecided: list[Verdict], tests: int) -> str:
-    """Name a few undecided tests, or count many."""
-    if len(undecided) >= MOST:
-        return f"{len(undecided)} of {tests} tests do not decide"
-    pairs = [
-        f"{a} and {b} {about(one.question, one.set)}" for one in undecided for a, b in (one.pair,)
-    ]
-    return f"the answers do not decide between {'; '.join(pairs)}"
-
-
-def _together(report: TableReport) -> str:
-    """Say whether conditions differ at all, where strengths or worths decide."""
+def _together(report: TableReport) -> list[str]:
+    """Return whether conditions differ at all, where strengths or worths decide."""
     match report.results:
-        case PairwiseResults(decided_by="strengths", bradley_terry=fitted):
-            models: ByQuestion[Standings] = fitted
-        case RankingResults(plackett_luce=fitted_worths):
-            models = fitted_worths
+        case PairwiseResults(decided_by="strengths", bradley_terry=strengths):
+            models: list[Row[Any]] = [*strengths.rows()]
+        case RankingResults(plackett_luce=worths):
+            models = [*worths.rows()]
         case _:
-            return ""
-    parts = [
-        f"{about(question, of)} (F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
-        f"{wording.fixed(test.statistic, 2)}, {wording.p_is(test.p_value)})"
-        for of, question, model in models.rows()
-        for test in (model.omnibus,)
-        if not math.isnan(test.p_value)
+            return []
+    return [
+        f"on {wording.name(row.question)}"
+        + (f" in set “{wording.name(row.set)}”" if row.set else "")
+        + f" ({wording.f_test(row.found.omnibus)})"
+        for row in models
+        if not math.isnan(row.found.omnibus.p_value)
     ]
-    more = f", and {len(parts) - MOST} more" if len(parts) > MOST else ""
-    return f"One test of all conditions together: {listed(parts[:MOST])}{more}." if parts else ""
 
 
-def _stand_ins(found: tuple[Verdict, ...]) -> str:
-    """Name tests that stand in for the usual one, and why."""
-    by_reason: dict[tuple[str, str], int] = {}
-    for one in found:
-        if one.why and one.outcome in ("decided", "undecided"):
-            key = one.measure, one.why.rstrip(".")
-            by_reason[key] = by_reason.get(key, 0) + 1
-    named = [
-        f"{wording.count(count, 'test')} {'is' if count == 1 else 'are'} of the {measure}, because "
-        f"the usual test cannot be used ({why})"
-        for (measure, why), count in list(by_reason.items())[:2]
+def methods_section(report: TableReport, subject: Subject) -> Section:
+    """Return the methods text, and what else a reader must know of settings."""
+    facts = _study_facts(report, subject)
+    return Section(
+        anchor=ANCHOR,
+        heading="Methods, ready to paste",
+        paragraphs=paragraphs("methods.paragraphs", **facts),
+        bullets=paragraphs("methods.bullets", **facts),
+    )
+
+
+def limits_section(report: TableReport, subject: Subject) -> Section:
+    """Return what a reader may not take from the report."""
+    return Section(
+        anchor="limits",
+        heading="What may not be concluded",
+        bullets=paragraphs("methods.limits", **_study_facts(report, subject)),
+    )
+
+
+def _study_facts(report: TableReport, subject: Subject) -> dict[str, object]:
+    results, excerpts = report.results, subject.excerpts.values()
+    emotions = Counter(one.emotion for one in excerpts if one.emotion)
+    seconds = [one.seconds for one in excerpts if one.seconds is not None]
+    heard = [
+        wording.count(count, noun)
+        for count, noun in ((len(subject.speakers), "speaker"), (len(emotions), "emotion"))
+        if count
     ]
-    more = "; the tables name others" if len(by_reason) > 2 else ""
-    text = "; ".join(named)
-    return f"{text[0].upper()}{text[1:]}{more}." if text else ""
-
-
-def _seeming(found: tuple[Verdict, ...]) -> str:
-    """Say why an interval may leave out no difference where the test does not decide."""
-    seeming = sum(one.apart and one.outcome == "undecided" for one in found)
-    if not seeming:
-        return ""
-    verb = "leaves" if seeming == 1 else "leave"
-    return (
-        f"Intervals stand for one test at a time: {seeming} of them {verb} out no difference, "
-        f"although p, corrected over {wording.count(len(found), 'test')}, does not decide."
-    )
-
-
-def _unequal(results: Results) -> str:
-    """Warn where one participant weighs much more than the others."""
-    said = [
-        f"{wording.against(*names)}: {found.remark}"
-        for (_, _, names), found in whole_effects(results).items()
-        if found.remark
-    ]
-    more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
-    return f"Participants answered very unequally often. {said[0]}{more}." if said else ""
-
-
-def _equivalent(results: Results) -> str:
-    """Name what is equivalent within the margin that was stated."""
-    if not isinstance(results, PairwiseResults | RatingResults):
-        return ""
-    alike = [one for one in results.equivalence if one.verdict.startswith("equivalent")]
-    if not alike:
-        return ""
-    pairs = [
-        f"{wording.condition(one.a)} and {wording.condition(one.b)} "
-        f"{about(one.question, one.set or '')}"
-        for one in alike[:MOST]
-    ]
-    more = f", and {len(alike) - MOST} more" if len(alike) > MOST else ""
-    return f"Equivalent within {alike[0].margin:g} are {'; '.join(pairs)}{more}."
-
-
-def _basis(report: TableReport, subject: Subject) -> str:
-    participants = report.participants
-    excluded = participants.recruited - participants.attentive
-    exploratory = sum(rule.removed for rule in report.rules if rule.exploratory)
-    words = (
-        f"This rests on {participants.attentive} of "
-        f"{wording.count(participants.recruited, subject.people[:-1])}"
-    )
-    if subject.excerpts:
-        words += f" and {wording.count(len(subject.excerpts), 'segment')}"
-        words += (
-            f" of {wording.count(len(subject.speakers), 'speaker')}" if subject.speakers else ""
-        )
-    words += "; nobody was excluded" if not excluded else f"; {excluded} were excluded"
-    if excluded == 1:
-        words = words.replace("1 were excluded", "1 was excluded")
-    if exploratory:
-        words += f", {exploratory} of them afterwards, which is exploratory"
-    return f"{words}."
-
-
-def _not_shown(subject: Subject) -> str:
-    if subject.origin == "rehearsal":
-        return (
-            "It does not show what any person prefers: simulated raters answered by rules they "
-            "were given."
-        )
-    return (
-        "It does not show how other systems, other speech, other speakers or differently worded "
-        "questions would do."
-    )
-
-
-def _equality(report: TableReport, subject: Subject, found: tuple[Verdict, ...]) -> str:
-    if subject.origin == "rehearsal" or report.settings.margin is not None:
-        return ""
-    if not any(one.outcome == "undecided" for one in found):
-        return ""
-    return "That a test does not decide is no evidence that two conditions are equally good."
-
-
-def _unfinished(report: TableReport, subject: Subject) -> str:
-    if not is_half_finished(report, subject):
-        return ""
-    return f"The study is not finished, and numbers will change: {places_words(report)}."
-
-
-def _after_the_warning(report: TableReport, subject: Subject) -> tuple[str, ...]:
-    """Return what a warning has taken the place of in the answer."""
-    looks, unfinished = looks_sentence(report), _unfinished(report, subject)
-    if not (looks or unfinished):
-        return ()
-    stopping = (
-        "To stop because of what the numbers of an unfinished study show would make false "
-        "findings likelier."
-    )
-    return (*((stopping, looks) if unfinished else ()), _not_shown(subject))
-
-
-def _metrics_only(subject: Subject) -> tuple[str, ...]:
-    if subject.metrics is None or not subject.metrics.conditions:
-        return ()
-    conditions = {score.condition for score in subject.metrics.conditions}
-    return (
-        f"It shows the automatic metrics of {wording.count(len(conditions), 'condition')}; "
-        "they do not tell what people prefer.",
-    )
+    found = verdicts(report)
+    fewest = min(emotions.values()) if len(emotions) > 1 else 0
+    return {
+        "report": report,
+        "protocol": report.protocol,
+        "subject": subject,
+        "answered": subject.origin != "none",
+        "excerpts": excerpts,
+        "speakers": subject.speakers,
+        "heard": [*heard, *([f"{wording.quantity(sum(seconds))} s in all"] if seconds else [])],
+        "fewest": FEWEST,
+        "few_segments": FEW_SEGMENTS,
+        "fewest_of_emotion": fewest if fewest < FEW_SEGMENTS else 0,
+        "tests": sum(one.outcome != "outside" for one in found),
+        "undecided": any(one.outcome == "undecided" for one in found),
+        "family": report.settings.family,
+        "by_strengths": isinstance(results, PairwiseResults) and results.decided_by == "strengths",
+        "measured": bool(subject.metrics and subject.metrics.conditions),
+        "places": places_words(report, subject),
+        "looks": looks_sentence(report),
+        "python": platform.python_version(),
+        "versions": ", ".join(f"{name} {metadata.version(name)}" for name in _LIBRARIES),
+    }

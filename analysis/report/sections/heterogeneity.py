@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from analysis.report import wording
-from analysis.report.content import (
-    Cell,
-    Picture,
-    Section,
-    Table,
-    count_cell,
-    number_cell,
-    p_cell,
-    table_of,
-)
+from analysis.report.content import Picture, Section
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
-from analysis.report.figures.svg import About
-from analysis.report.sections.preference_rows import reference_of
+from analysis.report.sections.preferences import reference_of
 from analysis.report.subject import Subject
-from analysis.report.wording import HOLM, interval, number
+from analysis.report.texts import about, paragraphs, table
+from analysis.report.wording import interval, number
 from analysis.results.grouping import Place
 from analysis.results.heterogeneity import (
     FEW,
     KINDS,
     By,
     ConditionHeterogeneity,
-    DifferenceTest,
     PairHeterogeneity,
 )
 from analysis.results.heterogeneity import Cell as Level
@@ -40,7 +29,7 @@ from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import Results, TableReport
-from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.stats.clustered_mean import Estimate
 
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""
@@ -49,7 +38,6 @@ MOST_ROWS: Final = 26
 """Levels up to which a forest plot fits a page."""
 
 _ALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
-_DATA: Final = "heterogeneity.csv"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,36 +83,19 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
     found = effects(report.results, subject.reference)
     if not found:
         return None
-    few = any(level.descriptive for one in found for level in one.found.levels)
-    missing = [
-        by for by in KINDS if any(one.found.by == by for one in found) and not _drawn(found, by)
-    ]
-    paragraphs = [
-        "These estimates show where a difference comes from. Whether there is one, the headline "
-        "tests; that one emotion, speaker or segment decides and another does not is no evidence "
-        "that they differ: the tests of the table ask that."
-    ]
-    if few:
-        paragraphs.append(
-            f"Hollow marks are descriptive: they rest on {FEW} segments or fewer, which says "
-            "nothing about others of their kind, so they are not tested."
-        )
-    if missing:
-        paragraphs.append(
-            f"By {' and by '.join(missing)} there are too many estimates to draw; they are in "
-            f"tables/{_DATA}."
-        )
+    there = [by for by in KINDS if any(one.found.by == by for one in found)]
+    drawn = [by for by in there if _drawn(found, by)]
     return Section(
         anchor="heterogeneity",
         heading="Where the difference comes from",
-        paragraphs=tuple(paragraphs),
-        pictures=tuple(
-            picture
-            for by in KINDS
-            if _drawn(found, by)
-            for picture in _forest(found, by, subject.mark)
+        paragraphs=paragraphs(
+            "effects.section",
+            descriptive=any(level.descriptive for one in found for level in one.found.levels),
+            few=FEW,
+            missing=[by for by in there if by not in drawn],
         ),
-        tables=(_tests(found),),
+        pictures=tuple(one for by in drawn for one in _forest(found, by, subject.mark)),
+        tables=(table("heterogeneity-tests", found),),
     )
 
 
@@ -220,15 +191,7 @@ def _forest(found: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
         {one.heading: _dots(one, names, measure) for one in of},
         [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
         replace(measure.scale, line=of[0].found.null),
-        About(
-            name=f"by-{by}",
-            title=f"Effects by {by}",
-            caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by "
-            "participant and segment, of one segment by participant alone; after exclusions. "
-            f"Hollow: descriptive, {FEW} segments or fewer. Diamond: over all.",
-            data=_DATA,
-            mark=mark,
-        ),
+        about("by", end=f"-{by}", mark=mark, by=by, says=measure.says, few=FEW),
     )
 
 
@@ -252,38 +215,3 @@ def _dot(found: Estimate | None, measure: _Measure, *, whole: bool = False) -> D
         descriptive=isinstance(found, Level) and found.descriptive,
         whole=whole,
     )
-
-
-def _tests(found: Sequence[Effect]) -> Table:
-    return table_of(
-        found,
-        ("question", _question),
-        ("of", lambda one: one.about),
-        ("by", lambda one: one.found.by),
-        ("levels", lambda one: count_cell(len(one.found.levels))),
-        ("F", lambda one: number_cell(one.found.test.statistic)),
-        ("df", lambda one: _freedom(one.found.test)),
-        ("p", lambda one: p_cell(one.found.test.p_value)),
-        (HOLM, lambda one: p_cell(one.found.test.p_holm)),
-        caption="Whether effects differ between emotions, speakers or segments. p (Holm) is "
-        "corrected over these tests of the report, which are exploratory.",
-        notes=dict.fromkeys(
-            f"By {by}: {text.rstrip('.')}."
-            for by, test in ((one.found.by, one.found.test) for one in found)
-            for text in (test.method, test.reason and f"no test, {test.reason}")
-            if text
-        ),
-        name="heterogeneity-tests",
-    )
-
-
-def _question(one: Effect) -> str:
-    of = "" if one.found.set is None else f"Set {one.found.set}: "
-    return f"{of}{wording.heading(one.found.question)}"
-
-
-def _freedom(test: DifferenceTest) -> Cell:
-    if math.isnan(test.df):
-        return Cell(text="–")
-    text = f"{wording.fixed(test.df, 0)}, {wording.fixed(test.df_rest, 1)}"
-    return Cell(text=text, value=float(test.df))

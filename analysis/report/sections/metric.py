@@ -16,9 +16,10 @@ from analysis.evaluators import network_names as names
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.report import wording
-from analysis.report.content import Cell, Section, Table, table_of
+from analysis.report.content import Cell, Section, Table
 from analysis.report.sections.metric_table import Systems, TableColumn, metric_table
 from analysis.report.subject import Subject
+from analysis.report.texts import table
 from analysis.results.report import TableReport
 
 PAPER_TABLES: Final[Mapping[str, tuple[TableColumn, ...]]] = MappingProxyType(
@@ -216,15 +217,7 @@ def _never_measured(missing: Sequence[ConditionScore]) -> tuple[Table, ...]:
     """Return a table of the metrics that have no score, with the reasons."""
     if not missing:
         return ()
-    return (
-        table_of(
-            missing,
-            ("metric", lambda score: score.name),
-            ("why", lambda score: score.reason),
-            caption="Metrics that could not be computed.",
-            name="metrics-missing",
-        ),
-    )
+    return (table("metrics-missing", missing),)
 
 
 def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:

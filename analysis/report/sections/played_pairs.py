@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from functools import partial
 
 from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import MetricResult
 from analysis.report import wording
-from analysis.report.content import Cell, PlayablePair, Section, Table, counted, table_of
+from analysis.report.content import PlayablePair, Section, Table
 from analysis.report.sections.metric import is_detail
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.subject import Subject
+from analysis.report.texts import table
 from analysis.results.preferred_pairs import PreferredPair
 
 _EXPLANATION = (
@@ -75,23 +74,14 @@ def _metrics(pair: PreferredPair, metrics: StudyMetrics | None, protocol: str) -
     }
     if not scored:
         return None
-    any_of = {name: next(iter(results.values())) for name, results in scored.items()}
-    return table_of(
-        scored,
-        ("metric", lambda name: f"{name} {ARROWS[any_of[name].better]}".strip()),
-        ("unit", lambda name: any_of[name].unit),
-        *(
-            (wording.condition(condition), partial(_score, scored, condition))
-            for condition in (pair.first, pair.second)
-        ),
-        caption=f"Metrics of {wording.against(pair.first, pair.second)}, "
-        f"segment {wording.name(pair.segment)}.",
-    )
-
-
-def _score(scored: Mapping[str, Mapping[str, MetricResult]], condition: str, name: str) -> Cell:
-    value = _value(scored[name].get(condition))
-    return counted(value, wording.quantity(value))
+    rows = []
+    for name, results in scored.items():
+        one = next(iter(results.values()))
+        own = {c: _value(results.get(c)) for c in (pair.first, pair.second)}
+        rows.append(
+            {"heading": f"{name} {ARROWS[one.better]}".strip(), "unit": one.unit, "of": own}
+        )
+    return table("metrics-of-pair", rows, pair=pair)
 
 
 def _value(result: MetricResult | None) -> float:

@@ -9,39 +9,23 @@ from typing import Final
 from matplotlib.lines import Line2D
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, headline_section
+from analysis.report.content import Picture, Section, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, sign_of
-from analysis.report.figures.svg import About
-from analysis.report.sections.rating_tables import (
-    DATA,
-    contrast_table,
-    interval_table,
-    model_table,
-    score_table,
-)
 from analysis.report.subject import Subject
+from analysis.report.texts import about, table
 from analysis.report.wording import between, number, suffix, why_no_figure
 from analysis.results.rating import RatedCondition, RatingResults
 from analysis.results.rating_contrasts import RatingContrast
-from analysis.stats.clustered_mean import LEVEL
 
 MOST_PAIRS: Final = 15
 """Pairs of conditions up to which their differences are drawn."""
 
 
 def rating_sections(results: RatingResults, subject: Subject) -> tuple[Section, ...]:
-    """Return one section for each set.
-
-    Parameters
-    ----------
-    results : RatingResults
-        What was found.
-    subject : Subject
-        Names the points of the scales.
-    """
+    """Return one section for each set; the subject names the points of the scales."""
     sets = dict.fromkeys(c.set for c in results.conditions)
     return tuple(
         _section(results, name, subject, suffix(name, place)) for place, name in enumerate(sets, 1)
@@ -51,25 +35,21 @@ def rating_sections(results: RatingResults, subject: Subject) -> tuple[Section, 
 def _section(results: RatingResults, name: str | None, subject: Subject, end: str) -> Section:
     conditions = [c for c in results.conditions if c.set == name]
     contrasts = [c for c in results.contrasts if c.set == name]
-    tables = [
-        score_table(conditions),
-        interval_table(conditions),
-    ]
+    tables = [_scores(conditions), table("means", conditions)]
     if contrasts:
-        tables += [
-            contrast_table(contrasts),
-            model_table(contrasts, results.clmm.of_set(name)),
-        ]
+        tables.append(table("rating-contrasts", contrasts))
+        tables.append(table("model", contrasts, models=results.clmm.of_set(name)))
 
     def pictures() -> tuple[Picture, ...]:
         labels, mark = subject.scale_labels, subject.mark
         few = 0 < len(contrasts) <= MOST_PAIRS * len({c.question for c in contrasts})
         return (
-            *distribution_pictures(conditions, labels, name=f"ratings{end}", mark=mark),
-            *cumulative_pictures(conditions, name=f"cumulative{end}", mark=mark),
-            *(contrast_pictures(contrasts, name=f"contrasts{end}", mark=mark) if few else ()),
+            *distribution_pictures(conditions, labels, end=end, mark=mark),
+            *_cumulative_pictures(conditions, end, mark),
+            *(_contrast_pictures(contrasts, end, mark) if few else ()),
         )
 
+    given = {score for c in conditions for score, count in c.counts.items() if count}
     return headline_section(
         name,
         end,
@@ -77,29 +57,40 @@ def _section(results: RatingResults, name: str | None, subject: Subject, end: st
         reason=why_no_figure(
             answers=sum(c.n for c in conditions),
             participants=max(c.participants for c in conditions),
-            tied=_all_alike(conditions),
+            tied=f"Every rating is {given.pop()}: nothing tells the conditions apart, so there is "
+            "nothing to draw and nothing to test."
+            if len(given) == 1
+            else "",
         ),
         pictures=pictures,
         tables=tables,
     )
 
 
-def _all_alike(conditions: Sequence[RatedCondition]) -> str:
-    given = {score for c in conditions for score, count in c.counts.items() if count}
-    if len(given) != 1:
-        return ""
-    return (
-        f"Every rating is {given.pop()}: nothing tells the conditions apart, so there is nothing "
-        "to draw and nothing to test."
+def _scores(conditions: Sequence[RatedCondition]) -> Table:
+    """Return the table of means, the best and the second best marked, as they are shown."""
+    shown: dict[str, list[float]] = {}
+    for c in conditions:
+        if not math.isnan(c.estimate):
+            shown.setdefault(c.question, []).append(round(c.estimate, 2))
+    ranked = {question: sorted(set(means), reverse=True) for question, means in shown.items()}
+    best, second = (
+        [
+            c
+            for c in conditions
+            if ranked.get(c.question, [])[1:] and round(c.estimate, 2) == ranked[c.question][place]
+        ]
+        for place in (0, 1)
     )
+    return table("scores", conditions, best=best, second=second)
 
 
 def distribution_pictures(
     conditions: Sequence[RatedCondition],
     labels: Mapping[str, Sequence[str]],
     *,
-    name: str,
-    mark: str,
+    end: str = "",
+    mark: str = "",
 ) -> tuple[Picture, ...]:
     """Draw how often each score was given, with means beside: S2UE's Figure 6.
 
@@ -109,16 +100,23 @@ def distribution_pictures(
         Of one set.
     labels : mapping of str to sequence of str
         By question, what its scores are called, worst first; the legend says so where all
-        questions agree.
-    name, mark
-        See `analysis.report.figures.svg.About`.
+        questions agree, and otherwise the caption.
+    end, mark
+        See `analysis.report.texts.about`.
     """
     scores = tuple(conditions[0].counts)
     questions = tuple(dict.fromkeys(c.question for c in conditions))
     names = tuple(dict.fromkeys(c.condition for c in conditions))
     by_place = {(c.condition, c.question): c for c in conditions}
     ratings = {one: max(c.n for c in conditions if c.condition == one) for one in names}
-    words = _legend(scores, [tuple(labels.get(question, ())) for question in questions])
+    called = {question: tuple(labels.get(question, ())) for question in questions}
+    own, *others = set(called.values())
+    words = [str(score) for score in scores]
+    if len(own) == len(scores) and not others:
+        words = [f"{score} {label}" for score, label in zip(scores, own, strict=True)]
+    else:
+        words[0], words[-1] = f"{words[0]} (worst)", f"{words[-1]} (best)"
+    said = {name: own for name, own in called.items() if others and len(own) == len(scores)}
     ends = (scores[0], scores[-1])
     return bar_pictures(
         {
@@ -129,30 +127,35 @@ def distribution_pictures(
         dict(zip(words, scale_colours(len(scores)), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of ratings"),
         Scale(limits=ends, ticks={score: str(score) for score in ends}, label="mean"),
-        About(
-            name=name,
-            title="How often each score was given",
-            caption="How often each score was given, in % of a condition's n ratings, worst on the "
-            "left; after exclusions. Right: mean with its "
-            f"{LEVEL:.0%} interval, clustered by participant and segment."
-            f"{_scales(scores, labels, questions)}",
-            data=DATA,
-            mark=mark,
-        ),
+        about("ratings", end=end, mark=mark, called=said, scores=scores),
     )
 
 
-def cumulative_pictures(
-    conditions: Sequence[RatedCondition], *, name: str, mark: str
+def _bar(rated: RatedCondition | None) -> Bar:
+    if rated is None or not rated.n:
+        return Bar()
+    shares = [(score, count, 100 * count / rated.n) for score, count in rated.counts.items()]
+    return Bar(
+        parts=tuple(
+            Part(percent, colour, f"score {score}: {count} of {rated.n} ratings ({percent:.0f}%)")
+            for (score, count, percent), colour in zip(
+                shares, scale_colours(len(shares)), strict=True
+            )
+        ),
+        beside=rated,
+    )
+
+
+def _cumulative_pictures(
+    conditions: Sequence[RatedCondition], end: str, mark: str
 ) -> tuple[Picture, ...]:
     """Draw how many ratings reach each score, a line per condition: S2UE's Figure 7."""
     scores = tuple(conditions[0].counts)
     by_place = {(c.condition, c.question): c for c in conditions}
     names = tuple(dict.fromkeys(c.condition for c in conditions))
-    shown = scores[:: max(1, len(scores) // 10)]
     scale = Scale(
         limits=(scores[0] - 0.1, scores[-1] + 0.1),
-        ticks={score: str(score) for score in shown},
+        ticks={score: str(score) for score in scores[:: max(1, len(scores) // 10)]},
         label="score or higher",
     )
 
@@ -170,27 +173,18 @@ def cumulative_pictures(
 
     told = {
         question: f"{wording.heading(question)}. "
-        + "; ".join(f"{wording.condition(c.condition)}: {_reached(c)}" for c in of_question)
+        + "; ".join(
+            f"{wording.condition(c.condition)}: {_reached(c)}"
+            for c in conditions
+            if c.question == question
+        )
         + "."
         for question in dict.fromkeys(c.question for c in conditions)
-        if (of_question := [c for c in conditions if c.question == question])
     }
+    legend = [_curve(place, {}, wording.condition(one)) for place, one in enumerate(names)]
     return panel_pictures(
-        PanelFigure(
-            told=told,
-            draw=draw,
-            height=1.9,
-            legend=[_curve(place, {}, wording.condition(one)) for place, one in enumerate(names)],
-        ),
-        About(
-            name=name,
-            title="How many ratings reach each score",
-            caption="How many of a condition's ratings are a score or a higher one, in %, after "
-            "exclusions (cumulative lower bound). A line that stays above another belongs to "
-            "better ratings; the figure is not a test.",
-            data=DATA,
-            mark=mark,
-        ),
+        PanelFigure(told=told, draw=draw, height=1.9, legend=legend),
+        about("cumulative", end=end, mark=mark),
     )
 
 
@@ -213,8 +207,8 @@ def _reached(rated: RatedCondition) -> str:
     )
 
 
-def contrast_pictures(
-    contrasts: Sequence[RatingContrast], *, name: str, mark: str
+def _contrast_pictures(
+    contrasts: Sequence[RatingContrast], end: str, mark: str
 ) -> tuple[Picture, ...]:
     """Draw how much better each condition is rated than each other one, in scores."""
     pairs = list(dict.fromkeys((c.a, c.b) for c in contrasts))
@@ -226,15 +220,7 @@ def contrast_pictures(
         },
         [Row(wording.against(a, b)) for a, b in pairs],
         Scale(label="difference in scores", line=0.0),
-        About(
-            name=name,
-            title="Differences of paired ratings",
-            caption="How much better the first condition is rated than the second, in scores: mean "
-            f"difference of paired ratings with its {LEVEL:.0%} interval, clustered by participant "
-            "and segment, after exclusions; p by Holm over the report.",
-            data="contrasts.csv",
-            mark=mark,
-        ),
+        about("contrasts", end=end, mark=mark),
     )
 
 
@@ -251,47 +237,4 @@ def _difference(contrast: RatingContrast | None) -> Dot:
         words=number(found.estimate),
         below="no test" if p == "–" else wording.p_is(found.p_holm),
         hint=f"{number(found.estimate)}{inside}, p (Holm) {p}",
-    )
-
-
-def _bar(rated: RatedCondition | None) -> Bar:
-    if rated is None or not rated.n:
-        return Bar()
-    return Bar(
-        parts=tuple(
-            Part(
-                percent=100 * count / rated.n,
-                colour=colour,
-                hint=f"score {score}: {count} of {rated.n} ratings ({100 * count / rated.n:.0f}%)",
-            )
-            for (score, count), colour in zip(
-                rated.counts.items(), scale_colours(len(rated.counts)), strict=True
-            )
-        ),
-        beside=rated,
-    )
-
-
-def _legend(scores: Sequence[int], labels: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
-    own = labels[0]
-    if len(own) == len(scores) and all(other == own for other in labels):
-        return tuple(f"{score} {label}" for score, label in zip(scores, own, strict=True))
-    words = [str(score) for score in scores]
-    words[0], words[-1] = f"{words[0]} (worst)", f"{words[-1]} (best)"
-    return tuple(words)
-
-
-def _scales(
-    scores: Sequence[int], labels: Mapping[str, Sequence[str]], questions: Sequence[str]
-) -> str:
-    """Return what each question calls its scores, where the legend cannot say it for all."""
-    called = {question: tuple(labels.get(question, ())) for question in questions}
-    if len(set(called.values())) == 1:
-        return ""
-    return "".join(
-        f" {wording.heading(question)}: "
-        + ", ".join(f"{score} {label}" for score, label in zip(scores, words, strict=True))
-        + "."
-        for question, words in called.items()
-        if len(words) == len(scores)
     )

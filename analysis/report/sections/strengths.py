@@ -4,38 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, NamedTuple
 
 from analysis.report import wording
-from analysis.report.content import (
-    PAIR,
-    Picture,
-    Table,
-    interval_cell,
-    number_cell,
-    p_cell,
-    table_of,
-)
+from analysis.report.content import About, Picture, Table
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
-from analysis.report.figures.svg import About
-from analysis.report.wording import (
-    HOLM,
-    INTERVAL,
-    between,
-    gathered,
-    notes,
-    number,
-    place_of,
-    ranks,
-)
+from analysis.report.texts import table
+from analysis.report.wording import SIGNIFICANCE, between, number, ranks
 from analysis.results.strengths import StrengthContrast, Strengths, Worths
 from analysis.stats.clustered_mean import LEVEL
 
 Fitted = Strengths | Worths
 
+_STANDINGS: Final = {
+    "strengths": (
+        "strength",
+        "bradley_terry.csv",
+        "Bradley–Terry strengths over all comparisons (Davidson's ties, left-side term), in logits "
+        f"that add up to zero, and the ranks that each condition may have at {LEVEL:.0%}. After "
+        "exclusions.",
+    ),
+    "worths": (
+        "worth",
+        "plackett_luce.csv",
+        "Plackett–Luce worths of the rankings after exclusions (ties included), on a log scale on "
+        f"which they add up to zero, and the ranks that each condition may have at {LEVEL:.0%}.",
+    ),
+}
+"""What one value is called, the file with all that is known of them, and the table's caption."""
 
-def strength_pictures(found: Mapping[str, Fitted], axis: str, about: About) -> tuple[Picture, ...]:
+
+def strength_pictures(found: Mapping[str, Fitted], axis: str, told: About) -> tuple[Picture, ...]:
     """Draw a panel per question and a row per condition, the strongest on the first one on top.
 
     Parameters
@@ -44,7 +45,7 @@ def strength_pictures(found: Mapping[str, Fitted], axis: str, about: About) -> t
         By question; those without a fit are left out, and without any nothing is drawn.
     axis : str
         What the values are.
-    about : About
+    told : About
         What stands around the figure.
     """
     known = {question: one for question, one in found.items() if not one.reason and _values(one)}
@@ -55,7 +56,7 @@ def strength_pictures(found: Mapping[str, Fitted], axis: str, about: About) -> t
         {question: [_dot(one, name) for name in order] for question, one in known.items()},
         [Row(wording.condition(name)) for name in order],
         Scale(label=axis, line=0.0),
-        about,
+        told,
     )
 
 
@@ -82,51 +83,45 @@ def _dot(fitted: Fitted, name: str) -> Dot:
     )
 
 
-def standings_table(
-    found: Mapping[str, Fitted], *, what: str, caption: str, name: str, data: str
-) -> Table:
+class _Standing(NamedTuple):
+    question: str
+    condition: str
+    value: float
+    error: float
+    low: float
+    high: float
+    ranks: str
+
+
+def standings_table(found: Mapping[str, Fitted], kind: str) -> Table:
     """Return values, errors and ranks by question, the strongest condition first.
 
     Parameters
     ----------
     found : mapping of str to Strengths or Worths
         By question.
-    what : str
-        What the values are called.
-    caption, name, data
-        See `analysis.report.content.Table`.
+    kind : {'strengths', 'worths'}
+        Which of them.
     """
-    return table_of(
-        [
-            (question, fitted, one, value)
-            for question, fitted in found.items()
-            for one, value in sorted(
-                _values(fitted).items(), key=lambda pair: (math.isnan(pair[1]), -pair[1])
-            )
-        ],
-        ("question", lambda row: wording.heading(row[0])),
-        ("condition", lambda row: wording.condition(row[2])),
-        (what, lambda row: number_cell(row[3])),
-        ("error", lambda row: number_cell(_error(row[1], row[2]))),
-        (INTERVAL, lambda row: interval_cell(row[1].low[row[2]], row[1].high[row[2]])),
-        ("ranks", lambda row: ranks(row[1].ranks.get(row[2]))),
-        caption=caption,
-        notes=(
-            note
-            for question, fitted in found.items()
-            for note in (
-                *notes(fitted.reason, fitted.remark, wording.heading(question)),
-                *notes(fitted.method and f"errors {fitted.method}", "", wording.heading(question)),
-            )
-        ),
-        name=name,
-        data=data,
-    )
-
-
-def _error(fitted: Fitted, name: str) -> float:
-    error = fitted.errors_two_way[name]
-    return fitted.errors[name] if math.isnan(error) else error
+    what, data, caption = _STANDINGS[kind]
+    rows = [
+        _Standing(
+            question,
+            name,
+            value,
+            fitted.errors[name]
+            if math.isnan(fitted.errors_two_way[name])
+            else fitted.errors_two_way[name],
+            fitted.low[name],
+            fitted.high[name],
+            ranks(fitted.ranks.get(name)),
+        )
+        for question, fitted in found.items()
+        for name, value in sorted(
+            _values(fitted).items(), key=lambda pair: (math.isnan(pair[1]), -pair[1])
+        )
+    ]
+    return table("standings", rows, what=(what, kind), data=data, caption=caption, fitted=found)
 
 
 def _values(fitted: Fitted) -> Mapping[str, float]:
@@ -134,9 +129,7 @@ def _values(fitted: Fitted) -> Mapping[str, float]:
 
 
 def contrasts_table(
-    contrasts: Sequence[StrengthContrast],
-    fitted: Mapping[str, Fitted],
-    what: str,
+    contrasts: Sequence[StrengthContrast], fitted: Mapping[str, Fitted], what: str
 ) -> Table:
     """Return how much stronger the first of every two conditions is.
 
@@ -150,49 +143,12 @@ def contrasts_table(
         What those are called.
     """
     shared = any(_share_ranks(one, fitted[one.question]) for one in contrasts)
-    return table_of(
-        contrasts,
-        *PAIR,
-        ("difference", lambda c: number_cell(c.estimate)),
-        (INTERVAL, lambda c: interval_cell(c.low, c.high)),
-        ("p", lambda c: p_cell(c.p_value)),
-        (HOLM, lambda c: p_cell(c.p_holm)),
-        caption=f"Differences of {what} of every two conditions, in "
-        f"logits, with {LEVEL:.0%} intervals one at a time, clustered by participant and segment; "
-        "above zero where the first is ahead. p is corrected by Holm over the report's family of "
-        "tests. After exclusions.",
-        notes=(
-            *(
-                f"{wording.heading(question)}, all conditions together: "
-                + (
-                    test.reason
-                    or f"F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
-                    f"{number(test.statistic)}, {wording.p_is(test.p_value)}; {test.method}"
-                )
-                + "."
-                for question, model in fitted.items()
-                for test in (model.omnibus,)
-            ),
-            *gathered(
-                (place_of(one), note) for one in contrasts for note in (one.reason, one.remark)
-            ),
-            *((RANKS_ARE_WIDER,) if shared else ()),
-        ),
-        name="contrasts",
-        data="contrasts.csv",
-    )
-
-
-RANKS_ARE_WIDER = (
-    "Some differences are decided although both conditions may have the same rank: ranks hold for "
-    "all conditions together at once (Bonferroni), while Holm's correction decides differences one "
-    "after another, which finds more."
-)
+    return table("contrasts", contrasts, fitted=fitted, what=what, shared=shared)
 
 
 def _share_ranks(one: StrengthContrast, fitted: Fitted) -> bool:
     """Tell whether a decided difference is between conditions whose ranks overlap."""
-    if not one.p_holm < 1 - LEVEL or not fitted.ranks:
+    if not one.p_holm < SIGNIFICANCE or not fitted.ranks:
         return False
     a, b = fitted.ranks[one.a], fitted.ranks[one.b]
     return a.best <= b.worst and b.best <= a.worst

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from markupsafe import Markup
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section
 from analysis.report.subject import Still, Subject
-from motion.errors import listed
+from analysis.report.texts import paragraphs
 
 ANCHOR = "stills"
 HEADING = "What the conditions look like"
@@ -16,61 +18,49 @@ HEADING = "What the conditions look like"
 def strip_section(subject: Subject) -> Section | None:
     """Return a row of stills for each condition; None where there cannot be any."""
     if not subject.stills:
-        if not subject.no_stills:
-            return None
-        return Section(anchor=ANCHOR, heading=HEADING, paragraphs=(subject.no_stills,))
+        said = (subject.no_stills,)
+        return Section(anchor=ANCHOR, heading=HEADING, paragraphs=said) if said[0] else None
     segment = subject.stills[0].segment
-    rows: dict[str, list[Still]] = {}
-    for still in subject.stills:
-        rows.setdefault(still.condition, []).append(still)
-    missing = [name for name in subject.conditions if name not in rows]
+    rows = {name: list(own) for name, own in groupby(subject.stills, lambda one: one.condition)}
     excerpt = subject.excerpts.get(segment)
-    said = f" It says: “{excerpt.transcript}”" if excerpt and excerpt.transcript else ""
-    paragraphs = [
-        f"Frames of the videos that were shown, of segment {wording.name(segment)}, at loud "
-        f"syllables: gestures fall on these. A still tells nothing of how a motion moves.{said}"
-    ]
-    if missing:
-        names = listed([wording.condition(name) for name in missing])
-        paragraphs.append(
-            f"There is no video of this segment, or none that can be read, of {names}."
-        )
+    picture = Picture(
+        svg=_strip(rows),
+        caption=f"Segment {wording.name(segment)}: each row is a condition, each column a moment "
+        "in seconds from the beginning.",
+    )
     return Section(
         anchor=ANCHOR,
         heading=HEADING,
-        paragraphs=tuple(paragraphs),
-        pictures=(
-            Picture(
-                svg=_strip(rows),
-                caption=f"Segment {wording.name(segment)}: each row is a condition, each column a "
-                "moment in seconds from the beginning.",
-            ),
+        paragraphs=paragraphs(
+            "participants.stills",
+            segment=segment,
+            said=excerpt.transcript if excerpt else "",
+            missing=[wording.condition(name) for name in subject.conditions if name not in rows],
         ),
+        pictures=(picture,),
     )
 
 
 def _strip(rows: dict[str, list[Still]]) -> Markup:
     """Return the stills as a table of pictures, each with words for those who cannot see it."""
-    moments = next(iter(rows.values()))
-    head = Markup("").join(
-        Markup('<th scope="col">{}</th>').format(_moment(still)) for still in moments
-    )
-    body = Markup("").join(
-        Markup('<tr><th scope="row">{}</th>{}</tr>').format(
-            wording.condition(condition), Markup("").join(_cell(still) for still in stills)
+    head = (
+        Markup('<th scope="col">{:.1f} s{}</th>').format(
+            still.seconds, f" “{still.word}”" if still.word else ""
         )
-        for condition, stills in rows.items()
+        for still in next(iter(rows.values()))
+    )
+    body = (
+        Markup('<tr><th scope="row">{}</th>{}</tr>').format(
+            wording.condition(name), Markup("").join(map(_cell, stills))
+        )
+        for name, stills in rows.items()
     )
     return Markup(
         '<table class="stills"><thead><tr><td></td>{}</tr></thead><tbody>{}</tbody></table>'
-    ).format(head, body)
+    ).format(Markup("").join(head), Markup("").join(body))
 
 
 def _cell(still: Still) -> Markup:
     said = f", at “{still.word}”" if still.word else ""
     words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds{said}"
     return Markup('<td><img src="{}" alt="{}"></td>').format(still.image, words)
-
-
-def _moment(still: Still) -> str:
-    return f"{still.seconds:.1f} s" + (f" “{still.word}”" if still.word else "")

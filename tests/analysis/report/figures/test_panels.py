@@ -4,10 +4,10 @@ import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
+from analysis.report.content import About
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import NARROW, WIDE, Row
 from analysis.report.figures.style import POINTS, Scale, fitted
-from analysis.report.figures.svg import About
 from tests.analysis.report.sections.reading import drawn
 
 SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")

@@ -7,7 +7,7 @@ import pytest
 from bs4 import BeautifulSoup
 from matplotlib.figure import Figure
 
-from analysis.report.content import Picture
+from analysis.report.content import About, Picture
 from analysis.report.figures.style import (
     FIVE,
     FOLLOWS_THE_PAGE,
@@ -18,7 +18,7 @@ from analysis.report.figures.style import (
     place_colours,
     scale_colours,
 )
-from analysis.report.figures.svg import FORMATS, About, Drawing, as_file, inline_svg, picture
+from analysis.report.figures.svg import FORMATS, Drawing, as_file, inline_svg, picture
 
 
 def drawn(name: str = "one") -> Picture:

@@ -9,7 +9,7 @@ import pytest
 
 from analysis.answers.participants import Flow
 from analysis.report.sections.answer import answer, certainty
-from analysis.report.sections.flow import flow_line, flow_section
+from analysis.report.sections.participants import flow_line, flow_section
 from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import (

@@ -9,7 +9,7 @@ import pytest
 
 from analysis.answers.exclusion_rules import watched_less
 from analysis.report.content import Section
-from analysis.report.sections.checks import sensitivity_section
+from analysis.report.sections.participants import sensitivity_section
 from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of

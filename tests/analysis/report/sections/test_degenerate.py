@@ -6,12 +6,10 @@ from collections.abc import Callable, Mapping
 import pandas as pd
 import pytest
 
-from analysis.report.content import Section
-from analysis.report.figures.svg import About
+from analysis.report.content import About, Section
 from analysis.report.page import first_picture, headline_sections
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
-from analysis.report.sections.preference_rows import pairwise_groups
-from analysis.report.sections.preferences import preference_pictures
+from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.report.subject import Subject
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport

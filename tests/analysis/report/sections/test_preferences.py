@@ -8,7 +8,7 @@ from analysis.report import wording
 from analysis.report.content import Section
 from analysis.report.page import headline_sections
 from analysis.report.sections import preferences
-from analysis.report.sections.preference_rows import pairwise_groups
+from analysis.report.sections.preferences import pairwise_groups
 from analysis.report.subject import Subject
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.sections.rankings import ordinal
 from analysis.report.sections.ratings import distribution_pictures
+from analysis.report.wording import ordinal
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
@@ -96,7 +96,7 @@ def test_scales_that_differ_are_said_under_the_figure(
     conditions = [c for c in results.conditions if c.set == "1"]
     twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
     labels = {"match": SCALE, "sync": tuple("abcde")}
-    (picture,) = distribution_pictures(twice, labels, name="r", mark="")
+    (picture,) = distribution_pictures(twice, labels)
     assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
     assert "1 (worst)" in words(picture)
 

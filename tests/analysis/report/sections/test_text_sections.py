@@ -8,11 +8,14 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.sections.answer import answer, certainty
-from analysis.report.sections.checks import truth_section
-from analysis.report.sections.diagnostics import diagnostics_section
-from analysis.report.sections.flow import MOST_LOOKS, flow_section, looks_section
-from analysis.report.sections.methods import limits_section, methods_section
+from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
+from analysis.report.sections.participants import (
+    MOST_LOOKS,
+    diagnostics_section,
+    flow_section,
+    looks_section,
+    truth_section,
+)
 from analysis.report.sections.strip import strip_section
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
