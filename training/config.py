@@ -130,8 +130,6 @@ class TrainingConfig:
         self._check("gradient_clip", clip is None or 0 < clip < math.inf, "a number above 0")
         self._check("ema_decay", decay is None or 0 < decay < 1, "a number above 0 and below 1")
         self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
-        names = [one.name for one in self.passes]
-        self._check("passes", len(set(names)) == len(names), "each a name of its own")
 
     def _check(self, name: str, fits: bool, wanted: str) -> None:
         _check(name, getattr(self, name), fits, wanted)

@@ -42,21 +42,6 @@ class Pass:
     first: int = 0
     end: int | None = None
 
-    def __post_init__(self) -> None:
-        rate, end = self.learning_rate, self.end
-        for key, fits, wanted in (
-            ("name", bool(self.name), "a text"),
-            ("learning_rate", rate is None or 0 < rate <= 1, "a number above 0, at most 1"),
-            ("every", self.every >= 1, "a whole number of 1 or more"),
-            ("first", self.first >= 0, "a whole number of 0 or more"),
-            ("end", end is None or end > self.first, "a step after the first"),
-        ):
-            if not fits:
-                raise InputError(
-                    f"{key} of the pass {self.name!r} is {getattr(self, key)!r}",
-                    remedy=f"Give {wanted}",
-                )
-
     def lasts(self, step: int) -> bool:
         """Tell whether a step, from 0, is of the pass' stage."""
         return self.first <= step and (self.end is None or step < self.end)

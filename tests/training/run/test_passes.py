@@ -155,22 +155,6 @@ def test_what_no_pass_of_a_stage_teaches_is_frozen_with_its_statistics_and_witho
     assert all(weight.requires_grad for weight in learner._network.parameters())
 
 
-def test_weights_that_needed_no_gradient_from_the_beginning_never_learn() -> None:
-    class Pretrained(Rivalry):
-        def network(self) -> Rivals:
-            network = Rivals(chance=False)
-            network.maker.requires_grad_(False)
-            return network
-
-    torch.manual_seed(0)
-    learner = Learner(Pretrained(chance=False), CONFIG, Group("cpu"))
-    before = state(learner)
-    for step in range(3):
-        learner.learn(step)
-    assert moved(before, state(learner)) == {"last", "judge"}
-    assert not any(weight.requires_grad for weight in learner._network.maker.parameters())
-
-
 STAGED = replace(
     CONFIG,
     accumulate=2,
@@ -221,17 +205,3 @@ def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=said):
         train(Rivalry(), replace(CONFIG, passes=passes), RunFolder(tmp_path))
-
-
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"name": ""}, "name of the pass '' is ''"),
-        ({"learning_rate": 2.0}, "learning_rate of the pass 'a' is 2.0"),
-        ({"every": 0}, "every of the pass 'a' is 0"),
-        ({"first": 3, "end": 3}, "end of the pass 'a' is 3"),
-    ],
-)
-def test_numbers_out_of_range_are_refused(wrong: dict[str, object], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]  # wrong on purpose
