@@ -150,10 +150,14 @@ def test_not_a_number_in_float_wav_is_refused_by_name(tmp_path: Path) -> None:
         read_audio(tmp_path / "nan.wav")
 
 
-def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(tmp_path: Path) -> None:
+def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # A header may claim one sample a second, which resampling would blow up 16000 times.
-    soundfile.write(tmp_path / "slow.wav", np.zeros(LONGEST + 8192, np.int16), 1)
-    with pytest.raises(InputError, match=r"slow\.wav: the recording lasts longer than 3 hours"):
+    assert LONGEST == 3 * 3600
+    monkeypatch.setattr("motion.audio.LONGEST", 3600)
+    soundfile.write(tmp_path / "slow.wav", np.zeros(3600 + 8192, np.int16), 1)
+    with pytest.raises(InputError, match=r"slow\.wav: the recording lasts longer than 1 hours"):
         read_audio(tmp_path / "slow.wav")
 
 

@@ -104,8 +104,9 @@ if __name__ == "__main__":
     atexit.register(leave_alone)
     try:
         for folder, changed, stop in zip(*[iter(sys.argv[1:])] * 3, strict=True):
-            learn(Path(folder), json.loads(changed), int(stop))
-    except TrainingStopped as stopped:
-        sys.exit(40 + stopped.step)
+            try:
+                learn(Path(folder), json.loads(changed), int(stop))
+            except TrainingStopped as stopped:
+                Path(folder, f"stopped at {stopped.step}").touch()
     except InputError as error:
         sys.exit(str(error))

@@ -47,6 +47,11 @@ def takes() -> PreparedTakes:
     return toy_takes()
 
 
+@pytest.fixture(autouse=True)
+def _few_are_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("generators.diffsheg.train.HELD_OUT", 128)
+
+
 @pytest.fixture
 def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Train:
     """Return a training of a small network on the toy takes, given steps and choices."""

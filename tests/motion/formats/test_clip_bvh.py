@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from motion.clip import MotionClip
 from motion.formats.bvh import read_bvh
@@ -21,6 +21,7 @@ def assert_joints_found(path: Path, clip: MotionClip) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
+@settings(max_examples=25)
 @given(clips())
 def test_every_joint_is_where_the_clip_puts_it(
     tmp_path_factory: pytest.TempPathFactory, clip: MotionClip

@@ -37,7 +37,7 @@ def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> C
 @pytest.fixture
 def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
     """Return a job that takes long enough to be caught at work."""
-    seconds = 6
+    seconds = 4
     write_clip(tmp_path / "long.npz", clip.frames(np.arange(seconds * 30) % len(clip)))
     write_wav(tmp_path / "long.wav", Audio(np.zeros(seconds * 16000, np.float32), 16000))
     return replace(

@@ -114,24 +114,19 @@ def test_a_cluster_makes_the_same_files_as_this_machine(
     assert made == {job.name: video_of(job).read_bytes() for job in jobs[:4]}
 
 
-def test_a_killed_workers_clip_is_done_by_another(
-    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
+def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(
+    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
 ) -> None:
-    jobs = [long_job, *clips_and_pairs(clip_job, 1)]
-    with killing_writers(video_of(long_job).parent, times=1) as killed:
-        outcomes = run_jobs(jobs, processes=1, cluster=cluster_of_two)
-    assert len(killed) == 1
-    assert [outcome.error for outcome in outcomes] == [None, None, None]
-    assert video_of(long_job).exists()
-
-
-def test_a_clip_that_kills_worker_after_worker_is_reported_and_the_rest_goes_on(
-    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
-) -> None:
-    jobs = [long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
-    with killing_writers(video_of(long_job).parent, times=100) as killed:
-        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
-    assert len(killed) == 4
+    once = replace(long_job, name="once", frames=None, video=tmp_path / "once" / "once.mp4")
+    jobs = [once, long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
+    with (
+        killing_writers(video_of(once).parent, times=1) as killed_once,
+        killing_writers(video_of(long_job).parent, times=100) as killed,
+    ):
+        done, lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    assert (len(killed_once), len(killed)) == (1, 4)
+    assert done.error is None
+    assert video_of(once).exists()
     assert "ended early" in str(lost.error)
     assert pair.because_of == "long"
     assert [outcome.error for outcome in rest] == [None, None]

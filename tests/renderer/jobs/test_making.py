@@ -68,30 +68,22 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
 
 
 @pytest.mark.slow
-def test_the_job_of_a_killed_process_is_done_by_another(
-    long_job: ClipJob, clip_job: ClipJob
+def test_a_killed_processs_job_is_done_by_another_until_it_has_killed_two(
+    long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob, tmp_path: Path
 ) -> None:
-    with killing_writers(video_of(long_job).parent, times=1) as killed:
-        outcomes = run_jobs([long_job, clip_job], processes=2)
-    assert len(killed) == 1
-    assert [outcome.error for outcome in outcomes] == [None, None]
-    assert video_of(long_job).exists()
-    assert frames_of(long_job).exists()
-
-
-@pytest.mark.slow
-def test_a_job_that_kills_two_processes_is_reported_and_the_rest_goes_on(
-    long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob
-) -> None:
+    once = replace(long_job, name="once", frames=None, video=tmp_path / "once" / "once.mp4")
     doomed_pair = replace(pair_job, name="doomed pair", right=frames_of(long_job))
-    with killing_writers(video_of(long_job).parent, times=100) as killed:
-        lost, first, doomed, pair = run_jobs(
-            [long_job, clip_job, doomed_pair, pair_job], processes=1
-        )
-    assert len(killed) == 2
+    jobs: list[Job] = [once, long_job, clip_job, doomed_pair, pair_job]
+    with (
+        killing_writers(video_of(once).parent, times=1) as killed_once,
+        killing_writers(video_of(long_job).parent, times=100) as killed,
+    ):
+        done, lost, first, doomed, pair = run_jobs(jobs, processes=1)
+    assert (len(killed_once), len(killed)) == (1, 2)
+    assert (done.error, first.error, pair.error) == (None, None, None)
+    assert video_of(once).exists()
     assert "ended early, 2 times (signal 9)" in str(lost.error)
     assert (doomed.because_of, doomed.error) == ("long", "its clip long could not be made")
-    assert (first.error, pair.error) == (None, None)
     assert not video_of(long_job).exists()
     assert video_of(pair_job).exists()
 

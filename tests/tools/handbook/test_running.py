@@ -108,4 +108,4 @@ def test_long_outputs_lose_their_middle() -> None:
 def test_the_guide_begins_as_it_says(tmp_path: Path) -> None:
     page = GUIDE.read_text(encoding="utf-8")
 
-    assert run_page(page, tmp_path, until="**Your system's motion**") == page, "run 'make guide'"
+    assert run_page(page, tmp_path, until="**Recorded motion.**") == page, "run 'make guide'"

@@ -52,14 +52,14 @@ def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(
 ) -> None:
     config = replace(CONFIG, steps=4, accumulate=2)
     normed: Asked = (tmp_path / "normed", {"steps": 4, "accumulate": 2, "normed": True}, 0)
-    assert learn_in_two(normed, (tmp_path / "two", {}, 3)) == 43
-    batch_statistics_are_those_of_one(tmp_path / "normed", config, tmp_path)
-    assert state_of(tmp_path / "two").facts["step"] == 3
-    # What every process refuses is said once.
     refused: Asked = (tmp_path / "refused", {"batch_size": 1}, 0)
-    assert learn_in_two((tmp_path / "two", {}, 0), refused) == 1
+    two = tmp_path / "two"
+    assert learn_in_two(normed, (two, {}, 3), (two, {}, 0), refused) == 1
+    batch_statistics_are_those_of_one(tmp_path / "normed", config, tmp_path)
+    assert (two / "stopped at 3").exists()
+    # What every process refuses is said once.
     assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
-    together, one = state_of(tmp_path / "two"), alone(tmp_path / "one", CONFIG)
+    together, one = state_of(two), alone(tmp_path / "one", CONFIG)
     assert together.facts["step"] == 8
     assert together.tensors.keys() == one.tensors.keys()
     assert together.tensors["network.idle.weight"].equal(one.tensors["network.idle.weight"])
