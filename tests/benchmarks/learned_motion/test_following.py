@@ -60,11 +60,6 @@ def test_wrists_that_move_as_the_process_says_follow_it() -> None:
     assert found.jaw_open == pytest.approx(1, abs=1e-6)
 
 
-def test_wrists_that_move_as_another_speech_says_do_not() -> None:
-    found = follow(swinging(speech(1).wrist_speed), speech(2))
-    assert abs(found.wrist_speed) < 0.6
-
-
 def test_what_does_not_move_follows_nothing_and_says_so() -> None:
     found = follow(swinging(np.zeros(FRAMES)), speech(1))
     assert math.isnan(found.wrist_speed)
