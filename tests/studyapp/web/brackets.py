@@ -11,9 +11,12 @@ from typing import Any, Final
 from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.test_templates import SPOKEN_ATTRIBUTES
 from tools.message_catalogues import found_texts
 
+SPOKEN_ATTRIBUTES: Final = (
+    *("alt", "aria-description", "aria-label"),
+    *("aria-valuetext", "placeholder", "title"),
+)
 PLAYER: Final = re.compile(r"\b[A-F]\b")
 
 

@@ -10,7 +10,7 @@ from flask import Flask
 from motion.errors import InputError
 from studyapp.web.app import create_app, window_name
 from studyapp.web.participants import participant
-from studyapp.web.protection import AT_ONCE, KEPT, PER_SECOND, Pace
+from studyapp.web.protection import AT_ONCE, KEPT, Pace
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
 
@@ -42,19 +42,6 @@ def test_a_page_can_report_in_four_windows_for_an_hour() -> None:
 
     per_second = 4 * every_two_seconds_and_at_each_end
     assert accepted(Pace(), 3600, per_second=per_second) == int(3600 * per_second)
-
-
-def test_of_a_flood_no_more_is_accepted_than_the_limit() -> None:
-    assert accepted(Pace(), 60, per_second=500) == AT_ONCE + 60 * PER_SECOND - 1
-
-
-def test_waiting_as_long_as_is_asked_for_is_enough() -> None:
-    pace = Pace()
-    while not (wait := pace.seconds_to_wait("one", 5.0)):
-        pass
-
-    assert wait == pytest.approx(1 / PER_SECOND)
-    assert pace.seconds_to_wait("one", 5.0 + wait) == 0
 
 
 def test_nobody_else_has_to_wait_however_many_names_are_made_up() -> None:
@@ -95,10 +82,3 @@ def test_a_windows_name_does_not_hold_the_address(app: Flask, clock: SetClock) -
 
     assert named == window_name(token)
     assert not any(named[at : at + 6] in token for at in range(len(named) - 5))
-
-
-def test_pages_that_are_the_end_give_way_to_nobody(app: Flask, clock: SetClock) -> None:
-    visitor = Visitor(app, clock).enrol()
-    visitor.client.post(f"{visitor.address}/withdraw")
-
-    assert visitor.page().soup.select("#elsewhere") == []

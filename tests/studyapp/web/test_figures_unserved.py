@@ -8,7 +8,6 @@ import pytest
 from flask import Flask
 
 from studyapp.study.folder import StudyFolder
-from studyapp.web.running import running
 
 SECRET = b"which condition is which"
 
@@ -50,10 +49,3 @@ def test_no_address_leads_to_a_figure(app: Flask, hidden: list[str], address: st
         answer = client.get(address.format(path))
         assert answer.status_code in (308, 404), address.format(path)
         assert SECRET not in answer.data
-
-
-def test_only_pairs_are_served(app: Flask, hidden: list[str], tiny_study: Path) -> None:
-    with app.app_context():
-        served = running().served.videos.values()
-    pairs = (tiny_study / "videos" / "pairs").resolve()
-    assert {video.file.parent for video in served} == {pairs}

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import FormAnswer
-from studyapp.web.running import attach, running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.studyapp.web.visitor import stored_in
 from tests.support.asked_forms import FORM, SCALE
 
 
@@ -54,14 +50,6 @@ def test_questions_are_asked_before_the_instructions_and_can_be_corrected(
     assert accepted.status_code == 303
     assert stored(asking) == {"adult": "yes", "age": "21", "work": "", "often": "3"}
     assert PageReader(client.get(address).text).heading == "What you will do"
-
-
-def test_a_closing_question_has_room_for_several_lines(asking: Flask, clock: SetClock) -> None:
-    with asking.app_context():
-        attach(asking, replace(running(), clock=clock))
-    *_, asked, _ = Visitor(asking, clock).every_page()
-    assert asked.one("textarea")["name"] == "form:comment"
-    assert stored(asking)["comment"] == "–"
 
 
 def test_lines_are_counted_and_stored_as_the_browser_counts_them(

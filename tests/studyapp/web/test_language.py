@@ -8,7 +8,7 @@ from flask import Flask, render_template_string
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
 from studyapp.web.errors import told
-from studyapp.web.language import _, language_of, ngettext, say, speak
+from studyapp.web.language import _, language_of, ngettext, speak
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 
@@ -19,13 +19,6 @@ def speaking(code: str) -> Flask:
     app = Flask("test")
     speak(app, language_of(code))
     return app
-
-
-@pytest.mark.parametrize("code", NEXT)
-def test_texts_in_code_and_templates_are_said_in_the_language(code: str) -> None:
-    with speaking(code).app_context():
-        assert _("Next") == say(Message("Next")) == NEXT[code]
-        assert render_template_string("{{ _('Next') }}") == NEXT[code]
 
 
 @pytest.mark.parametrize(

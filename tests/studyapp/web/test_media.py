@@ -34,12 +34,7 @@ def content(app: Flask, address: str) -> bytes:
 
 @pytest.mark.parametrize(
     ("asked", "start", "stop"),
-    [
-        ("0-", 0, None),
-        ("0-0", 0, 1),
-        ("10-19", 10, 20),
-        ("-5", -5, None),
-    ],
+    [("0-", 0, None), ("0-0", 0, 1), ("10-19", 10, 20), ("-5", -5, None)],
 )
 def test_a_byte_range_is_exactly_what_was_asked_for(
     app: Flask, address: str, asked: str, start: int, stop: int | None
@@ -49,38 +44,31 @@ def test_a_byte_range_is_exactly_what_was_asked_for(
     answer = app.test_client().get(address, headers={"Range": f"bytes={asked}"}, buffered=True)
 
     part = whole[start:stop]
-    first = start if start >= 0 else len(whole) + start
-    assert answer.status_code == 206
-    assert answer.data == part
+    first = start % len(whole)
+    assert (answer.status_code, answer.data) == (206, part)
     assert answer.headers["Content-Length"] == str(len(part))
     assert answer.headers["Content-Range"] == (
         f"bytes {first}-{first + len(part) - 1}/{len(whole)}"
     )
 
 
-def test_a_range_outside_the_video_is_refused(app: Flask, address: str) -> None:
-    answer = app.test_client().get(address, headers={"Range": "bytes=99999999-"})
-
-    assert answer.status_code == 416
-
-
 @pytest.mark.parametrize(
-    "header", [{"If-Range": '"x"', "Range": "bytes=1-2"}, {"Range": "nonsense"}]
+    ("headers", "status"),
+    [
+        ({"Range": "bytes=99999999-"}, 416),
+        ({"If-Range": '"x"', "Range": "bytes=1-2"}, 200),
+        ({"Range": "nonsense"}, 200),
+    ],
 )
-def test_the_whole_video_is_sent_where_a_range_cannot_hold(
-    app: Flask, address: str, header: dict[str, str]
+def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
+    app: Flask, address: str, headers: dict[str, str], status: int
 ) -> None:
-    answer = app.test_client().get(address, headers=header, buffered=True)
+    answer = app.test_client().get(address, headers=headers, buffered=True)
+    told = app.test_client().head(address, buffered=True)
 
-    assert answer.status_code == 200
-    assert answer.data == content(app, address)
-
-
-def test_a_head_request_tells_the_length_and_sends_nothing(app: Flask, address: str) -> None:
-    answer = app.test_client().head(address, buffered=True)
-
-    assert answer.data == b""
-    assert int(answer.headers["Content-Length"]) == len(content(app, address))
+    assert answer.status_code == status
+    assert (answer.data == content(app, address)) is (status == 200)
+    assert (told.data, int(told.headers["Content-Length"])) == (b"", len(content(app, address)))
 
 
 def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
@@ -101,30 +89,25 @@ def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
     assert (tiny_study / inner.removeprefix("/study%20files/")).read_bytes() == whole
 
 
-@pytest.mark.parametrize(
-    "error",
-    [
-        OperationalError("SELECT token", {"token": "secret"}, Exception("gone\nmore"), True),
-        PoolTimeoutError("no connection was free"),
-    ],
-)
 def test_while_the_database_is_away_pages_ask_for_patience(
-    app: Flask, error: Exception, caplog: pytest.LogCaptureFixture
+    app: Flask, caplog: pytest.LogCaptureFixture
 ) -> None:
+    gone = OperationalError("SELECT token", {"token": "secret"}, Exception("gone\nmore"), True)
+    errors = iter([gone, PoolTimeoutError("no connection was free")])
+
     @app.get("/away")
     def away() -> str:
-        raise error
+        raise next(errors)
 
-    answer = app.test_client().get("/away")
-
-    assert answer.status_code == 503
-    assert "What you answered before is stored" in answer.text
+    for _ in range(2):
+        answer = app.test_client().get("/away")
+        assert answer.status_code == 503
+        assert "What you answered before is stored" in answer.text
     assert "secret" not in caplog.text
     assert "Traceback" not in caplog.text
 
 
-@pytest.mark.parametrize("failure", [RuntimeError("/take/secret"), ValueError("secret")])
-def test_a_worker_says_nothing_of_the_request_that_failed(failure: Exception) -> None:
+def test_a_worker_says_nothing_of_the_request_that_failed() -> None:
     class Log:
         said = ""
 
@@ -133,16 +116,17 @@ def test_a_worker_says_nothing_of_the_request_that_failed(failure: Exception) ->
 
     worker = StudyWorker.__new__(StudyWorker)
     worker.log = Log()
+    failure = RuntimeError("/take/secret")
     ours, theirs = socket.socketpair()
     with ours, theirs:
         try:
             raise failure
-        except type(failure) as error:
+        except RuntimeError as error:
             worker.handle_error(None, ours, ("203.0.113.9", 1), error)
         answer = theirs.recv(1000)
 
     assert answer.startswith(b"HTTP/1.1 500")
-    assert type(failure).__name__ in worker.log.said
+    assert "RuntimeError" in worker.log.said
     assert "secret" not in worker.log.said
 
 

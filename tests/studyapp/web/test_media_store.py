@@ -24,7 +24,6 @@ from studyapp.web.running import running
 from tests.studyapp.s3_stand_in import (
     BUCKET,
     KEY,
-    SECRET,
     Store,
     forget_keys,
     s3_stand_in,
@@ -93,21 +92,6 @@ def first_video(app: Flask, clock: SetClock) -> str:
     Visitor(app, clock).enrol().begin().page()
     token = stored_in(app, select(Video.token).order_by(Video.id))[0]
     return f"/media/{token}.mp4"
-
-
-def test_a_video_is_loaded_from_the_store_by_byte_ranges(
-    from_store: Flask, clock: SetClock, store: Store
-) -> None:
-    address = first_video(from_store, clock)
-
-    answer = from_store.test_client().get(address)
-    piece = httpx.get(answer.location, headers={"Range": "bytes=4-11"})
-
-    assert answer.status_code == 302
-    assert answer.location.startswith(f"{store.endpoint}/{BUCKET}/my-study/")
-    assert (piece.status_code, piece.content[:4]) == (206, b"ftyp")
-    assert SECRET not in answer.location
-    assert store.gets()[0][0].startswith(f"/{BUCKET}/my-study/")
 
 
 def test_what_is_shown_again_cannot_be_told_from_what_is_new(

@@ -40,21 +40,14 @@ def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
     assert stored(app) == 12
 
 
-def test_a_start_pressed_twice_takes_one_place(app: Flask) -> None:
-    client = app.test_client()
-    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
-
-    first, second = (client.post("/", data={"visit": visit}).location for _ in "ab")
-
-    assert first == second
-    assert len(stored_in(app, select(StudySession))) == 1
-
-
-def test_the_consent_page_states_the_terms_and_stores_nothing(app: Flask) -> None:
+def test_the_consent_page_states_the_terms_and_stores_nothing(serve: Serve) -> None:
+    plain = 'payment = "2.50 EUR"\n'
+    app = serve((plain, f'{plain}ethics = "Ethics committee, no. 7 <b>"\n'))
     page = app.test_client().get("/").text
 
     for words in ("Institute of Gestures", "10 minutes", "2.50 EUR", "gestures@example.org"):
         assert words in page
+    assert "<dt>Ethics</dt><dd>Ethics committee, no. 7 &lt;b&gt;</dd>" in page
     assert not stored_in(app, select(StudySession))
 
 
@@ -111,40 +104,6 @@ def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
 
     for body in bodies:
         assert visitor.client.post(address, data=body).status_code == 422, body
-
-
-def test_a_rehearsals_clock_may_run_faster(tiny_study: Path, serve: Serve) -> None:
-    (tiny_study / "responses.db").unlink()
-    app = serve(rehearsal_speed=1e6)
-    client = app.test_client()
-    visitor = Visitor(app, SetClock()).enrol().begin()
-    page = visitor.page()
-    client.get(page.value("#pair", "src"), buffered=True)
-    address = page.value("#pair", "data-watched-url")
-
-    assert client.post(address, json=WATCHED).get_json()["missing"] == 0
-    assert (tiny_study / "rehearsal.db").exists()
-    assert not (tiny_study / "responses.db").exists()
-
-
-def test_a_refresh_shows_the_same_trial_with_what_was_watched(visitor: Visitor) -> None:
-    first = visitor.page()
-    visitor.watch()
-
-    again = visitor.page()
-
-    assert again.trial == first.trial
-    assert again.value("#pair", "data-watched") == "[[0.0, 2.0]]"
-    assert again.value("#pair", "data-next-batch") == "1"
-
-
-def test_withdrawing_asks_first_and_ends_it(visitor: Visitor) -> None:
-    link = visitor.page().value("footer a", "href")
-    question = PageReader(visitor.client.get(link).text)
-
-    assert visitor.page().soup.select("#answers")
-    assert visitor.client.post(question.action).status_code == 303
-    assert visitor.page().heading == "You have withdrawn"
 
 
 def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:

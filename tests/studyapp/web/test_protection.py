@@ -13,23 +13,20 @@ from tests.studyapp.web.visitor import Visitor
 WEB = Path(__file__).parents[3] / "studyapp" / "web"
 
 
-def test_every_answer_is_protected(app: Flask) -> None:
-    for address in ("/", "/nowhere", "/take/nobody", "/static/style.css"):
-        headers = app.test_client().get(address, buffered=True).headers
-        assert headers["Referrer-Policy"] == "no-referrer"
-        assert headers["X-Content-Type-Options"] == "nosniff"
-        assert "default-src 'none'" in headers["Content-Security-Policy"]
-        assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
-        assert "unsafe" not in headers["Content-Security-Policy"]
-        assert "mturk" not in headers["Content-Security-Policy"]
-        assert headers["X-Frame-Options"] == "DENY"
-        assert "Set-Cookie" not in headers
-
-
-def test_pages_are_never_kept_by_a_browser(app: Flask, clock: SetClock) -> None:
+def test_every_answer_is_protected_and_no_page_is_kept(app: Flask, clock: SetClock) -> None:
     visitor = Visitor(app, clock).enrol().begin()
-
-    assert visitor.client.get(visitor.address).headers["Cache-Control"] == "no-store"
+    pages = ("/", "/nowhere", "/take/nobody", visitor.address, "/research/log-in")
+    for address in (*pages, "/static/style.css"):
+        headers = app.test_client().get(address, buffered=True).headers
+        policy = headers["Content-Security-Policy"]
+        assert (headers["Referrer-Policy"], headers["X-Frame-Options"]) == ("no-referrer", "DENY")
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        for rule in ("default-src 'none'", "frame-ancestors 'none'", "form-action 'self'"):
+            assert rule in policy
+        assert "unsafe" not in policy
+        assert "mturk" not in policy
+        assert (headers["Cache-Control"] == "no-store") is (address in pages)
+        assert ("Set-Cookie" in headers) is ("research" in address)
 
 
 @pytest.mark.parametrize(
@@ -66,29 +63,20 @@ def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
     assert "too much" in answer.text
 
 
-def test_only_a_failure_of_ours_is_called_ours(app: Flask) -> None:
-    @app.get("/fails/<int:status>")
-    def fails(status: int) -> str:
+def test_only_a_failure_of_ours_is_called_ours_and_logged_without_the_address(
+    app: Flask, caplog: pytest.LogCaptureFixture
+) -> None:
+    @app.get("/fails/<int:status>/<token>")
+    def fails(status: int, token: str) -> str:
+        if status == 500:
+            raise ZeroDivisionError
         abort(status)
 
     for status in default_exceptions:
-        answer = app.test_client().get(f"/fails/{status}")
+        answer = app.test_client().get(f"/fails/{status}/s3cret")
         assert answer.status_code == status
         assert ("went wrong on our side" in answer.text) == (status >= 500), status
         assert re.search(r"(is|are) stored|is lost|[Gg]o back", answer.text), status
-
-
-def test_a_failure_of_ours_is_a_friendly_page_and_logged_without_the_address(
-    app: Flask, caplog: pytest.LogCaptureFixture
-) -> None:
-    @app.get("/fails/<token>")
-    def fails(token: str) -> str:
-        raise ZeroDivisionError
-
-    answer = app.test_client().get("/fails/s3cret")
-
-    assert answer.status_code == 500
-    assert "went wrong on our side" in answer.text
-    assert "ZeroDivisionError" not in answer.text
+        assert "ZeroDivisionError" not in answer.text
     assert "ZeroDivisionError" in caplog.text
     assert "s3cret" not in caplog.text

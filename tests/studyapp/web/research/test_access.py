@@ -7,7 +7,6 @@ import re
 import pytest
 from flask import Flask
 
-from studyapp.researchers.account import RIGHTS, ROLES, Right
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -109,27 +108,6 @@ def test_a_page_that_the_table_forgets_is_shown_to_nobody(app: Flask, log_in: Lo
     owner = log_in("owner")
 
     assert owner.client.get("/research/forgotten").status_code == 403
-
-
-def test_a_role_may_what_the_lesser_one_may_and_more() -> None:
-    assert RIGHTS["viewer"] < RIGHTS["analyst"] < RIGHTS["owner"] == frozenset(Right)
-    assert set(ROLES) == set(RIGHTS)
-
-
-def test_whoever_invites_reads_what_each_role_may_once(log_in: LogIn) -> None:
-    roles = log_in("owner").get("/research/researchers").soup.select("fieldset p")
-    said = [" ".join(role.get_text().split()) for role in roles]
-    assert [text.partition(" – ")[0] for text in said] == ["viewer", "analyst", "owner"]
-    assert [text.count(right.value) for right in Right for text in said] == [
-        int(right in rights - lesser)
-        for right in Right
-        for rights, lesser in (
-            (RIGHTS["viewer"], frozenset()),
-            (RIGHTS["analyst"], RIGHTS["viewer"]),
-            (RIGHTS["owner"], RIGHTS["analyst"]),
-        )
-    ]
-    assert "analyst – may do what viewers may; " in said[1]
 
 
 def test_who_may_read_what_participants_say_and_what_recruiters_call_them(

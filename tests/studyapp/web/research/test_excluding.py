@@ -13,7 +13,6 @@ from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
@@ -88,16 +87,6 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert "participant reinstated: study session 1 it was another one" in log
 
 
-def test_the_page_says_what_a_decision_does_and_what_it_does_not(
-    people: list[Participant], log_in: LogIn
-) -> None:
-    said = log_in("analyst").get(ONE).words("main")
-
-    assert "leave out participants who did not finish; who failed more than 1 catch trial." in said
-    assert "Reinstating somebody does not overrule them." in said
-    assert "can go on, and is paid like everybody. The place stays taken" in said
-
-
 def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
     people: list[Participant], log_in: LogIn, stored: Database
 ) -> None:
@@ -117,18 +106,6 @@ def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
     assert decide(analyst, "exclude", "r", "/research/study-sessions/77") == 404
     assert decide(analyst, "exclude", "r", "/research/rehearsal/study-sessions/1") == 405
     assert reasons(stored) == ["", ""]
-
-
-def test_who_withdrew_cannot_be_excluded(
-    people: list[Participant], log_in: LogIn, stored: Database, clock: SetClock
-) -> None:
-    analyst = log_in("analyst")
-    withdraw(stored, people[1].token, clock)
-    gone = f"{LIST}/2"
-
-    assert "Nothing from participants who withdrew is analysed." in analyst.get(gone).words("main")
-    assert not analyst.get(gone).soup.select("[name=decision]")
-    assert decide(analyst, "exclude", "r", gone) == 422
 
 
 def test_the_overview_counts_who_is_excluded_and_leads_to_them(

@@ -73,12 +73,3 @@ def test_nobody_can_be_logged_in_from_another_site(
     for answer in (without_cookie, without_code, anothers_code):
         assert answer.status_code == 403
     assert browser.client.get("/research/").status_code == 303
-
-
-def test_a_form_that_came_from_our_page_is_taken(
-    log_in: LogIn, stored: Database, clock: SetClock
-) -> None:
-    answer = log_in("owner").post("/research/researchers/invite", role="viewer")
-
-    assert answer.status_code == 200
-    assert [link.role for link in usable_links(stored, clock.now())] == ["viewer"]

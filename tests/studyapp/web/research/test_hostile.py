@@ -111,29 +111,6 @@ def test_odd_addresses_give_no_file_and_no_failure(log_in: LogIn) -> None:
         assert "from flask" not in answer.text
 
 
-PAGES = [
-    "/research/",
-    "/research/log-in",
-    "/research/researchers",
-    "/research/join/x",
-    "/research/zzz",
-]
-
-
-def test_no_page_is_kept_framed_or_told_to_others(log_in: LogIn) -> None:
-    owner = log_in("owner")
-    for address in PAGES:
-        headers = owner.client.get(address).headers
-
-        assert headers["Cache-Control"] == "no-store"
-        assert headers["Referrer-Policy"] == "no-referrer"
-        assert headers["X-Content-Type-Options"] == "nosniff"
-        policy = headers["Content-Security-Policy"]
-        assert "frame-ancestors 'none'" in policy
-        assert "form-action 'self'" in policy
-        assert "unsafe" not in policy
-
-
 def test_other_methods_do_nothing(log_in: LogIn) -> None:
     owner = log_in("owner")
 

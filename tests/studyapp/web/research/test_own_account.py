@@ -156,16 +156,6 @@ def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
         browser.post("/research/log-out")
 
 
-def test_who_asks_for_a_page_comes_back_to_it(browser: ResearchBrowser, log_in: LogIn) -> None:
-    log_in("owner")
-    turned_away = browser.client.get("/research/study-sessions?arm=a-b&page=2")
-
-    page = browser.get(turned_away.location)
-    entered = browser.log_in("Ada", next=page.value("main [name=next]", "value"))
-
-    assert entered.location == "/research/study-sessions?arm=a-b&page=2"
-
-
 def test_unknown_names_and_wrong_passwords_are_told_the_same(
     browser: ResearchBrowser, log_in: LogIn
 ) -> None:

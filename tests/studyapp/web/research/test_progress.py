@@ -50,32 +50,6 @@ def test_the_line_of_truth_leads_to_what_it_counts(
         assert listed.startswith(f"{number} study session"), link
 
 
-def test_the_page_refreshes_itself_unless_it_is_to_be_still(log_in: LogIn) -> None:
-    viewer = log_in("viewer")
-
-    page, still = viewer.get("/research/"), viewer.get("/research/?refresh=off")
-
-    assert "refreshed" in page.value("noscript meta", "content")
-    assert page.value("#live", "data-address") == "/research/?refreshed="
-    assert not still.soup.select("noscript, [src*=refreshing]")
-
-
-def test_a_study_session_shows_its_trials_and_what_happened(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
-    people(app, clock)
-    viewer = log_in("viewer")
-
-    page = viewer.get("/research/study-sessions/2")
-
-    assert page.heading == "Study session 2"
-    assert len(page.soup.select("tbody tr")) == 6
-    events = [item.get_text() for item in page.soup.select(".events li")]
-    assert "Agreed to take part" in events[0]
-    assert "Trial 2 was shown" in events[-1]
-    assert viewer.client.get("/research/study-sessions/3").status_code == 404
-
-
 def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
     app: Flask, log_in: LogIn, clock: SetClock
 ) -> None:

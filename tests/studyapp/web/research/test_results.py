@@ -139,25 +139,6 @@ def test_the_page_tells_what_a_look_costs_this_study(
     assert "Nobody has looked yet" in text
 
 
-def test_results_are_computed_again_only_when_there_is_something_new(
-    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
-) -> None:
-    arrive(app, clock, "one", "two")
-    text = unblinded(log_in, figures)
-    analyst = log_in("analyst")
-    analyst.post(RESULTS, reason="again")
-    clock.advance(minutes=2)
-    assert "As of 24 answers" in text and "As of 24 answers" in analyst.get(RESULTS).text
-    assert figures.work() == 0
-
-    arrive(app, clock, "three")
-    clock.advance(minutes=2)
-    assert "being computed" in analyst.get(RESULTS).text
-    assert "being computed" in analyst.get(RESULTS).text
-    assert figures.work() == 1
-    assert "As of 36 answers" in analyst.get(RESULTS).text
-
-
 def test_without_answers_nothing_is_computed_and_no_look_is_logged(
     log_in: LogIn, stored: Database, figures: FiguresAtHand
 ) -> None:
@@ -167,24 +148,3 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
     assert "Nobody has answered yet" in owner.get(RESULTS).text
     assert "Nobody has answered yet" in owner.get("/research/").text
     assert (figures.work(), looks(stored)) == (0, [])
-
-
-def test_figures_that_cannot_be_computed_are_said_to_be_so_and_tried_again(
-    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
-) -> None:
-    arrive(app, clock, "one", "two")
-    viewer = log_in("viewer")
-    whole = (figures.folder / "study.toml").read_text("utf-8")
-
-    assert "It is being computed" in viewer.get("/research/").text
-    (figures.folder / "study.toml").write_text("title = 1", "utf-8")
-    figures.work()
-    failed = viewer.get("/research/").text
-    (figures.folder / "study.toml").write_text(whole, "utf-8")
-    clock.advance(minutes=11)
-    viewer.get("/research/")
-    figures.work()
-
-    assert "It could not be computed" in failed
-    assert "Krippendorff" in viewer.get("/research/").text
-    assert looks(stored) == []
