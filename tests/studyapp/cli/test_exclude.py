@@ -138,19 +138,6 @@ def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand
     assert "has been passed on" in passed_on
 
 
-def test_once_every_decision_is_taken_back_the_rules_alone_decide(folder: StudyFolder) -> None:
-    before = left_out(folder)
-    assert [rule.rule for rule in before.rules] == ["incomplete", "attention"]
-    for name in ("2", "4"):
-        exclude(folder, name)
-        exclude(folder, name, "--reinstate")
-
-    # Reinstating does not overrule a rule of the study.
-    after = left_out(folder)
-    assert list(after.exclusions) == ["4"]
-    assert (after.exclusions, after.rules) == (before.exclusions, before.rules)
-
-
 def test_the_export_says_of_each_answer_that_a_researcher_decided(
     folder: StudyFolder, tmp_path: Path
 ) -> None:

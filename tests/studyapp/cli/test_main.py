@@ -145,18 +145,3 @@ def test_what_draws_motion_says_how_to_install_graphics(tmp_path: Path) -> None:
     assert shown.returncode == 1
     assert "pip install 'motionjury[motion]'" in shown.stderr
     assert "Traceback" not in shown.stderr
-
-
-def test_light_commands_load_neither_networks_nor_graphics() -> None:
-    program = (
-        "import sys\n"
-        "from studyapp.cli.main import group\n"
-        "for name in ('init', 'check', 'serve', 'export'):\n"
-        "    group.get_command(None, name)\n"
-        "heavy = {'torch', 'pyrender', 'OpenGL', 'anny', 'matplotlib', 'librosa'}\n"
-        "print(sorted(heavy & set(sys.modules)))\n"
-    )
-    shown = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert shown.stdout.strip() == "[]"

@@ -48,15 +48,6 @@ def test_what_was_done_before_counts_for_no_rate(
     ]
 
 
-def test_how_far_the_first_one_is_is_said_before_it_is_done(
-    clock: list[float], capsys: pytest.CaptureFixture[str]
-) -> None:
-    with progress("generate", "clip") as show:
-        clock[0] += 40
-        show(0, 2, "one: 50%")
-    assert capsys.readouterr().err.splitlines() == ["generate: 0 of 2 clips, one: 50%"]
-
-
 def test_a_terminal_gets_a_bar_with_rate_and_time_left(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -89,12 +80,3 @@ def test_whoever_watches_finds_in_a_file_how_far_it_is(
         show(200, 400)
         assert (told().done, told().total) == (200, 400)
         assert told().words == "render: 200 of 400 frames, 200 a second, about 00:01 left"
-
-
-def test_what_cannot_be_told_ends_no_work(
-    clock: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv(PROGRESS_FILE, str(tmp_path / "file" / "below"))
-    with progress("render", "frame") as show:
-        show(0, 400)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import re
 import shutil
 import tomllib
@@ -14,7 +13,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.preflight.recruiting_checks import made_findings
-from studyapp.recruitment.record import draw_codes, read_made_there
+from studyapp.recruitment.record import draw_codes
 from studyapp.session.arrivals import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.command_line import run
@@ -260,10 +259,3 @@ def test_a_code_that_was_changed_after_prolific_was_told_is_found(
     path.write_text(as_told, "utf-8")
     (folder / "recruitment.json").write_text("{", "utf-8")
     assert list(problems()) == ["made-there-unreadable"]
-
-
-def test_what_was_made_there_is_not_lost_for_a_file_that_cannot_be_read(folder: Path) -> None:
-    (folder / "recruitment.json").write_text(json.dumps({"other": 1}), "utf-8")
-
-    with pytest.raises(InputError, match=r"recruitment\.json"):
-        read_made_there(folder)

@@ -99,13 +99,6 @@ def test_what_was_written_is_read_again(name: str, tmp_path: Path) -> None:
         assert (tmp_path / "unpacked" / path).read_bytes() == content
 
 
-def test_the_same_study_at_the_same_moment_gives_the_same_bytes(tmp_path: Path) -> None:
-    for name in ("one.tar.gz", "two.tar.gz"):
-        written(tmp_path, tmp_path / name, compressed=True)
-
-    assert (tmp_path / "one.tar.gz").read_bytes() == (tmp_path / "two.tar.gz").read_bytes()
-
-
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
 def test_no_flipped_or_missing_byte_stays_unnoticed(name: str, tmp_path: Path) -> None:
     archive, broken = tmp_path / name, tmp_path / "broken"

@@ -62,9 +62,3 @@ def test_names_follow_from_the_folder() -> None:
     assert (found.name, found.unit) == ("my-study-2", "motionjury-my-study-2")
     assert found.database_name == "motionjury_my_study_2"
     assert found.address == "https://study.example.org/studies/one/"
-
-
-def test_a_title_stays_one_line() -> None:
-    found = planned_deployment(**GIVEN | {"title": 'Two\nlines, "quoted" \\'})
-
-    assert found.title == "Two lines, 'quoted' /"

@@ -13,9 +13,9 @@ from studyapp.custody.forgetting import forget, remembered
 from studyapp.database import scrubbing
 from studyapp.database.engine import Database
 from studyapp.database.scrubbing import leave_nothing
-from studyapp.database.tables import Event, Place, StudySession
+from studyapp.database.tables import Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
-from studyapp.researchers.audit import log_change, logged_changes
+from studyapp.researchers.audit import StudyState, log_change, logged_changes, note_look
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival, note_screen_out
@@ -131,17 +131,27 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
         log_change(
             session, person.clock.now(), Event.UNBLINDED, by="ada", reason=f"{PERSON} wrote to us"
         )
+        state = StudyState(finished=0, planned=4, answers=2)
+        note_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
+        session.add(InterimFigures(what="results", document="{}", state="", problem=""))
 
     forget(person.database, PERSON, KEY, person.clock)
 
+    once = stored_text(person.database)
+    assert forget(person.database, PERSON, KEY, person.clock) == 0
+    assert forget(person.database, "", KEY, person.clock) == 0
+    assert stored_text(person.database) == once
+    with person.database.reading() as session:
+        assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
+        assert session.scalars(select(InterimFigures)).all() == []
     lines = list(reversed(logged_changes(person.database)))
     assert lines[-1].event == "participant forgotten"
     assert lines[-1].detail == "study session 1, arm rule_based-mismatched, was started"
-    assert (lines[-2].researcher, lines[-2].reason) == ("ada", "(erased) wrote to us")
+    assert (lines[-3].researcher, lines[-3].reason) == ("ada", "(erased) wrote to us")
 
 
 @SQLITE
-def test_the_place_can_be_taken_again(person: Participant) -> None:
+def test_the_place_can_be_taken_again_by_the_same_person_too(person: Participant) -> None:
     for name in ("second", "third", "fourth"):
         other(person, name)
 
@@ -150,17 +160,8 @@ def test_the_place_can_be_taken_again(person: Participant) -> None:
     with person.database.reading() as session:
         held = session.scalar(select(func.count(Place.study_session_id)))
     assert held == 3
-    other(person, "fifth")
-
-
-@SQLITE
-def test_who_comes_again_under_the_same_name_begins_anew(person: Participant) -> None:
-    forget(person.database, PERSON, KEY, person.clock)
-
     again = other(person, PERSON)
-
     assert again.look().state == "started"
-    assert read_once(person.database, study_sessions_table)["study_session"].tolist() == [1, 2]
 
 
 @SQLITE
@@ -203,33 +204,6 @@ def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> No
     assert forget(person.database, "screened-out", KEY, person.clock) == 1
     assert "screened-out" not in stored_text(person.database)
     assert "another" in stored_text(person.database)
-
-
-@SQLITE
-def test_forgetting_twice_changes_nothing(person: Participant) -> None:
-    forget(person.database, PERSON, KEY, person.clock)
-    once = stored_text(person.database)
-    person.clock.advance(minutes=5)
-
-    assert forget(person.database, PERSON, KEY, person.clock) == 0
-    assert remembered(person.database, PERSON, KEY) == ()
-    assert stored_text(person.database) == once
-
-
-@SQLITE
-def test_an_empty_name_is_nobodys(person: Participant) -> None:
-    assert forget(person.database, "", KEY, person.clock) == 0
-
-
-@SQLITE
-def test_what_they_send_afterwards_is_refused(person: Participant) -> None:
-    trial = person.trial().token
-    forget(person.database, PERSON, KEY, person.clock)
-
-    with pytest.raises(UnknownAddressError):
-        person.answer(trial)
-    with pytest.raises(UnknownAddressError):
-        person.look()
 
 
 def test_an_answer_that_comes_while_they_are_forgotten_is_refused(

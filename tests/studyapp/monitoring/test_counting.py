@@ -13,7 +13,6 @@ from studyapp.monitoring.answered_trials import (
     progress,
     sides,
     times,
-    times_of_trials,
 )
 from studyapp.monitoring.counts import (
     LeftAt,
@@ -135,15 +134,6 @@ def test_quartiles_are_those_of_the_values_and_of_too_few_there_are_none() -> No
     assert few.reason == "fewer than 4"
 
 
-def test_times_are_told_by_kind_and_only_of_kinds_that_occur() -> None:
-    trials = [AnsweredTrial(1, n, "main", "", float(n)) for n in range(5)]
-    trials.append(AnsweredTrial(1, 9, "catch", "", None))
-
-    (main,) = times_of_trials(trials, ("practice", "main", "catch"))
-
-    assert (main.what, main.middle) == ("main", 2.0)
-
-
 def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
     found = [
         *(Check(person, "catch", "hard", failed=True) for person in range(3)),
@@ -200,19 +190,6 @@ def test_places_done_are_a_staircase_that_goes_on_to_the_projected_end() -> None
         (0, 0), (0.125, 0), (0.125, 0.25), (0.25, 0.25), (0.25, 0.5), (0.5, 0.5),
     )  # fmt: skip
     assert found.expected == ((0.5, 0.5), (1, 1))
-
-
-def test_the_staircase_ends_now_or_with_the_last_place() -> None:
-    began, finished = NOON - timedelta(hours=4), [NOON - timedelta(hours=2)]
-
-    halfway, through = (completions(finished, wanted, began, None, NOON) for wanted in (2, 1))
-
-    assert halfway is not None
-    assert through is not None
-    assert (halfway.until, halfway.done[-1]) == (NOON, (1, 0.5))
-    assert (through.until, through.done[-1]) == (finished[0], (1, 1))
-    assert halfway.expected == through.expected == ()
-    assert completions([], 2, began, None, NOON) is None
 
 
 @given(st.lists(st.integers(0, 10**7), min_size=1, max_size=500))

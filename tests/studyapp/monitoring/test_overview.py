@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -120,17 +119,6 @@ def test_a_study_that_nobody_has_come_to_has_an_overview(
     assert found.forecast.reason == "nobody has come yet"
     assert (found.videos, found.trials, found.items, found.sides) == ((), (), (), ())
     assert found.decisions == ()
-
-
-@SQLITE
-def test_who_is_let_in_by_nobody_needs_a_decision(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    closed = replace(served, study=served.study.model_copy(update={"open": False}))
-
-    (decision,) = overview(opened, closed, clock.now()).decisions
-
-    assert "the study admits nobody new" in decision.what
 
 
 @pytest.fixture

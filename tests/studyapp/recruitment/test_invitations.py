@@ -9,7 +9,7 @@ from studyapp.recruitment.invitations import (
     invited,
     make_invitations,
 )
-from studyapp.session.arrivals import Arrival, note_screen_out, was_screened_out
+from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol, enrolled
 from studyapp.session.served_study import ServedStudy
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -42,15 +42,3 @@ def test_an_invitation_is_one_study_session_however_often_it_is_used(
     assert (found.made, found.begun, found.completed) == (2, 1, 0)
     Participant(opened, served, clock, first).begin().take_all()
     assert invitation_counts(opened).completed == 1
-
-
-def test_who_was_screened_out_stays_so_whatever_the_recruiter_calls_the_study(
-    opened: Database, clock: SetClock
-) -> None:
-    someone = Arrival(recruiter_participant="p1", recruiter_study="s1")
-    for _ in range(2):
-        note_screen_out(opened, someone, clock)
-
-    assert was_screened_out(opened, someone)
-    assert was_screened_out(opened, Arrival(recruiter_participant="p1", recruiter_study="s2"))
-    assert not was_screened_out(opened, Arrival(recruiter_participant="p2", recruiter_study="s1"))

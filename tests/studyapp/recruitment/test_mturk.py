@@ -123,13 +123,6 @@ def test_a_hit_is_looked_at_and_stopped(client: MTurkClient, stub: Stubber) -> N
     client.stop("h1")
 
 
-def test_a_refusal_is_said_in_words(client: MTurkClient, stub: Stubber) -> None:
-    stub.add_client_error("get_hit", "RequestError", "There is no such HIT")
-
-    with pytest.raises(InputError, match=r"look at HIT h9: There is no such HIT"):
-        client.hit("h9")
-
-
 def test_the_sandbox_is_what_is_asked_unless_told_otherwise(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -141,13 +134,6 @@ def test_the_sandbox_is_what_is_asked_unless_told_otherwise(
 
     assert [name for name, _ in asked] == ["mturk", "mturk"]
     assert [options["endpoint_url"] for _, options in asked] == [SANDBOX, LIVE]
-
-
-def test_without_boto3_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "boto3", None)
-
-    with pytest.raises(InputError, match=r"motionjury\[mturk\]"):
-        connect(live=False)
 
 
 @dataclass

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.recruitment.prolific import hourly, internal_name, prolific_draft
+from studyapp.recruitment.prolific import internal_name, prolific_draft
 from tests.studyapp.made_study import make_segments, make_study
 from tests.studyapp.recruitment.test_prolific_client import PAGE, PROLIFIC, draft
 
@@ -80,7 +80,3 @@ def test_an_address_that_no_recruiter_accepts_is_refused(address: str) -> None:
     with pytest.raises(InputError, match="https://"):
         prolific_draft(study, SEGMENTS, address)
     assert internal_name(study).startswith("motionjury made ")
-
-
-def test_pay_is_said_by_the_hour() -> None:
-    assert hourly(200, 10) == pytest.approx(12.0)

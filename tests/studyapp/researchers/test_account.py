@@ -67,10 +67,3 @@ def test_another_role_needs_another_login(database: Database, clock: SetClock) -
     assert again.role == "analyst"
     newest = logged_changes(database)[1]
     assert (newest.researcher, newest.detail) == ("Ada", "Charles: viewer becomes analyst")
-
-
-def test_nobody_else_is_changed(database: Database, clock: SetClock) -> None:
-    joined(database, clock, "Ada")
-
-    with pytest.raises(InputError, match="no such researcher"):
-        let_in_again(database, clock, 10**30, by="Ada")

@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from sqlalchemy import select
 
-from studyapp.custody.forgetting import forget
 from studyapp.database.engine import Database
-from studyapp.database.tables import InterimFigures
 from studyapp.researchers.audit import StudyState, logged_changes, looks, note_look
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
-from studyapp.session.served_study import ServedStudy
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import SetClock
 
@@ -45,19 +39,3 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered_for_others(
     numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]
     assert passed_on["by"].tolist() == numbered
     assert set(passed_on["day"]) == {"2026-05-04"}
-
-
-@BOTH
-def test_forgetting_takes_a_name_out_of_reasons_and_deletes_figures(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    enrol(opened, served, Arrival(visit="v", recruiter_participant="5f3c1d9e"), clock)
-    with opened.writing() as session:
-        note_look(session, clock.now(), STATE, way="page", by="Ada", reason="5f3c1d9e wrote")
-        session.add(InterimFigures(what="results", document="{}", state="", problem=""))
-
-    forget(opened, "5f3c1d9e", None, clock)
-
-    assert looks(opened)[0].reason == "(erased) wrote"
-    with opened.reading() as session:
-        assert session.scalars(select(InterimFigures)).all() == []

@@ -13,13 +13,10 @@ from studyapp.database.tables import Researcher
 from studyapp.researchers.attempts import MOST_OF_NAME, TooManyAttemptsError
 from studyapp.researchers.credentials import (
     LONGEST,
-    address_for_device,
     check_password,
     hashed,
-    is_outdated,
     is_right,
     new_secret,
-    reset_second_factor,
     turn_off,
     turn_on,
 )
@@ -68,24 +65,8 @@ def test_a_password_of_another_length_is_refused_with_both_limits(length: int) -
         check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada")
 
 
-def test_a_hash_is_that_of_its_password_alone_and_never_twice_the_same() -> None:
-    one, other = hashed("correct horse battery"), hashed("correct horse battery")
-
-    assert one != other
-    assert "correct" not in one
-    assert is_right(one, "correct horse battery")
-    assert not is_right(one, "correct horse batterz")
-    assert not is_right("no hash at all", "correct horse battery")
-    assert not is_right(None, "correct horse battery")
-
-
 def test_a_password_is_the_same_however_its_letters_are_encoded() -> None:
     assert is_right(hashed("gru\u0308ne Wiesen im Mai"), "gr\u00fcne Wiesen im Mai")
-
-
-def test_a_hash_of_other_parameters_is_outdated() -> None:
-    assert not is_outdated(hashed("correct horse battery"))
-    assert is_outdated("$argon2id$v=19$m=65536,t=3,p=4$AAAAAAAAAAAAAAAAAAAAAA$" + "A" * 43)
 
 
 NEW = "seven quiet bicycles"
@@ -192,24 +173,3 @@ def test_a_link_for_a_new_password_does_not_go_around_it(
 
     code = code_of(secret, clock)
     assert log_in(database, clock, name="Ada", password=NEW, code=code, address=HERE)
-
-
-def test_who_runs_the_server_takes_it_from_somebody_who_lost_the_device(
-    database: Database, clock: SetClock
-) -> None:
-    with_second_factor(database, clock)
-
-    reset_second_factor(database, clock, name=" ada ")
-
-    enter(database, clock, "Ada")
-    with pytest.raises(InputError, match="no researcher 'Eve'"):
-        reset_second_factor(database, clock, name="Eve")
-
-
-def test_the_address_for_a_device_is_what_programs_read() -> None:
-    secret = new_secret()
-
-    read = pyotp.parse_uri(address_for_device(secret, researcher="Ada L.", study="gestures"))
-
-    assert isinstance(read, pyotp.TOTP)
-    assert (read.secret, read.name, read.issuer) == (secret, "Ada L.", "Motion Jury gestures")

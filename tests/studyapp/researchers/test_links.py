@@ -1,11 +1,9 @@
 from __future__ import annotations
 
 import pytest
-from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import ResearcherLink
 from studyapp.researchers.account import shut_out
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.links import (
@@ -58,17 +56,6 @@ def test_a_link_expires(database: Database, clock: SetClock, purpose: str) -> No
     with pytest.raises(UnusableLinkError):
         join(database, clock, token, name="Eve", password=PASSWORD)
     assert usable_links(database, clock.now()) == []
-
-
-def test_what_is_stored_of_a_link_does_not_open_it(database: Database, clock: SetClock) -> None:
-    token = first_owner_link(database, clock)
-
-    with database.reading() as session:
-        stored = session.scalars(select(ResearcherLink.token_hash)).one()
-
-    assert stored != token
-    with pytest.raises(UnusableLinkError):
-        link_of(database, stored, clock.now())
 
 
 def test_a_name_is_given_once_and_a_refused_one_leaves_the_link_usable(

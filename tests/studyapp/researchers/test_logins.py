@@ -8,7 +8,7 @@ from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import LoginAttempt, Researcher, ResearcherLogin
+from studyapp.database.tables import LoginAttempt, Researcher, ResearcherLink, ResearcherLogin
 from studyapp.researchers import credentials as passwords
 from studyapp.researchers.account import Account, shut_out
 from studyapp.researchers.attempts import (
@@ -17,12 +17,12 @@ from studyapp.researchers.attempts import (
     WINDOW,
     TooManyAttemptsError,
 )
+from studyapp.researchers.links import invite
 from studyapp.researchers.logins import (
     IDLE,
     LONGEST,
     WrongLoginError,
     change_password,
-    end_login,
     logged_in,
 )
 from tests.studyapp.researchers_at_hand import HERE, PASSWORD, enter, joined
@@ -78,31 +78,6 @@ def test_nobody_stays_logged_in_for_ever(database: Database, clock: SetClock) ->
     clock.advance(seconds=1800)
 
     assert who(database, clock, login) is None
-
-
-def test_logging_out_ends_one_login_and_no_other(database: Database, clock: SetClock) -> None:
-    joined(database, clock, "Ada")
-    ended, kept = enter(database, clock, "Ada"), enter(database, clock, "Ada")
-    assert ended != kept
-
-    end_login(database, ended)
-
-    assert who(database, clock, ended) is None
-    assert who(database, clock, kept) is not None
-    assert who(database, clock, "") is None
-
-
-def test_name_and_password_log_in_however_the_name_is_written(
-    database: Database, clock: SetClock
-) -> None:
-    joined(database, clock, "Ada Lovelace")
-
-    account = logged_in(
-        database, enter(database, clock, " ADA  lovelace"), clock.now(), by_hand=True
-    )
-
-    assert account is not None
-    assert (account.name, account.role) == ("Ada Lovelace", "owner")
 
 
 def test_every_refusal_says_the_same_after_the_same_work(
@@ -233,14 +208,17 @@ def test_guessing_the_old_password_is_counted_like_logging_in(
         change_password(database, clock, researcher_id=number, old=PASSWORD, new="x", address=HERE)
 
 
-def test_the_database_holds_neither_passwords_nor_what_cookies_hold(
+def test_the_database_holds_neither_passwords_nor_what_cookies_and_links_hold(
     database: Database, clock: SetClock
 ) -> None:
     joined(database, clock, "Ada")
-    login = enter(database, clock, "Ada")
+    secrets = {enter(database, clock, "Ada"), invite(database, clock, role="viewer", by="Ada")}
 
     with database.reading() as session:
-        stored = session.scalars(select(ResearcherLogin.token_hash)).all()
+        stored = {
+            *session.scalars(select(ResearcherLogin.token_hash)),
+            *session.scalars(select(ResearcherLink.token_hash)),
+        }
         password_hash = session.scalars(select(Researcher.password_hash)).one()
-    assert login not in stored
+    assert not secrets & stored
     assert PASSWORD not in password_hash

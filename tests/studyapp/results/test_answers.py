@@ -8,8 +8,7 @@ from click.testing import CliRunner
 
 from motion.errors import InputError
 from studyapp.cli.main import group
-from studyapp.database.engine import sqlite_url
-from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
+from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import leave
@@ -25,21 +24,6 @@ def answer_once(folder: StudyFolder, file: Path) -> None:
     """Let somebody answer the first trial and stop."""
     with taking_part(folder.root, file.name) as participant:
         participant.enrol().begin().take_trial()
-
-
-def names(folder: StudyFolder) -> set[str]:
-    return {path.name for path in folder.root.iterdir()}
-
-
-def test_looking_for_answers_makes_no_database(
-    folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    before, elsewhere = names(folder), tmp_path / "elsewhere.db"
-    assert answers_to_report(folder).origin == "none"
-    monkeypatch.setenv("DATABASE_URL", sqlite_url(elsewhere))
-
-    assert read_answers(folder, "participants").origin == "none"
-    assert names(folder) == before and not elsewhere.exists()
 
 
 def test_real_answers_come_before_those_of_a_rehearsal_which_are_reported_on_request(

@@ -38,11 +38,6 @@ def test_by_default_every_processor_makes_videos_up_to_the_most_allowed(
     assert asked["processes"] == used
 
 
-def test_a_cluster_is_asked_for_by_its_address(tiny_study: Path, asked: dict[str, Any]) -> None:
-    run(tiny_study, "--cluster", "tcp://node1:8786")
-    assert asked["cluster"] == "tcp://node1:8786"
-
-
 def test_what_was_made_kept_and_failed_is_said_and_a_failure_is_an_error(
     tiny_study: Path, asked: dict[str, Any]
 ) -> None:

@@ -8,15 +8,6 @@ from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
-def test_values_keep_their_side(participant: Participant) -> None:
-    participant.take_trial({"rhythm": "-2", "emotion": "2"})
-
-    table = read_once(participant.database, responses_table).set_index("question")
-
-    assert table.loc["rhythm", "value"] == -2
-    assert table.loc["emotion", "value"] == 2
-
-
 def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant) -> None:
     participant.take_all()
 

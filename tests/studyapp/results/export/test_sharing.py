@@ -150,19 +150,6 @@ def test_checksums_are_those_of_every_file(passed_on: tuple[StudyFolder, Path]) 
     assert len(stimuli) and stimuli["sha256"].str.fullmatch("[0-9a-f]{64}").all()
 
 
-def test_two_folders_of_one_study_are_the_same_bytes(answered: Answered, tmp_path: Path) -> None:
-    folder = answered("ranking")
-    for name in ("one", "two"):
-        share(folder, tmp_path / name, videos=True)
-
-    one, two = (
-        {path.relative_to(tmp_path / name): path.read_bytes() for path in files_of(tmp_path / name)}
-        for name in ("one", "two")
-    )
-    assert one == two
-    assert any(path.suffix == ".mp4" for path in one)
-
-
 def test_of_who_withdrew_nothing_is_passed_on_but_the_number(
     answered: Answered, tmp_path: Path
 ) -> None:

@@ -32,18 +32,6 @@ def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant)
     assert row["unplayable_at"] is None
 
 
-def test_a_browser_that_counts_no_pictures_leaves_their_columns_empty(
-    participant: Participant,
-) -> None:
-    participant.look()
-    participant.clock.advance(seconds=30)
-    participant.watch((0.0, 1.0))
-
-    (row,) = read_once(participant.database, watching_table).to_dict("records")
-
-    assert (row["frames"], row["dropped_share"]) == (None, None)
-
-
 def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
     participant.leave_out()
     participant.look()
