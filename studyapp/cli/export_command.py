@@ -9,6 +9,7 @@ import click
 
 from motion.errors import InputError
 from studyapp.cli.arguments import refuse_beside, study_folder
+from studyapp.cli.output import counted
 from studyapp.researchers.audit import reason_given
 from studyapp.results.export.columns import Format
 from studyapp.results.export.sharing import Shared, share
@@ -119,7 +120,7 @@ def command(
         with_recruiter_ids=with_recruiter_ids,
         reason=why,
     )
-    click.echo(f"Wrote {written.answers} answers to {written.files[0]}")
+    click.echo(f"Wrote {counted(written.answers, 'answer')} to {written.files[0]}")
     click.echo(f"Beside it: {', '.join(file.name for file in written.files[1:])}")
     for remark in filter(None, (written.remark, written.look)):
         click.echo(remark)
@@ -128,7 +129,7 @@ def command(
 
 
 def _say_shared(done: Shared, out: Path) -> None:
-    click.echo(f"Wrote {done.participants} participants to {out}")
+    click.echo(f"Wrote {counted(done.participants, 'participant')} to {out}")
     click.echo(f"There, 'motionjury report {done.study}' repeats the results.")
     for remark in done.remarks:
         click.echo(remark)

@@ -8,7 +8,7 @@ import click
 
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.output import progress
+from studyapp.cli.output import counted, progress
 
 
 @click.command("corpus")
@@ -91,7 +91,9 @@ def command(
     with progress("corpus", "take") as show:
         done = make_corpus(folder, request, processes=processes, show=show)
     kept = len(done.takes) - done.made
-    click.echo(f"Made {done.made} takes in {folder}" + (f"; {kept} were there" if kept else ""))
+    click.echo(
+        f"Made {counted(done.made, 'take')} in {folder}" + (f"; {kept} were there" if kept else "")
+    )
     counts = {
         split: sum(take.split == split for take in done.takes)
         for split in ("train", "validation", "test")

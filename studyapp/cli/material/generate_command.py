@@ -14,7 +14,7 @@ from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import optional_study_folder
-from studyapp.cli.output import progress
+from studyapp.cli.output import counted, progress
 from studyapp.study.folder import StudyFolder
 from studyapp.study.stated_conditions import condition_of
 
@@ -150,4 +150,4 @@ def command(
             )
     for remark in count.remarks:
         click.echo(remark, err=True)
-    click.echo(f"Generated {count.made} clips, kept {count.kept} that still fit.")
+    click.echo(f"Generated {counted(count.made, 'clip')}, kept {count.kept} that still fit.")

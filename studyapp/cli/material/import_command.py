@@ -10,7 +10,7 @@ from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import existing_study, joints_option
-from studyapp.cli.output import progress
+from studyapp.cli.output import counted, progress
 from studyapp.stimuli.imported_folder import FolderFacts, folder_items
 from studyapp.stimuli.recordings import Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
@@ -108,7 +108,7 @@ def command(
             as_recorded=as_recorded,
             joint_map=joint_map,
         )
-        done = f"{len(motion)} clips of condition {condition!r}"
+        done = f"{counted(len(motion), 'clip')} of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
             raise click.UsageError("--speech goes with one motion file, --speaker and --emotion.")
@@ -124,7 +124,7 @@ def command(
             joint_map=joint_map,
         )
         segments, notes = import_take(study, take)
-        done = f"{len(segments)} segments with condition {condition!r}"
+        done = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
         click.echo(f"note: {note}")
     click.echo(f"Imported {done} into {folder}.")

@@ -31,7 +31,7 @@ def test_a_network_moves_to_a_recording_without_a_study_and_names_what_stood_in(
 ) -> None:
     options = ("--generator", "diffsheg", "--checkpoint", checkpoint, "--speech", speech)
     said = run("generate", *options, "--out", tmp_path / "out", "--fps", 25, "--seed", 4)
-    assert "Generated 1 clips" in said
+    assert "Generated 1 clip," in said
     assert "Stands in for something real: diffsheg: stand-in for HuBERT" in said
     clip = read_clip(tmp_path / "out" / "hello.npz")
     assert (len(clip), clip.frame_rate) == (25, 25)
@@ -40,7 +40,7 @@ def test_a_network_moves_to_a_recording_without_a_study_and_names_what_stood_in(
     assert "Generated 0 clips, kept 1" in again
     assert "Stands in" in again
     other = run("generate", *options, "--out", tmp_path / "out", "--fps", 25, "--seed", 5)
-    assert "Generated 1 clips" in other
+    assert "Generated 1 clip," in other
 
 
 def test_a_generator_without_weights_moves_too(speech: Path, tmp_path: Path) -> None:
