@@ -46,12 +46,17 @@ def excluded(database: Database) -> dict[int, str]:
         return {number: reason for number, reason, _ in session.execute(standing_exclusions())}
 
 
-@BOTH
-def test_the_newest_decision_holds_and_none_is_lost(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
+@pytest.fixture
+def three(opened: Database, served: ServedStudy, clock: SetClock) -> Database:
+    """Return the database of a study that three have begun."""
     for name in ("one", "two", "three"):
         Participant(opened, served, clock).enrol(name).begin()
+    return opened
+
+
+@BOTH
+def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetClock) -> None:
+    opened = three
     exclude(opened, clock, 1, "  fell\n asleep ")
     exclude(opened, clock, 2)
     reinstate(opened, clock, 2)
@@ -76,10 +81,9 @@ def test_the_newest_decision_holds_and_none_is_lost(
 
 @SQLITE
 def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
-    opened: Database, served: ServedStudy, clock: SetClock
+    three: Database, clock: SetClock
 ) -> None:
-    for name in ("one", "two", "three"):
-        Participant(opened, served, clock).enrol(name).begin()
+    opened = three
     exclude(opened, clock, 1)
     clock.advance(seconds=1)
     with opened.writing() as session:
@@ -90,17 +94,6 @@ def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
 
     after_look = read_once(opened, stored_answers).study_sessions["excluded_after_look"]
     assert after_look.tolist() == [False, False, True]
-
-
-@SQLITE
-def test_who_is_excluded_goes_on_and_keeps_the_place(
-    participant: Participant, clock: SetClock
-) -> None:
-    exclude(participant.database, clock, 1)
-
-    assert participant.take_all()
-    sessions = read_once(participant.database, stored_answers).study_sessions
-    assert sessions[["completed", "placed"]].to_numpy().tolist() == [[True, True]]
 
 
 @SQLITE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,7 +31,8 @@ from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
-REST = RESTS["agreement"].total_seconds()
+REST = RESTS["results"].total_seconds()
+Ask = Callable[[], Kept]
 
 
 @dataclass(frozen=True)
@@ -60,94 +62,81 @@ def comer(opened: Database, served: ServedStudy, clock: SetClock) -> Participant
     return found
 
 
+@pytest.fixture
+def ask(opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures) -> Ask:
+    return lambda: kept_figures(opened, clock, "results", figures)
+
+
 @BOTH
 def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_over(
-    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+    clock: SetClock, comer: Participant, figures: CountedFigures, ask: Ask
 ) -> None:
-    def ask() -> Kept:
-        return kept_figures(opened, clock, "agreement", figures)
-
     first, second = ask(), ask()
     assert (first.document, first.is_awaited, second.is_awaited) == ("", True, True)
     assert figures.work() == 1
-    assert (ask().document, ask().is_current, ask().is_awaited) == ("agreement 1", True, False)
+    assert (ask().document, ask().is_current, ask().is_awaited) == ("results 1", True, False)
     clock.advance(seconds=REST + 1)
     assert ask().is_current and figures.work() == 0
 
     comer.take_trial()
     changed = ask()
-    assert (changed.document, changed.is_current, changed.is_awaited) == (
-        "agreement 1",
-        False,
-        True,
-    )
+    assert (changed.document, changed.is_current, changed.is_awaited) == ("results 1", False, True)
     figures.work()
     comer.take_trial()
-    assert (ask().document, ask().is_current, figures.work()) == ("agreement 2", False, 0)
+    assert (ask().document, ask().is_current, figures.work()) == ("results 2", False, 0)
     clock.advance(seconds=REST + 1)
-    assert (ask().is_awaited, figures.work(), ask().document) == (True, 1, "agreement 3")
+    assert (ask().is_awaited, figures.work(), ask().document) == (True, 1, "results 3")
 
 
 def test_excluding_somebody_makes_figures_old(
-    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+    opened: Database, clock: SetClock, figures: CountedFigures, ask: Ask
 ) -> None:
-    kept_figures(opened, clock, "results", figures)
+    ask()
     figures.work()
 
     decide_exclusion(opened, clock, 1, excluded=True, by="Ada", reason="came twice")
 
-    assert not kept_figures(opened, clock, "results", figures).is_current
+    assert not ask().is_current
 
 
 def test_a_process_that_went_away_is_replaced_after_a_while(
-    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+    clock: SetClock, figures: CountedFigures, ask: Ask
 ) -> None:
-    kept_figures(opened, clock, "results", figures)
+    ask()
     figures.begun.clear()
-    kept_figures(opened, clock, "results", figures)
+    ask()
     assert figures.begun == []
 
     clock.advance(seconds=GIVEN_UP_AFTER.total_seconds() + 1)
-    kept_figures(opened, clock, "results", figures)
+    ask()
 
-    assert figures.work() == 1
-    assert kept_figures(opened, clock, "results", figures).document == "results 1"
+    assert (figures.work(), ask().document) == (1, "results 1")
 
 
 def test_a_failure_is_said_keeps_what_there_was_and_is_tried_again(
-    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+    clock: SetClock, comer: Participant, figures: CountedFigures, ask: Ask
 ) -> None:
-    kept_figures(opened, clock, "results", figures)
-    figures.work()
-    comer.take_trial()
-    clock.advance(minutes=2)
-    figures.problems.append("It took too long.")
-    kept_figures(opened, clock, "results", figures)
-    figures.work()
+    found = []
+    for problems in ([], ["It took too long."], []):
+        figures.problems.extend(problems)
+        ask()
+        figures.work()
+        found.append((ask().document, ask().problem))
+        comer.take_trial()
+        clock.advance(minutes=2)
 
-    failed = kept_figures(opened, clock, "results", figures)
-    clock.advance(minutes=2)
-    kept_figures(opened, clock, "results", figures)
-    figures.work()
-    after = kept_figures(opened, clock, "results", figures)
-
-    assert (failed.document, failed.problem, failed.is_awaited) == (
-        "results 1",
-        "It took too long.",
-        False,
-    )
-    assert (after.document, after.problem) == ("results 2", "")
+    assert found == [("results 1", ""), ("results 1", "It took too long."), ("results 2", "")]
 
 
 def test_what_was_begun_before_somebody_was_forgotten_is_not_kept(
-    opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures
+    opened: Database, figures: CountedFigures, ask: Ask
 ) -> None:
-    kept_figures(opened, clock, "results", figures)
+    ask()
     with opened.writing() as session:
         session.execute(delete(InterimFigures))
     figures.work()
 
-    assert kept_figures(opened, clock, "results", figures).document == ""
+    assert ask().document == ""
 
 
 @pytest.mark.slow
@@ -170,12 +159,6 @@ def test_the_process_hands_over_documents_and_says_why_it_cannot(
     (tiny_study / "study.toml").write_text("title = 1", "utf-8")
     with pytest.raises(NoFiguresError, match=r"study\.toml"):
         process.compute("results")
-
-
-def test_a_process_that_takes_too_long_is_stopped(tiny_study: Path) -> None:
-    Database.open(sqlite_url(tiny_study / "responses.db")).close()
-    process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
-
     with pytest.raises(NoFiguresError, match=r"longer than 0\.01 seconds"):
         process.compute("agreement", seconds=0.01)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import pytest
 from flask import Flask
@@ -15,7 +15,19 @@ from tests.studyapp.web.research.research_browser import ResearchBrowser
 
 NAMES = {"owner": "Ada", "analyst": "Charles", "viewer": "Mary"}
 
-LogIn = Callable[[str], ResearchBrowser]
+
+@dataclass(frozen=True)
+class LogIn:
+    """Logs somebody of a role in, in a browser of their own, at a study's pages."""
+
+    app: Flask
+    stored: Database
+    clock: SetClock
+
+    def __call__(self, role: str) -> ResearchBrowser:
+        opened = ResearchBrowser(self.app)
+        assert opened.log_in(NAMES[role]).status_code == 303
+        return opened
 
 
 @pytest.fixture(autouse=True)
@@ -38,13 +50,7 @@ def browser(app: Flask) -> ResearchBrowser:
 
 @pytest.fixture
 def log_in(app: Flask, stored: Database, clock: SetClock) -> LogIn:
-    """Return a function that logs somebody of a role in, in a browser of their own."""
+    """Return what logs in an owner, an analyst or a viewer."""
     for role, name in NAMES.items():
         joined(stored, clock, name, role)  # type: ignore[arg-type]
-
-    def browser_of(role: str) -> ResearchBrowser:
-        opened = ResearchBrowser(app)
-        assert opened.log_in(NAMES[role]).status_code == 303
-        return opened
-
-    return browser_of
+    return LogIn(app, stored, clock)

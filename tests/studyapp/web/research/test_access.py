@@ -77,7 +77,7 @@ def test_the_table_holds_every_page_there_is(app: Flask) -> None:
 
 @pytest.mark.parametrize("who", sorted(EVERYBODY))
 def test_everybody_gets_their_pages_and_no_others(
-    app: Flask, log_in: LogIn, browser: ResearchBrowser, who: str
+    log_in: LogIn, browser: ResearchBrowser, who: str
 ) -> None:
     opened = browser if who == "nobody" else log_in(who)
     for (method, rule), allowed in MAY.items():
@@ -102,18 +102,16 @@ def test_an_unknown_page_is_told_to_researchers_alone(
     assert log_in("viewer").client.get("/research/no-such-page").status_code == 404
 
 
-def test_a_page_that_the_table_forgets_is_shown_to_nobody(app: Flask, log_in: LogIn) -> None:
-    app.blueprints["research"].name  # noqa: B018 - it is there
-    app.add_url_rule("/research/forgotten", "research.forgotten", lambda: "forgotten")
+def test_a_page_that_the_table_forgets_is_shown_to_nobody(log_in: LogIn) -> None:
+    log_in.app.blueprints["research"].name  # noqa: B018 - it is there
+    log_in.app.add_url_rule("/research/forgotten", "research.forgotten", lambda: "forgotten")
     owner = log_in("owner")
 
     assert owner.client.get("/research/forgotten").status_code == 403
 
 
-def test_who_may_read_what_participants_say_and_what_recruiters_call_them(
-    app: Flask, log_in: LogIn
-) -> None:
-    participant = app.test_client()
+def test_who_may_read_what_participants_say_and_what_recruiters_call_them(log_in: LogIn) -> None:
+    participant = log_in.app.test_client()
     page = participant.get("/?PROLIFIC_PID=pid-4711")
     assert page.status_code == 200
     sent = participant.post("/", data={"PROLIFIC_PID": "pid-4711", "visit": "v" * 32})

@@ -58,7 +58,7 @@ def decide(browser: ResearchBrowser, decision: str, reason: str, address: str = 
 
 
 def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_later(
-    people: list[Participant], log_in: LogIn, stored: Database
+    people: list[Participant], log_in: LogIn
 ) -> None:
     analyst, owner, viewer = log_in("analyst"), log_in("owner"), log_in("viewer")
     assert "No researcher has excluded" in analyst.get(ONE).words("main")
@@ -71,9 +71,9 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert page.value("main [name=decision]", "value") == "reinstate"
     assert f"Excluded by Charles: {SCRIPT}" in viewer.get(ONE).words("main")
     assert not viewer.get(ONE).soup.select("[name=decision]")
-    assert reasons(stored) == [SCRIPT, ""]
+    assert reasons(log_in.stored) == [SCRIPT, ""]
     assert decide(owner, "reinstate", "it was another one") == 303
-    assert reasons(stored) == ["", ""]
+    assert reasons(log_in.stored) == ["", ""]
     rows = [
         [cell.get_text().strip() for cell in row.select("td")][1:]
         for row in owner.get(ONE).soup.select("[aria-label='Decided so far'] tbody tr")
@@ -88,7 +88,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
 
 
 def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
-    people: list[Participant], log_in: LogIn, stored: Database
+    people: list[Participant], log_in: LogIn
 ) -> None:
     analyst = log_in("analyst")
 
@@ -105,7 +105,7 @@ def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
     assert shown.value("[name=reason]", "value") == "r"
     assert decide(analyst, "exclude", "r", "/research/study-sessions/77") == 404
     assert decide(analyst, "exclude", "r", "/research/rehearsal/study-sessions/1") == 405
-    assert reasons(stored) == ["", ""]
+    assert reasons(log_in.stored) == ["", ""]
 
 
 def test_the_overview_counts_who_is_excluded_and_leads_to_them(
@@ -128,13 +128,13 @@ def test_the_overview_counts_who_is_excluded_and_leads_to_them(
 
 
 def test_participants_go_by_the_pseudonyms_of_the_export(
-    app: Flask, people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey, stored: Database
+    people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:
-    with app.app_context():
+    with log_in.app.app_context():
         here = running()
     arrival = Arrival(recruiter_participant="pid-4711", recruiter_study="one")
-    enrol(stored, here.served, arrival, here.clock)
-    exported = read_once(stored, pseudonyms, drawn_key)
+    enrol(log_in.stored, here.served, arrival, here.clock)
+    exported = read_once(log_in.stored, pseudonyms, drawn_key)
     analyst = log_in("analyst")
 
     listed = [cell.get_text() for cell in analyst.get(LIST).soup.select("tbody .name")]
@@ -153,9 +153,9 @@ def test_participants_go_by_the_pseudonyms_of_the_export(
 
 
 def test_a_viewer_is_shown_no_pseudonym_and_finds_nobody_by_one(
-    people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey, stored: Database
+    people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:
-    name = read_once(stored, pseudonyms, drawn_key)["1"]
+    name = read_once(log_in.stored, pseudonyms, drawn_key)["1"]
     viewer = log_in("viewer")
 
     assert name not in viewer.get(ONE).text + viewer.get(LIST).text
@@ -164,7 +164,7 @@ def test_a_viewer_is_shown_no_pseudonym_and_finds_nobody_by_one(
 
 
 def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
-    app: Flask, people: list[Participant], log_in: LogIn, tiny_study: Path
+    people: list[Participant], log_in: LogIn, tiny_study: Path
 ) -> None:
     analyst = log_in("analyst")
     key = StudyFolder(tiny_study).pseudonym_key
@@ -181,13 +181,11 @@ def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
     assert key.read_text() == "nonsense"
 
 
-def test_a_participant_is_shown_nothing_of_it(
-    app: Flask, people: list[Participant], log_in: LogIn, stored: Database
-) -> None:
+def test_a_participant_is_shown_nothing_of_it(people: list[Participant], log_in: LogIn) -> None:
     address = f"/take/{people[0].token}"
-    before = app.test_client().get(address).text
+    before = log_in.app.test_client().get(address).text
     decide(log_in("owner"), "exclude", "asleep")
 
-    assert app.test_client().get(address).text == before
-    with stored.reading() as session:
+    assert log_in.app.test_client().get(address).text == before
+    with log_in.stored.reading() as session:
         assert session.get_one(StudySession, 1).completion_code

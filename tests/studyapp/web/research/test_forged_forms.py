@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from itertools import product
 
-from flask import Flask
-
-from studyapp.database.engine import Database
 from studyapp.researchers.account import accounts
 from studyapp.researchers.links import usable_links
 from studyapp.web.research.page import form_code
 from tests.studyapp.researchers_at_hand import PASSWORD
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
 from tests.studyapp.web.research.test_access import MAY, PLACE
@@ -31,9 +27,7 @@ def test_no_form_is_taken_without_its_code(log_in: LogIn) -> None:
     owner.get("/research/")
 
 
-def test_the_code_of_another_browser_is_none(
-    log_in: LogIn, stored: Database, clock: SetClock
-) -> None:
+def test_the_code_of_another_browser_is_none(log_in: LogIn) -> None:
     owner, other = log_in("owner"), log_in("viewer")
 
     answer = owner.client.post(
@@ -41,12 +35,10 @@ def test_the_code_of_another_browser_is_none(
     )
 
     assert answer.status_code == 403
-    assert usable_links(stored, clock.now()) == []
+    assert usable_links(log_in.stored, log_in.clock.now()) == []
 
 
-def test_a_form_of_another_site_is_refused_though_it_knew_the_code(
-    log_in: LogIn, stored: Database
-) -> None:
+def test_a_form_of_another_site_is_refused_though_it_knew_the_code(log_in: LogIn) -> None:
     owner = log_in("owner")
 
     for site in ("cross-site", "same-site", "none"):
@@ -56,16 +48,14 @@ def test_a_form_of_another_site_is_refused_though_it_knew_the_code(
             headers={"Sec-Fetch-Site": site},
         )
         assert answer.status_code == 403
-    assert all(account.disabled_at is None for account in accounts(stored))
+    assert all(account.disabled_at is None for account in accounts(log_in.stored))
 
 
-def test_nobody_can_be_logged_in_from_another_site(
-    app: Flask, log_in: LogIn, browser: ResearchBrowser
-) -> None:
+def test_nobody_can_be_logged_in_from_another_site(log_in: LogIn, browser: ResearchBrowser) -> None:
     log_in("owner")
     fields = {"name": "Ada", "password": PASSWORD}
 
-    without_cookie = app.test_client().post(LOGIN, data=fields)
+    without_cookie = log_in.app.test_client().post(LOGIN, data=fields)
     browser.get(LOGIN)
     without_code = browser.client.post(LOGIN, data=fields)
     anothers_code = browser.client.post(LOGIN, data=fields | {"form_code": form_code("x" * 43)})

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from itertools import product
 
-from flask import Flask
-
-from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.links import invite, join
 from tests.studyapp.researchers_at_hand import PASSWORD
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
@@ -21,27 +17,27 @@ from tests.studyapp.web.visitor import Visitor
 SCRIPT = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>"
 
 
-def test_a_script_that_somebody_stored_is_shown_as_text(
-    app: Flask, log_in: LogIn, stored: Database, clock: SetClock
-) -> None:
+def test_a_script_that_somebody_stored_is_shown_as_text(log_in: LogIn) -> None:
     owner = log_in("owner")
-    token = invite(stored, clock, role="viewer", by="Ada")
-    join(stored, clock, token, name=SCRIPT, password=PASSWORD)
-    Visitor(app, clock).enrol().begin()
+    token = invite(log_in.stored, log_in.clock, role="viewer", by="Ada")
+    join(log_in.stored, log_in.clock, token, name=SCRIPT, password=PASSWORD)
+    Visitor(log_in.app, log_in.clock).enrol().begin()
     reason = {"reason": SCRIPT}
     owner.post("/research/study-sessions/1/exclusion", decision="exclude", **reason)
     owner.post("/research/newcomers/more", more="1", **reason)
-    with stored.writing() as session:
+    with log_in.stored.writing() as session:
         study_session = session.get_one(StudySession, 1)
         study_session.recruiter_participant = study_session.recruiter_study = SCRIPT
-        session.add(RefusalLine(study_session_id=1, at=clock.now(), kind="odd", detail=SCRIPT))
+        session.add(
+            RefusalLine(study_session_id=1, at=log_in.clock.now(), kind="odd", detail=SCRIPT)
+        )
         session.add(
             FormAnswer(
                 study_session_id=1,
                 stage="closing",
                 question="remarks",
                 value=SCRIPT,
-                answered_at=clock.now(),
+                answered_at=log_in.clock.now(),
             )
         )
 

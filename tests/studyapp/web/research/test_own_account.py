@@ -68,25 +68,23 @@ def test_a_login_gets_a_cookie_that_nobody_has_seen_before(
     assert other.client.get("/research/").status_code == 303
 
 
-def test_logging_out_makes_the_cookie_worthless(app: Flask, log_in: LogIn) -> None:
+def test_logging_out_makes_the_cookie_worthless(log_in: LogIn) -> None:
     viewer = log_in("viewer")
     token = viewer.cookies[NAME]
 
     assert viewer.post("/research/log-out").location == LOGIN
 
-    thief = ResearchBrowser(app)
+    thief = ResearchBrowser(log_in.app)
     thief.client.set_cookie(NAME, token, path="/research")
     assert thief.client.get("/research/").status_code == 303
     assert viewer.cookies[NAME] != token
 
 
 @pytest.mark.parametrize(("scheme", "prefix"), [("http", ""), ("https", ""), ("https", "/jury")])
-def test_the_cookie_is_for_researchers_pages_alone(
-    app: Flask, log_in: LogIn, scheme: str, prefix: str
-) -> None:
+def test_the_cookie_is_for_researchers_pages_alone(log_in: LogIn, scheme: str, prefix: str) -> None:
     log_in("owner")
     base = {"wsgi.url_scheme": scheme, "SCRIPT_NAME": prefix}
-    client = app.test_client()
+    client = log_in.app.test_client()
     page = PageReader(client.get(LOGIN, environ_overrides=base).text)
     action = page.action
     assert action == f"{prefix}{LOGIN}"
@@ -110,9 +108,7 @@ def cookie_of(client: FlaskClient, prefix: str) -> str:
     return kept.value
 
 
-def test_participants_get_no_cookie_and_researchers_send_none_there(
-    app: Flask, log_in: LogIn
-) -> None:
+def test_participants_get_no_cookie_and_researchers_send_none_there(log_in: LogIn) -> None:
     owner = log_in("owner")
 
     answer = owner.client.get("/")
@@ -203,11 +199,8 @@ def test_attempts_behind_a_proxy_are_counted_by_who_asks_it(
 
 
 def test_nothing_secret_is_logged(
-    app: Flask,
     browser: ResearchBrowser,
     log_in: LogIn,
-    stored: Database,
-    clock: SetClock,
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
 ) -> None:
@@ -222,7 +215,7 @@ def test_nothing_secret_is_logged(
     monkeypatch.setattr(
         "studyapp.web.research.own_account.link_of", lambda *_: 1 / 0
     )  # a failure of ours
-    app.config["PROPAGATE_EXCEPTIONS"] = False
+    log_in.app.config["PROPAGATE_EXCEPTIONS"] = False
 
     failed = browser.client.get(f"/research/join/{link[1]}")
 
@@ -233,7 +226,7 @@ def test_nothing_secret_is_logged(
         assert secret not in caplog.text
 
 
-def test_a_changed_password_is_asked_for_from_then_on(app: Flask, log_in: LogIn) -> None:
+def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
     viewer, elsewhere = log_in("viewer"), log_in("viewer")
     new = "seven quiet bicycles"
     fields = {"old": PASSWORD, "password": new, "again": new}
@@ -245,17 +238,15 @@ def test_a_changed_password_is_asked_for_from_then_on(app: Flask, log_in: LogIn)
 
     assert "has been changed" in viewer.get("/research/account?changed=").text
     assert elsewhere.client.get("/research/").status_code == 303
-    assert ResearchBrowser(app).log_in("Mary").status_code == 403
-    assert ResearchBrowser(app).log_in("Mary", new).status_code == 303
+    assert ResearchBrowser(log_in.app).log_in("Mary").status_code == 403
+    assert ResearchBrowser(log_in.app).log_in("Mary", new).status_code == 303
 
 
 @pytest.mark.parametrize("origin", ["https://study.example.org", ""])
-def test_what_a_request_calls_the_host_stands_in_no_link(
-    app: Flask, log_in: LogIn, origin: str
-) -> None:
+def test_what_a_request_calls_the_host_stands_in_no_link(log_in: LogIn, origin: str) -> None:
     owner = log_in("owner")
-    with app.app_context():
-        attach(app, replace(running(), origin=origin))
+    with log_in.app.app_context():
+        attach(log_in.app, replace(running(), origin=origin))
     owner.client.environ_base["HTTP_HOST"] = "evil.example.com"
 
     page = owner.post("/research/researchers/invite", role="viewer").text
@@ -267,15 +258,13 @@ def test_what_a_request_calls_the_host_stands_in_no_link(
 ADDRESS = "/research/account/second-factor"
 
 
-def test_a_researcher_turns_it_on_by_a_picture_and_logs_in_with_a_code(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
+def test_a_researcher_turns_it_on_by_a_picture_and_logs_in_with_a_code(log_in: LogIn) -> None:
     browser = log_in("owner")
     page = browser.get(ADDRESS)
     secret = str(page.one("[name=secret]")["value"])
     assert page.soup.select("svg path")
     assert "style=" not in str(page.soup.select("svg")[0])
-    code = pyotp.TOTP(secret).at(clock.now())
+    code = pyotp.TOTP(secret).at(log_in.clock.now())
 
     refused = browser.post(ADDRESS, secret=secret, code="000000", password=PASSWORD)
     assert refused.status_code == 422
@@ -285,8 +274,8 @@ def test_a_researcher_turns_it_on_by_a_picture_and_logs_in_with_a_code(
     recovery = re.findall(r"<code>([a-z2-7-]{19})</code>", done.text)
     assert len(recovery) == 8
     assert "code of your device" in browser.get("/research/account").text
-    other = ResearchBrowser(app)
+    other = ResearchBrowser(log_in.app)
     assert other.log_in("Ada").status_code == 403
     assert other.log_in("Ada", code=recovery[0]).status_code == 303
     assert browser.post(f"{ADDRESS}/off", password=PASSWORD).status_code == 303
-    assert ResearchBrowser(app).log_in("Ada").status_code == 303
+    assert ResearchBrowser(log_in.app).log_in("Ada").status_code == 303

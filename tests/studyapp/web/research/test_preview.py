@@ -165,21 +165,19 @@ def rows(database: Database) -> dict[str, int | None]:
         }
 
 
-def test_a_researcher_takes_part_without_taking_a_place(
-    app: Flask, stored: Database, log_in: LogIn, tiny_study: Path
-) -> None:
+def test_a_researcher_takes_part_without_taking_a_place(log_in: LogIn, tiny_study: Path) -> None:
     browser = log_in("viewer")
-    before = rows(stored)
+    before = rows(log_in.stored)
 
     answer = browser.post("/research/try")
 
     assert answer.status_code == 303
     assert answer.location.startswith("/try/?invitation=")
-    consent = app.test_client().get(answer.location)
+    consent = log_in.app.test_client().get(answer.location)
     assert consent.status_code == 200
     assert MARK in consent.text
-    assert MARK not in app.test_client().get("/").text
-    assert rows(stored) == before
+    assert MARK not in log_in.app.test_client().get("/").text
+    assert rows(log_in.stored) == before
     assert StudyFolder(tiny_study).tries.exists()
 
 
@@ -202,13 +200,13 @@ def test_a_test_goes_through_the_whole_study_marked_on_every_page(
 
 
 def test_there_is_a_place_for_every_test_and_all_are_erased(
-    tiny_study: Path, clock: SetClock, log_in: LogIn, serve: Serve
+    tiny_study: Path, log_in: LogIn, serve: Serve
 ) -> None:
     served = ServedStudy.read(tiny_study)
     places = sum(arm.places for arm in served.study.arms)
     for _ in range(places + 1):
-        token = make_test_participation(tiny_study, served, clock, by="Ada")
-        Visitor(serve(tried=True), clock).enrol(f"?invitation={token}")
+        token = make_test_participation(tiny_study, served, log_in.clock, by="Ada")
+        Visitor(serve(tried=True), log_in.clock).enrol(f"?invitation={token}")
     database = Database.open(sqlite_url(StudyFolder(tiny_study).tries))
     with database.reading() as session:
         assert session.scalar(select(func.count(StudySession.id))) == places + 1

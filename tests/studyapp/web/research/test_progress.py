@@ -29,10 +29,8 @@ def people(app: Flask, clock: SetClock) -> None:
     other.look()
 
 
-def test_the_line_of_truth_leads_to_what_it_counts(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
-    people(app, clock)
+def test_the_line_of_truth_leads_to_what_it_counts(log_in: LogIn) -> None:
+    people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
 
     page = viewer.get("/research/")
@@ -50,10 +48,8 @@ def test_the_line_of_truth_leads_to_what_it_counts(
         assert listed.startswith(f"{number} study session"), link
 
 
-def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
-    people(app, clock)
+def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(log_in: LogIn) -> None:
+    people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
     page = viewer.get("/research/study-sessions")
 
@@ -73,10 +69,10 @@ def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
 
 
 def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
-    app: Flask, log_in: LogIn, clock: SetClock, stored: Database
+    log_in: LogIn,
 ) -> None:
-    people(app, clock)
-    with stored.writing() as session:
+    people(log_in.app, log_in.clock)
+    with log_in.stored.writing() as session:
         session.get_one(StudySession, 2).recruiter_participant = "5d33f9"
     owner, analyst = log_in("owner"), log_in("analyst")
     called, listed = "/research/study-sessions?called=5d33f9", "/research/study-sessions"
@@ -88,10 +84,8 @@ def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
     assert analyst.client.get(f"{listed}?order=recruiter").status_code == 404
 
 
-def test_what_happened_leads_to_the_video_it_was_about(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
-    people(app, clock)
+def test_what_happened_leads_to_the_video_it_was_about(log_in: LogIn) -> None:
+    people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
 
     page = viewer.get("/research/study-sessions/1")
@@ -104,11 +98,9 @@ def test_what_happened_leads_to_the_video_it_was_about(
     assert viewer.client.get("/research/study-sessions/1/1/9.mp4").status_code == 404
 
 
-def test_the_overview_draws_places_done_over_time(
-    app: Flask, log_in: LogIn, clock: SetClock
-) -> None:
+def test_the_overview_draws_places_done_over_time(log_in: LogIn) -> None:
     assert not log_in("viewer").get("/research/").soup.select(".completions")
-    people(app, clock)
+    people(log_in.app, log_in.clock)
 
     curve = log_in("analyst").get("/research/").one(".completions svg")
 
@@ -117,9 +109,9 @@ def test_the_overview_draws_places_done_over_time(
 
 
 def test_a_rehearsal_is_shown_apart_and_is_not_changed(
-    app: Flask, log_in: LogIn, clock: SetClock, tiny_study: Path, empty_sqlite: Path
+    log_in: LogIn, tiny_study: Path, empty_sqlite: Path
 ) -> None:
-    people(app, clock)
+    people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
     assert viewer.client.get("/research/rehearsal/").status_code == 404
     (tiny_study / "rehearsal.db").write_bytes(b"this is not a database" * 100)
@@ -128,8 +120,8 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     path = shutil.copyfile(empty_sqlite, tiny_study / "rehearsal.db")
     rehearsed = Database.open(sqlite_url(path))
     served = ServedStudy.read(tiny_study)
-    open_study(rehearsed, served, clock)
-    Participant(rehearsed, served, clock).enrol().begin()
+    open_study(rehearsed, served, log_in.clock)
+    Participant(rehearsed, served, log_in.clock).enrol().begin()
     rehearsed.close()
     before = path.read_bytes()
 
@@ -144,8 +136,8 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     assert path.read_bytes() == before
 
 
-def test_no_page_says_what_was_answered(app: Flask, log_in: LogIn, clock: SetClock) -> None:
-    people(app, clock)
+def test_no_page_says_what_was_answered(log_in: LogIn) -> None:
+    people(log_in.app, log_in.clock)
     owner = log_in("owner")
     for address in ("/research/", "/research/study-sessions", "/research/study-sessions/1"):
         text = PageReader(owner.get(address).text).one("main").get_text().lower()
@@ -153,9 +145,7 @@ def test_no_page_says_what_was_answered(app: Flask, log_in: LogIn, clock: SetClo
             assert word not in text, address
 
 
-def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
-    app: Flask, log_in: LogIn, stored: Database
-) -> None:
+def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogIn) -> None:
     analyst = log_in("analyst")
     newcomers = "/research/newcomers"
     start = {"visit": "v" * 32}
@@ -163,9 +153,9 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
 
     unexplained = analyst.post(f"{newcomers}/state", state="paused")
     paused = analyst.post(f"{newcomers}/state", state="paused", reason="a video stalls <b>")
-    refused = app.test_client().post("/", data=start)
+    refused = log_in.app.test_client().post("/", data=start)
     resumed = analyst.post(f"{newcomers}/state", state="open", reason="it plays")
-    taken = app.test_client().post("/", data=start)
+    taken = log_in.app.test_client().post("/", data=start)
     extended = analyst.post(f"{newcomers}/more", more="2", reason="two were ill")
     odd = [analyst.post(f"{newcomers}/more", more=m, reason="r") for m in ("", "-1", "1e9", "٣")]
     nonsense = analyst.post(f"{newcomers}/state", state="nonsense", reason="r")
@@ -178,7 +168,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(
     assert "closed to new participants" in analyst.get("/research/").text
     page = analyst.get(newcomers)
     assert "a video stalls <b>" in page.soup.get_text()
-    assert [(each.state, each.more_places, each.researcher) for each in decided(stored)] == [
+    assert [(each.state, each.more_places, each.researcher) for each in decided(log_in.stored)] == [
         ("closed", 2, "Charles"),
         ("open", 2, "Charles"),
         ("open", 0, "Charles"),

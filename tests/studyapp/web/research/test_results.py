@@ -9,7 +9,6 @@ import pytest
 from flask import Flask
 
 from analysis.stats.multiple_testing import equally_spaced
-from studyapp.database.engine import Database
 from studyapp.researchers.audit import logged_changes, looks
 from studyapp.web.running import running
 from tests.studyapp.figures_at_hand import FiguresAtHand
@@ -51,14 +50,14 @@ def unblinded(log_in: LogIn, figures: FiguresAtHand, reason: str = "a video brok
 
 
 def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
-    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
+    log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(app, clock, "one", "two")
+    arrive(log_in.app, log_in.clock, "one", "two")
     analyst = log_in("analyst")
 
     before = analyst.get(RESULTS)
     unexplained = analyst.post(RESULTS, reason="  ")
-    assert looks(stored) == []
+    assert looks(log_in.stored) == []
     asked = analyst.post(RESULTS, reason="a video <b>broke</b>")
     waiting = analyst.get(RESULTS)
     figures.work()
@@ -71,20 +70,20 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
     assert "rule based against mismatched" in shown.words()
     assert "a video <b>broke</b>" in shown.soup.get_text()
-    logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(stored)]
-    assert logged == [(clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
-    so_far = [(each.finished, each.planned, each.answers) for each in looks(stored)]
+    logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(log_in.stored)]
+    assert logged == [(log_in.clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
+    so_far = [(each.finished, each.planned, each.answers) for each in looks(log_in.stored)]
     assert so_far == [(2, 4, 24)] * 2
-    events = [line.event for line in logged_changes(stored)][:3]
+    events = [line.event for line in logged_changes(log_in.stored)][:3]
     assert events == ["results looked at", "results looked at", "results unblinded"]
 
 
 def test_a_reason_holds_for_an_hour_in_one_browser_alone(
-    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
+    log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(app, clock, "one", "two")
+    arrive(log_in.app, log_in.clock, "one", "two")
     analyst = log_in("analyst")
-    elsewhere = ResearchBrowser(app)
+    elsewhere = ResearchBrowser(log_in.app)
     elsewhere.log_in("Charles")
     analyst.post(RESULTS, reason="a video broke")
     analyst.get(RESULTS)
@@ -92,23 +91,23 @@ def test_a_reason_holds_for_an_hour_in_one_browser_alone(
 
     assert "Interim" in analyst.get(RESULTS).text
     assert "Interim" not in elsewhere.get(RESULTS).text
-    clock.advance(minutes=40)
+    log_in.clock.advance(minutes=40)
     assert "Interim" in analyst.get(RESULTS).text
-    clock.advance(minutes=21)
+    log_in.clock.advance(minutes=21)
     assert "Interim" not in analyst.get(RESULTS).text
 
 
 def test_at_the_end_results_are_final_and_nobody_is_asked_why(
-    app: Flask, log_in: LogIn, clock: SetClock, stored: Database, figures: FiguresAtHand
+    log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(app, clock, "one", "two", "three")
+    arrive(log_in.app, log_in.clock, "one", "two", "three")
     analyst = log_in("analyst")
-    with app.app_context():
+    with log_in.app.app_context():
         here = running()
-        comer = Participant(here.database, here.served, clock).enrol("four").begin()
+        comer = Participant(here.database, here.served, log_in.clock).enrol("four").begin()
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
     assert "Results before the end" in analyst.get(RESULTS).text
-    clock.advance(minutes=here.served.study.lease_minutes + 1)
+    log_in.clock.advance(minutes=here.served.study.lease_minutes + 1)
 
     assert "being computed" in analyst.get(RESULTS).text
     figures.work()
@@ -117,20 +116,18 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     assert "Interim" not in closed and "You look because" not in closed
     for _ in range(6):
         comer.take_trial({"rhythm": "1", "emotion": "-1"})
-    clock.advance(minutes=2)
+    log_in.clock.advance(minutes=2)
     analyst.get(RESULTS)
     figures.work()
     everybody = analyst.get(RESULTS).words()
 
     assert "All 4 participants have finished" in everybody and "Interim" not in everybody
-    logged = [(each.finished, each.reason) for each in looks(stored)]
+    logged = [(each.finished, each.reason) for each in looks(log_in.stored)]
     assert logged == [(4, "everybody has finished"), (3, "the study is closed")]
 
 
-def test_the_page_tells_what_a_look_costs_this_study(
-    app: Flask, log_in: LogIn, clock: SetClock, figures: FiguresAtHand
-) -> None:
-    arrive(app, clock, "one", "two")
+def test_the_page_tells_what_a_look_costs_this_study(log_in: LogIn, figures: FiguresAtHand) -> None:
+    arrive(log_in.app, log_in.clock, "one", "two")
 
     text = log_in("owner").get(RESULTS).words()
 
@@ -140,11 +137,11 @@ def test_the_page_tells_what_a_look_costs_this_study(
 
 
 def test_without_answers_nothing_is_computed_and_no_look_is_logged(
-    log_in: LogIn, stored: Database, figures: FiguresAtHand
+    log_in: LogIn, figures: FiguresAtHand
 ) -> None:
     owner = log_in("owner")
     owner.post(RESULTS, reason="curious")
 
     assert "Nobody has answered yet" in owner.get(RESULTS).text
     assert "Nobody has answered yet" in owner.get("/research/").text
-    assert (figures.work(), looks(stored)) == (0, [])
+    assert (figures.work(), looks(log_in.stored)) == (0, [])
