@@ -168,23 +168,6 @@ def test_who_is_paid_is_shown_before_anybody_is(folder: Path, stand_in: StandIn)
     assert stand_in.returns == {"submission-bob": ["You did not finish."]}
 
 
-def test_a_second_submission_of_somebody_who_finished_is_not_paid(
-    folder: Path, stand_in: StandIn
-) -> None:
-    said(folder, "create", "--address", ADDRESS, "--yes")
-    code = StudyFolder(folder).study().recruitment.prolific.completed
-    with taking_part(folder) as ann:
-        arrival = Arrival(recruiter_participant="ann", recruiter_session="submission-ann")
-        ann.arrive(arrival).begin().take_all()
-    stand_in.add_submission("ann", "APPROVED", code)
-    stand_in.add_submission("ann", "AWAITING REVIEW", code, id="submission-again")
-
-    shown = said(folder, "approve", "--yes")
-
-    assert "took part under another submission" in shown
-    assert [each["status"] for each in stand_in.submissions] == ["APPROVED", "AWAITING REVIEW"]
-
-
 def test_codes_are_not_drawn_anew_once_prolific_knows_them(folder: Path, stand_in: StandIn) -> None:
     path = folder / "study.toml"
     said(folder, "create", "--address", ADDRESS, "--yes")

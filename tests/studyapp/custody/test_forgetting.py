@@ -180,19 +180,6 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
 
 
 @SQLITE
-def test_a_pseudonym_finds_who_has_it_with_the_key_alone(person: Participant) -> None:
-    other(person)
-    with person.database.reading() as session:
-        pseudonym = KEY.pseudonym(session.scalars(select(StudySession).limit(1)).one())
-
-    assert remembered(person.database, pseudonym, None) == ()
-    assert remembered(person.database, pseudonym, PseudonymKey(bytes(32))) == ()
-    for written in (pseudonym, f"sub-{pseudonym}"):
-        (found,) = remembered(person.database, written, KEY)
-        assert (found.study_session, found.known_as) == (1, "pseudonym")
-
-
-@SQLITE
 def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")

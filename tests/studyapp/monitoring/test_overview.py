@@ -175,24 +175,6 @@ def test_who_left_out_too_many_videos_is_named_with_how_many(
 
 
 @SQLITE
-def test_who_left_out_a_check_has_failed_it(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    somebody = Participant(opened, served, clock).enrol().begin()
-    with opened.reading() as session:
-        check = session.scalars(select(Trial.token).where(Trial.kind == "catch")).one()
-    while (trial := somebody.look().trial) is not None and trial.token != check:
-        somebody.take_trial()
-    somebody.leave_out()
-
-    found = overview(opened, served, clock.now())
-
-    assert [(each.kind, each.by_failures) for each in found.failed] == [("catch", ((1, 1),))]
-    assert found.items == ()
-    assert len(chosen(opened, served, Choice(failed=("catch", 1)), clock.now())) == 1
-
-
-@SQLITE
 def test_one_study_session_tells_its_events_in_order(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:

@@ -64,18 +64,6 @@ def test_sides_and_right_answers_of_pairs_are_those_shown(
     assert (table[table["kind"] == "main"]["correct_side"] == "").all()
 
 
-def test_a_mismatch_table_says_which_side_had_its_own_speech(
-    answered_once: Once,
-) -> None:
-    _, given = read(StudyFolder(answered_once("mismatch")))
-
-    table = given.tables["mismatch"]
-    assert {
-        frozenset(pair) for pair in zip(table["left_speech"], table["right_speech"], strict=True)
-    } == {frozenset({"own", "other"})}
-    assert set(given.tables) == {"mismatch", "pairwise"}
-
-
 def test_failures_are_those_that_the_protocol_finds(answered_once: Once) -> None:
     stored, given = read(StudyFolder(answered_once("pairwise")))
     table = given.tables["pairwise"]

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from motion.skeleton import BODY_JOINTS, REST_JOINTS
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
@@ -122,17 +121,6 @@ def test_motion_and_speech_of_any_format_are_taken_by_their_names(
     assert ("other", "beat alignment") not in names
 
 
-def test_tables_of_joint_positions_are_motion_and_other_tables_are_not(tmp_path: Path) -> None:
-    joints = REST_JOINTS[: len(BODY_JOINTS)]
-    heading = [f"{name}_{axis}" for name in BODY_JOINTS for axis in "xyz"]
-    rows = ["time", *heading], *([frame / 30, *joints.ravel()] for frame in range(30))
-    (tmp_path / "a.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
-    (tmp_path / "segments.csv").write_text("segment,wav\na,a.wav\n")
-    metrics = measure_folders(tmp_path, None, None, presets=("genea",), processes=1)
-    assert {score.segment for score in metrics.clips} == {"a"}
-    assert not metrics.skipped
-
-
 @pytest.mark.parametrize(
     ("made", "reference", "said"),
     [
@@ -140,6 +128,7 @@ def test_tables_of_joint_positions_are_motion_and_other_tables_are_not(tmp_path:
         (("notes.txt",), None, "no motion file"),
         (("a.npz", "a.bvh"), None, "a.bvh and a.npz are of one segment"),
         (("a.npz",), ("b.npz",), "no reference has the name"),
+        (("recorded/a.npz",), ("a.npz",), "called 'recorded'"),
     ],
 )
 def test_folders_that_do_not_fit_are_refused(
@@ -152,13 +141,6 @@ def test_folders_that_do_not_fit_are_refused(
     recorded = folders("recorded", *reference) if reference else None
     with pytest.raises(InputError, match=said):
         measure_folders(generated, recorded, None, **QUICK)
-
-
-def test_conditions_that_are_called_as_the_reference_are_refused(
-    folders: Callable[..., Path],
-) -> None:
-    with pytest.raises(InputError, match="called 'same'"):
-        measure_folders(folders("one/same", "a.npz"), folders("two/same", "a.npz"), None, **QUICK)
 
 
 def test_semantic_scores_are_found_by_their_names(

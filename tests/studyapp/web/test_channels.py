@@ -9,14 +9,11 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from motion.errors import InputError
 from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.session.intake import steer
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.sent_by import COOKIE
 from studyapp.web.running import running
-from tests.studyapp.session.test_comprehension import COMPREHENSION
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
@@ -166,22 +163,6 @@ def test_nobody_is_let_in_whom_nobody_named(opened: Opened) -> None:
     assert client.get(f"/{BY_PROLIFIC}").status_code == 200
 
 
-def test_who_comes_too_late_is_led_back_to_prolific_without_a_code(opened: Opened) -> None:
-    app = opened(PROLIFIC + FORM)
-    with app.app_context():
-        here = running()
-        steer(here.database, here.served, here.clock, "closed", by="Ada", reason="enough")
-
-    answer = app.test_client().get(f"/{BY_PROLIFIC}")
-
-    page = PageReader(answer.text)
-    assert (answer.status_code, page.heading[:17]) == (409, "The study is over")
-    assert page.value("#leave", "href") == "https://app.prolific.com"
-    assert all(code not in str(page.soup) for code in CODES.values())
-    assert not stored_in(app, select(StudySession))
-    assert not stored_in(app, select(ScreenOut))
-
-
 def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: Opened) -> None:
     app = opened(PROLIFIC + FORM)
     client = app.test_client()
@@ -207,23 +188,6 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
     assert stored.participant == "p1"
     assert not stored_in(app, select(StudySession))
     assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
-
-
-def test_who_misunderstands_twice_is_screened_out_and_stays_so(opened: Opened) -> None:
-    app = opened(PROLIFIC + COMPREHENSION)
-    client = app.test_client()
-    begun = sent(client, PageReader(client.get(f"/{BY_PROLIFIC}").text))
-    page = PageReader(client.get(str(begun.location)).text)
-    wrong = {"form:judged": "the clothes"}
-
-    first, second = (client.post(page.action, data=wrong) for _ in range(2))
-
-    assert first.status_code == 422
-    assert "you have one more try" in PageReader(first.text).one(".problem").get_text()
-    for answer in (second, client.get(f"/{BY_PROLIFIC}")):
-        assert answer.status_code == 403
-        assert shown_code(PageReader(answer.text)) == CODES["screened_out"]
-    assert PageReader(second.text).heading == "The study ends here"
 
 
 @pytest.mark.parametrize(
@@ -321,11 +285,6 @@ def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
         answer = curious.get(f"/{query}")
         assert answer.status_code == 403
         assert "invitation" in PageReader(answer.text).heading
-
-
-def test_a_study_without_its_codes_is_not_served(opened: Opened) -> None:
-    with pytest.raises(InputError, match="recruit STUDY codes"):
-        opened('[recruitment]\nchannel = "prolific"\n')
 
 
 def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:

@@ -66,19 +66,6 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert list(stored_in(asking, select(FormAnswer.question))) == ["adult", "read"]
 
 
-def test_who_is_screened_out_is_told_kindly_and_stored_nowhere(asking: Flask) -> None:
-    client = asking.test_client()
-    first = PageReader(client.get("/?PROLIFIC_PID=p1").text)
-
-    answer = sent(client, first, adult="no")
-
-    page = PageReader(answer.text)
-    assert answer.status_code == 403
-    assert "looks for other participants" in page.heading
-    assert "recruiting site" in page.text
-    assert nobody_is_stored(asking)
-
-
 def test_eligibility_is_judged_again_at_the_start(asking: Flask) -> None:
     client = asking.test_client()
     consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)

@@ -8,7 +8,7 @@ from flask import Flask, render_template_string
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
 from studyapp.web.errors import told
-from studyapp.web.language import _, language_of, ngettext, speak
+from studyapp.web.language import _, language_of, speak
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 
@@ -19,17 +19,6 @@ def speaking(code: str) -> Flask:
     app = Flask("test")
     speak(app, language_of(code))
     return app
-
-
-@pytest.mark.parametrize(
-    ("code", "one", "many"),
-    [("en", "1 minute", "2 minutes"), ("de", "1 Minute", "2 Minuten"), ("ja", "1分", "2分")],
-)
-def test_a_count_takes_the_form_of_its_language(code: str, one: str, many: str) -> None:
-    with speaking(code).app_context():
-        forms = [ngettext("%(num)s minute", "%(num)s minutes", count) for count in (1, 2)]
-
-    assert forms == [one, many]
 
 
 @pytest.mark.parametrize(
@@ -60,16 +49,6 @@ def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None
     assert page == (
         "Fragen oder Probleme? &lt;b&gt;<strong>Beantworten Sie die Frage</strong> darunter."
     )
-
-
-def test_scripts_get_their_texts_and_no_others() -> None:
-    texts = language_of("de").script_texts
-
-    assert texts["Pause"] == "Anhalten"
-    assert texts["{count} answer"] == {"one": "{count} Antwort", "other": "{count} Antworten"}
-    assert language_of("ja").script_texts["{count} answer"] == {"other": "回答{count}件"}
-    assert "This page does not exist." not in texts
-    assert language_of("en").script_texts == {}
 
 
 @pytest.mark.parametrize("code", NEXT)

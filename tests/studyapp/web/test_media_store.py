@@ -19,7 +19,7 @@ from studyapp.database.tables import Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store import FILE, SIGNED_SECONDS, Bucket, MediaStore, Place
+from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
 from studyapp.web.running import running
 from tests.studyapp.s3_stand_in import (
     BUCKET,
@@ -183,27 +183,6 @@ def test_pages_may_load_from_the_store_and_from_nobody_else(
     assert f"connect-src 'self' {store.endpoint}; " in policies[0]
     assert policies[0].replace(f" {store.endpoint}", "") == policies[1]
     assert store.endpoint not in inside
-
-
-def test_this_server_sends_a_video_itself_where_the_store_cannot_serve(
-    from_store: Flask,
-    clock: SetClock,
-    monkeypatch: pytest.MonkeyPatch,
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    address = first_video(from_store, clock)
-
-    def no_keys(*_: object) -> str:
-        raise InputError("the store cannot be asked to sign an address (NoCredentialsError)")
-
-    assert from_store.test_client().head(address, buffered=True).status_code == 200
-    monkeypatch.setattr(Bucket, "address", no_keys)
-    answer = from_store.test_client().get(address, buffered=True)
-
-    assert answer.status_code == 200
-    assert answer.data[4:8] == b"ftyp"
-    assert "NoCredentialsError" in caplog.text
-    assert address not in caplog.text
 
 
 def test_what_is_not_in_the_store_as_it_is_here_is_said_before_serving(

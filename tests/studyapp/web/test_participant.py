@@ -10,34 +10,18 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import Response, StudySession, Trial
+from studyapp.database.tables import StudySession, Trial
 from studyapp.web.protection import AT_ONCE
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
+from tests.studyapp.web.visitor import Visitor, stored_in
 
 
 @pytest.fixture
 def visitor(app: Flask, clock: SetClock) -> Visitor:
     """Return a participant at the first trial."""
     return Visitor(app, clock).enrol().begin()
-
-
-def stored(app: Flask) -> int:
-    return len(stored_in(app, select(Response)))
-
-
-def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
-    visitor = Visitor(app, clock).enrol()
-    assert visitor.page().heading == "What you will do"
-    for position, page in enumerate(visitor.begin().take_trials(), start=1):
-        assert f"Trial {position} of 6" in page.one(".progress").get_text()
-    assert position == 6
-
-    code = visitor.page().one("output#completion-code").get_text()
-    assert stored_in(app, select(StudySession.completion_code))[0] == code
-    assert stored(app) == 12
 
 
 def test_the_consent_page_states_the_terms_and_stores_nothing(serve: Serve) -> None:
@@ -49,13 +33,6 @@ def test_the_consent_page_states_the_terms_and_stores_nothing(serve: Serve) -> N
         assert words in page
     assert "<dt>Ethics</dt><dd>Ethics committee, no. 7 &lt;b&gt;</dd>" in page
     assert not stored_in(app, select(StudySession))
-
-
-@pytest.mark.parametrize(
-    "data", [{}, {"visit": "short"}, {"visit": "x" * 65}, {"PROLIFIC_PID": "p" * 201}]
-)
-def test_a_start_that_no_consent_page_made_is_refused(app: Flask, data: dict[str, str]) -> None:
-    assert app.test_client().post("/", data=data).status_code == 422
 
 
 def test_nothing_is_preselected_and_every_answer_has_words(visitor: Visitor) -> None:
@@ -104,23 +81,6 @@ def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
 
     for body in bodies:
         assert visitor.client.post(address, data=body).status_code == 422, body
-
-
-def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
-    page = visitor.page()
-    headers = {"Accept": "application/json"}
-    data = {"trial": page.trial, **ANSWERS}
-
-    refused = visitor.client.post(page.action, data=data, headers=headers)
-    address = page.value("#pair", "data-watched-url")
-    too_much = visitor.client.post(address, json=WATCHED, headers=headers)
-    visitor.watch()
-    accepted = visitor.client.post(page.action, data=data, headers=headers)
-
-    assert (refused.status_code, list(refused.get_json())) == (422, ["problem"])
-    assert too_much.status_code == 422
-    assert "than there was time for" in too_much.get_json()["problem"]
-    assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
 
 
 def instructions(app: Flask) -> str:

@@ -1,13 +1,9 @@
 from __future__ import annotations
 
-import os
-import signal
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-import torch
 
 from analysis.evaluators.evaluator import load_evaluator
 from motion.formats import write_clip
@@ -48,31 +44,6 @@ def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_
     assert f"Wrote {out}" in shown
     assert load_evaluator(out).labels == ("anger", "sadness")
     assert (tmp_path / "new" / "m.run" / "curves.png").stat().st_size > 1000
-
-
-@short_training()
-def test_an_interrupted_training_says_what_is_saved_and_goes_on(
-    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 6, "--out")
-    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
-    run("train", "evaluator", *given, whole)
-
-    def stop_in_the_third_step(*arguments: Any, **options: Any) -> None:
-        calls.append(1)
-        if len(calls) == 3:
-            os.kill(os.getpid(), signal.SIGINT)
-        clip(*arguments, **options)
-
-    calls: list[int] = []
-    clip = torch.nn.utils.clip_grad_norm_
-    with monkeypatch.context() as patch:
-        patch.setattr("torch.nn.utils.clip_grad_norm_", stop_in_the_third_step)
-        shown = run("train", "evaluator", *given, parts, status=1)
-    assert "Stopped after step 3 of 6; saved in" in shown
-    assert not parts.exists()
-    run("train", "evaluator", *given, parts)
-    assert parts.read_bytes() == whole.read_bytes()
 
 
 @short_training()

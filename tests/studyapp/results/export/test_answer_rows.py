@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import pandas as pd
 
-from studyapp.session.ending import withdraw
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
@@ -20,14 +19,6 @@ def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant
         catch["expected"] == "left", catch["right_condition"]
     )
     assert set(expected_condition) == {"rule_based"}
-
-
-def test_who_withdrew_is_counted_but_not_exported(participant: Participant) -> None:
-    participant.take_trial()
-    withdraw(participant.database, participant.token, participant.clock)
-
-    assert read_once(participant.database, responses_table).empty
-    assert read_once(participant.database, study_sessions_table)["state"].tolist() == ["withdrawn"]
 
 
 def test_the_participant_flow_counts_every_study_session(participant: Participant) -> None:

@@ -5,22 +5,18 @@ import json
 import re
 import shutil
 from collections.abc import Callable
-from importlib import metadata
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from motion.errors import InputError
-from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import read_answers
-from studyapp.results.export.shared_folder import copy_study, environment
+from studyapp.results.export.shared_folder import copy_study
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
-from studyapp.results.shared_answers import write_shared_answers
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.conftest import leave
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 
@@ -55,38 +51,6 @@ def test_another_lab_repeats_the_results_byte_for_byte(answered: Answered, tmp_p
     assert there.with_name("results.json").read_bytes() == here
     assert (tmp_path / "elsewhere" / "sourcedata" / "results.json").read_bytes() == here
     assert json.loads(here)["participants"]["recruited"] == 2
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_the_files_hold_what_the_database_says_to_the_report(
-    answered: Answered, protocol: str, tmp_path: Path
-) -> None:
-    folder = answered(protocol)
-    before = read_answers(folder, "participants").stored
-    assert before is not None
-    copy = StudyFolder(tmp_path / "copy")
-
-    write_shared_answers(
-        copy.shared_answers,
-        before,
-        origin="participants",
-        stated=folder.definition.read_text("utf-8"),
-        stated_version=1,
-    )
-
-    after = read_answers(copy, "participants")
-    assert after.stored is not None
-    assert (after.origin, after.stated) == ("participants", folder.study())
-    for name in ("study_sessions", "trials", "answers", "stimuli"):
-        pd.testing.assert_frame_equal(getattr(before, name), getattr(after.stored, name))
-    study = folder.study()
-    for one, other in zip(
-        study_answers(study, before).tables.values(),
-        study_answers(study, after.stored).tables.values(),
-        strict=True,
-    ):
-        pd.testing.assert_frame_equal(one, other)
-    assert read_answers(copy, "rehearsal").origin == "none"
 
 
 def test_nobody_can_be_found_by_what_is_passed_on(
@@ -271,11 +235,3 @@ def test_what_lies_outside_the_study_is_named_and_not_copied(
 
     assert any("outside.npy lies outside the study" in remark for remark in remarks)
     assert "videos/pairs/000.mp4" in names(tmp_path / "copy")
-
-
-def test_the_environment_names_every_package_that_is_needed() -> None:
-    found = environment()
-
-    for name in ("numpy", "pandas", "sqlalchemy", "mako", "python-dateutil", "torch", "pyrender"):
-        assert found["packages"][name] == metadata.version(name)
-    assert "ruff" not in found["packages"]

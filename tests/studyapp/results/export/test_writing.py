@@ -4,7 +4,6 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pyarrow.parquet as pq
@@ -155,21 +154,6 @@ def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(mad
     assert left_out["exclusion_reason"].tolist() == ["1 of 6 trials answered"]
 
 
-def test_a_rule_that_came_afterwards_is_called_exploratory(
-    answered: Answered, tmp_path: Path
-) -> None:
-    folder = answered("pairwise")
-    text = folder.definition.read_text("utf-8")
-    rule = '[[exclusions]]\nrule = "time"\nbelow = 60\n'
-    folder.definition.write_text(text + rule, "utf-8")
-
-    export(folder, tmp_path / "answers.csv")
-
-    people = read(tmp_path, PARTICIPANTS)
-    assert people["exclusion_rule"].tolist()[0] == "time"
-    assert people["exclusion_kind"].tolist()[0] == "exploratory"
-
-
 def test_answers_that_contradict_the_study_are_exported_all_the_same(
     answered: Answered, tmp_path: Path
 ) -> None:
@@ -209,20 +193,3 @@ def test_before_anybody_comes_there_are_tables_without_rows_and_no_key(
     assert sorted(folder.root.iterdir()) == before
     for table in TABLES:
         assert list(read(tmp_path, table).columns) == list(table.names)
-
-
-def test_free_text_is_flagged(made: Made) -> None:
-    out = made[1].files[0].parent
-    book: dict[str, Any] = json.loads((out / "answers_codebook.json").read_text("utf-8"))
-    flagged = {
-        (table["name"], column["name"])
-        for table in book["tables"]
-        for column in table["columns"]
-        if column["free_text"]
-    }
-    assert {("form", "value"), ("log", "reason"), ("log", "researcher")} <= flagged
-    assert [q["name"] for q in book["form"] if q["free_text"]] == ["comment"]
-    page = (out / "answers_codebook.md").read_text("utf-8")
-    assert (
-        "**`comment`** (consent, text, may be left open; **free text**): Who are \\| you?" in page
-    )

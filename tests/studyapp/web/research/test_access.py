@@ -92,34 +92,9 @@ def test_everybody_gets_their_pages_and_no_others(
         assert answer.status_code < 500, (method, rule)
 
 
-def test_an_unknown_page_is_told_to_researchers_alone(
-    browser: ResearchBrowser, log_in: LogIn
-) -> None:
-    there = browser.client.get("/research/changes")
-    not_there = browser.client.get("/research/no-such-page")
-
-    assert (there.status_code, not_there.status_code) == (303, 303)
-    assert log_in("viewer").client.get("/research/no-such-page").status_code == 404
-
-
 def test_a_page_that_the_table_forgets_is_shown_to_nobody(log_in: LogIn) -> None:
     log_in.app.blueprints["research"].name  # noqa: B018 - it is there
     log_in.app.add_url_rule("/research/forgotten", "research.forgotten", lambda: "forgotten")
     owner = log_in("owner")
 
     assert owner.client.get("/research/forgotten").status_code == 403
-
-
-def test_who_may_read_what_participants_say_and_what_recruiters_call_them(log_in: LogIn) -> None:
-    participant = log_in.app.test_client()
-    page = participant.get("/?PROLIFIC_PID=pid-4711")
-    assert page.status_code == 200
-    sent = participant.post("/", data={"PROLIFIC_PID": "pid-4711", "visit": "v" * 32})
-    assert sent.status_code == 303
-
-    seen = {
-        role: log_in(role).get("/research/study-sessions/1").text
-        for role in ("viewer", "analyst", "owner")
-    }
-
-    assert {role for role, text in seen.items() if "pid-4711" in text} == {"owner"}

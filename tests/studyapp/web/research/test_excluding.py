@@ -18,7 +18,6 @@ from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -87,27 +86,6 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert "participant reinstated: study session 1 it was another one" in log
 
 
-def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
-    people: list[Participant], log_in: LogIn
-) -> None:
-    analyst = log_in("analyst")
-
-    refused = {
-        "a reason of 1 to 500": analyst.post(f"{ONE}/exclusion", decision="exclude", reason=" "),
-        "nothing was chosen": analyst.post(f"{ONE}/exclusion", decision="x", reason="r"),
-        "1 is not excluded": analyst.post(f"{ONE}/exclusion", decision="reinstate", reason="r"),
-    }
-
-    for problem, answer in refused.items():
-        assert answer.status_code == 422
-        shown = PageReader(answer.text)
-        assert problem in shown.one("[role=alert]").get_text().lower()
-    assert shown.value("[name=reason]", "value") == "r"
-    assert decide(analyst, "exclude", "r", "/research/study-sessions/77") == 404
-    assert decide(analyst, "exclude", "r", "/research/rehearsal/study-sessions/1") == 405
-    assert reasons(log_in.stored) == ["", ""]
-
-
 def test_the_overview_counts_who_is_excluded_and_leads_to_them(
     people: list[Participant], log_in: LogIn
 ) -> None:
@@ -161,24 +139,6 @@ def test_a_viewer_is_shown_no_pseudonym_and_finds_nobody_by_one(
     assert name not in viewer.get(ONE).text + viewer.get(LIST).text
     assert viewer.client.get(LIST, query_string={"called": name}).status_code == 200
     assert viewer.client.get(LIST, query_string={"called": "1"}).location == ONE
-
-
-def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
-    people: list[Participant], log_in: LogIn, tiny_study: Path
-) -> None:
-    analyst = log_in("analyst")
-    key = StudyFolder(tiny_study).pseudonym_key
-    for text, reason in (
-        (None, "drawn at the first export"),
-        ("nonsense", "this is not a key of pseudonyms"),
-    ):
-        if text is not None:
-            key.write_text(text)
-            key.chmod(0o600)
-
-        for address in (ONE, LIST):
-            assert reason in analyst.get(address).words("main")
-    assert key.read_text() == "nonsense"
 
 
 def test_a_participant_is_shown_nothing_of_it(people: list[Participant], log_in: LogIn) -> None:
