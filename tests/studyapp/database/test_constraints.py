@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 from sqlalchemy.exc import IntegrityError
-from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import (
@@ -25,147 +24,76 @@ from studyapp.database.tables import (
 )
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
+NEW = {"token": "y"}
+FILLING = {"String": "x", "Text": "x", "Integer": 1, "Double": 1.0, "UtcMoment": NOW, "JSON": []}
 
 
-VERSION = {"number": 1, "design": "d", "definition": "", "operation": {}, "opened_at": NOW}
-
-
-def study_session(token: str, **changes: Any) -> StudySession:
-    values: dict[str, Any] = {
-        "token": token,
-        "version_id": 1,
-        "arm": "a-b",
-        "arm_design": "d",
-        "conditions": ["a", "b"],
-        "consented_at": NOW,
-        "last_active_at": NOW,
+def row(table: type[Base], **given: Any) -> Base:
+    """Return a row of what is given, and of anything in other columns that may not be empty."""
+    needed = {
+        column.name: FILLING[type(column.type).__name__]
+        for column in table.__table__.columns
+        if not (column.nullable or column.primary_key or column.default or column.foreign_keys)
     }
-    return StudySession(**(values | changes))
+    return table(**(needed | given))
 
 
-def trial(**changes: Any) -> Trial:
-    """Return a trial of one video that shows two stimuli."""
-    video = Video(number=1, token=changes.pop("video_token", "video"), duration=2.0)
-    values: dict[str, Any] = {
-        "token": "trial",
-        "position": 1,
-        "kind": "main",
-        "segment": "s",
-        "emotion": "anger",
-        "speaker": "robin",
-        "videos": [video],
-        "stimuli": [
-            TrialStimulus(video=video, number=n, condition=name, segment="s", speech="s")
-            for n, name in ((1, "a"), (2, "b"))
-        ],
-    }
-    return Trial(**(values | changes))
+def study_session(**given: Any) -> Base:
+    return row(StudySession, version_id=1, **given)
 
 
-def another() -> dict[str, str]:
-    """Return tokens of another trial."""
-    return {"token": "other trial", "video_token": "other video"}
-
-
-def two_sessions_with_one_place() -> list[Base]:
-    return [Place(arm="a-b", design="d", number=n, study_session_id=1) for n in range(2)]
-
-
-def answers(*values: int, stimulus: int | None = None) -> list[Base]:
-    """Return a trial and answers to it, which are stored after it."""
-    given: dict[str, Any] = {
-        "question": "q",
-        "stimulus": stimulus,
-        "reasons": [],
-        "answered_at": NOW,
-    }
-    return [
-        study_session("two", trials=[trial(id=7)]),
-        *(Response(trial_id=7, value=value, **given) for value in values),
-    ]
-
-
-def store(session: Session, rows: list[Base]) -> None:
-    for row in rows:
-        session.add(row)
-        session.flush()
-
-
-def watch_record(video_id: int) -> WatchRecord:
-    return WatchRecord(
-        video_id=video_id,
-        intervals=[],
-        played_seconds=0.0,
-        rate=1.0,
-        hidden_seconds=0.0,
-        silent_seconds=0.0,
-        stalls=0,
-        stalled_seconds=0.0,
-        latest=[],
-        reported_at=NOW,
+def trial(**given: Any) -> Base:
+    return row(
+        Trial, **{"study_session_id": 1, "token": "two", "position": 2, "kind": "main"} | given
     )
 
 
-def watch_records(count: int) -> list[Base]:
-    played = trial()
-    played.videos[0].id = 7
-    return [study_session("two", trials=[played]), *(watch_record(7) for _ in range(count))]
+def answer(**given: Any) -> Base:
+    return row(Response, trial_id=1, **given)
 
 
-@pytest.mark.parametrize(
-    "rows",
-    [
-        pytest.param(two_sessions_with_one_place, id="a session with two places"),
-        pytest.param(
-            lambda: [Place(arm="a-b", design="d", number=5) for _ in "ab"],
-            id="a place twice",
-        ),
-        pytest.param(lambda: [study_session("one")], id="a token twice"),
-        pytest.param(
-            lambda: [study_session(t, recruiter_participant="p") for t in "ab"],
-            id="a recruiter's participant twice",
-        ),
-        pytest.param(
-            lambda: [study_session("a", completion_code="CODE")], id="a code before the end"
-        ),
-        pytest.param(lambda: answers(1, 1), id="an answer twice"),
-        pytest.param(lambda: answers(1, 2, stimulus=1), id="an answer about a stimulus twice"),
-        pytest.param(lambda: answers(1, stimulus=3), id="an answer about a stimulus not shown"),
-        pytest.param(lambda: answers(101), id="a value out of range"),
-        pytest.param(
-            lambda: [study_session("a", trials=[trial(), trial(**another())])],
-            id="two trials at one position",
-        ),
-        pytest.param(
-            lambda: [study_session("a", trials=[trial(expected=1)])],
-            id="an expected answer of a trial that is no catch trial",
-        ),
-        pytest.param(
-            lambda: [study_session("a", trials=[trial(answered_at=NOW, unplayable_at=NOW)])],
-            id="answered and unplayable",
-        ),
-        pytest.param(
-            lambda: [study_session("a", trials=[trial(instructed=1)])],
-            id="an instructed answer of a trial that is no attention check",
-        ),
-        pytest.param(lambda: watch_records(2), id="two watch records of a video"),
-        pytest.param(
-            lambda: [
-                study_session(
-                    "a",
-                    form_answers=[
-                        FormAnswer(stage="closing", question="q", value=value, answered_at=NOW)
-                        for value in "ab"
-                    ],
-                )
-            ],
-            id="an answer of a form twice",
-        ),
-    ],
-)
-def test_the_database_refuses(database: Database, rows: Callable[[], list[Base]]) -> None:
+def stored() -> list[Base]:
+    """Return a study session with one row of everything that can hang on it."""
+    return [
+        row(StudyVersion),
+        study_session(recruiter_participant="p"),
+        row(Place, study_session_id=1),
+        trial(token="one", position=1),  # noqa: S106
+        row(Video, trial_id=1),
+        row(TrialStimulus, trial_id=1, video_id=1),
+        answer(stimulus=None),
+        answer(stimulus=1, value=-2),
+        row(WatchRecord, video_id=1),
+        row(FormAnswer, study_session_id=1),
+    ]
+
+
+REFUSED: dict[str, Callable[[], Base]] = {
+    "a session with two places": lambda: row(Place, number=2, study_session_id=1),
+    "a place twice": lambda: row(Place),
+    "a token twice": study_session,
+    "a recruiter's participant twice": lambda: study_session(**NEW, recruiter_participant="p"),
+    "a code before the end": lambda: study_session(**NEW, completion_code="CODE"),
+    "an answer twice": answer,
+    "an answer about a stimulus twice": lambda: answer(stimulus=1),
+    "an answer about a stimulus not shown": lambda: answer(stimulus=3),
+    "a value out of range": lambda: answer(question="other", value=101),
+    "two trials at one position": lambda: trial(position=1),
+    "an expected answer of a trial that is no catch trial": lambda: trial(expected=1),
+    "an instructed answer of a trial that is no attention check": lambda: trial(instructed=1),
+    "answered and unplayable": lambda: trial(answered_at=NOW, unplayable_at=NOW),
+    "two watch records of a video": lambda: row(WatchRecord, video_id=1),
+    "an answer of a form twice": lambda: row(FormAnswer, study_session_id=1),
+}
+
+
+@pytest.mark.parametrize("refused", REFUSED.values(), ids=REFUSED.keys())
+def test_the_database_refuses(database: Database, refused: Callable[[], Base]) -> None:
     with database.writing() as session:
-        session.add_all([StudyVersion(**VERSION), study_session("one")])
+        for each in stored():
+            session.add(each)
+            session.flush()
 
-    with pytest.raises(IntegrityError), database.writing() as session:
-        store(session, rows())
+    with pytest.raises(IntegrityError) as found, database.writing() as session:
+        session.add(refused())
+    assert "NOT NULL" not in str(found.value)
