@@ -25,6 +25,11 @@ def _opened(video: Path) -> InputContainer:
     return av.open(str(video), options=dict(WHOLE_FORMATS))
 
 
+def _has_picture(container: InputContainer) -> bool:
+    """Tell whether a picture can be decoded; of a file that is cut off early, none can."""
+    return any(stream.codec_context is not None for stream in container.streams.video[:1])
+
+
 FlawKind = Literal["damaged", "no picture", "no sound", "length"]
 
 
@@ -127,7 +132,7 @@ class VideoFormat:
 def format_of(video: Path) -> VideoFormat | None:
     """Return how a video is encoded; None where it cannot be opened or has no picture."""
     with suppress(*_UNREADABLE), _opened(video) as container:
-        if not container.streams.video:
+        if not _has_picture(container):
             return None
         picture: Any = container.streams.video[0]
         heard: Any = next(iter(container.streams.audio), None)
@@ -180,7 +185,7 @@ class VideoStructure:
 def structure_of(video: Path) -> VideoStructure | None:
     """Return what the index of a video tells; None where it cannot be opened or has no picture."""
     with suppress(*_UNREADABLE), _opened(video) as container:
-        if not container.streams.video:
+        if not _has_picture(container):
             return None
         streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
         packets: list[Any] = [p for p in container.demux(streams) if p.pts is not None]

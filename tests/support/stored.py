@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypeVar
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -54,3 +55,24 @@ def writing(file: Path) -> Iterator[Session]:
     """Write into the SQLite database in a file."""
     with opened(file) as database, database.writing() as session:
         yield session
+
+
+Row = TypeVar("Row", bound=Base)
+FILLING: Final = {
+    "String": "x",
+    "Text": "x",
+    "Integer": 1,
+    "Double": 1.0,
+    "UtcMoment": datetime(2026, 5, 4, tzinfo=UTC),
+    "JSON": [],
+}
+
+
+def filled(table: type[Row], **given: Any) -> Row:
+    """Return a row of what is given, and of anything in other columns that may not be empty."""
+    needed = {
+        column.name: FILLING[type(column.type).__name__]
+        for column in table.__table__.columns
+        if not (column.nullable or column.primary_key or column.default or column.foreign_keys)
+    }
+    return table(**(needed | given))

@@ -22,55 +22,45 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
+from tests.support.stored import filled
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
 NEW = {"token": "y"}
-FILLING = {"String": "x", "Text": "x", "Integer": 1, "Double": 1.0, "UtcMoment": NOW, "JSON": []}
-
-
-def row(table: type[Base], **given: Any) -> Base:
-    """Return a row of what is given, and of anything in other columns that may not be empty."""
-    needed = {
-        column.name: FILLING[type(column.type).__name__]
-        for column in table.__table__.columns
-        if not (column.nullable or column.primary_key or column.default or column.foreign_keys)
-    }
-    return table(**(needed | given))
 
 
 def study_session(**given: Any) -> Base:
-    return row(StudySession, version_id=1, **given)
+    return filled(StudySession, version_id=1, **given)
 
 
 def trial(**given: Any) -> Base:
-    return row(
+    return filled(
         Trial, **{"study_session_id": 1, "token": "two", "position": 2, "kind": "main"} | given
     )
 
 
 def answer(**given: Any) -> Base:
-    return row(Response, trial_id=1, **given)
+    return filled(Response, trial_id=1, **given)
 
 
 def stored() -> list[Base]:
     """Return a study session with one row of everything that can hang on it."""
     return [
-        row(StudyVersion),
+        filled(StudyVersion),
         study_session(recruiter_participant="p"),
-        row(Place, study_session_id=1),
+        filled(Place, study_session_id=1),
         trial(token="one", position=1),  # noqa: S106
-        row(Video, trial_id=1),
-        row(TrialStimulus, trial_id=1, video_id=1),
+        filled(Video, trial_id=1),
+        filled(TrialStimulus, trial_id=1, video_id=1),
         answer(stimulus=None),
         answer(stimulus=1, value=-2),
-        row(WatchRecord, video_id=1),
-        row(FormAnswer, study_session_id=1),
+        filled(WatchRecord, video_id=1),
+        filled(FormAnswer, study_session_id=1),
     ]
 
 
 REFUSED: dict[str, Callable[[], Base]] = {
-    "a session with two places": lambda: row(Place, number=2, study_session_id=1),
-    "a place twice": lambda: row(Place),
+    "a session with two places": lambda: filled(Place, number=2, study_session_id=1),
+    "a place twice": lambda: filled(Place),
     "a token twice": study_session,
     "a recruiter's participant twice": lambda: study_session(**NEW, recruiter_participant="p"),
     "a code before the end": lambda: study_session(**NEW, completion_code="CODE"),
@@ -82,8 +72,8 @@ REFUSED: dict[str, Callable[[], Base]] = {
     "an expected answer of a trial that is no catch trial": lambda: trial(expected=1),
     "an instructed answer of a trial that is no attention check": lambda: trial(instructed=1),
     "answered and unplayable": lambda: trial(answered_at=NOW, unplayable_at=NOW),
-    "two watch records of a video": lambda: row(WatchRecord, video_id=1),
-    "an answer of a form twice": lambda: row(FormAnswer, study_session_id=1),
+    "two watch records of a video": lambda: filled(WatchRecord, video_id=1),
+    "an answer of a form twice": lambda: filled(FormAnswer, study_session_id=1),
 }
 
 

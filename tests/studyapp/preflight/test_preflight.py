@@ -2,15 +2,11 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from motion.audio import Audio
-from motion.formats import read_clip, write_clip
-from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
 from studyapp.results.analysed_tasks import study_notes
@@ -122,51 +118,6 @@ def test_each_missing_video_is_named_with_its_conditions_and_errors_come_first(
     assert pair.segment in error
 
 
-def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
-    pair = read_stimuli(ready.stimuli).pairs[0]
-    with (ready.root / pair.file).open("ab") as file:
-        file.write((12).to_bytes(4, "big") + b"free" + bytes(4))
-
-    assert findings_of(ready, "error") == [
-        f"the videos of segment {pair.segment} differ in file size, which tells them apart"
-    ]
-
-
-@pytest.mark.parametrize("content", [b"", b"no video", None])
-def test_a_video_that_cannot_be_played_is_an_error(
-    ready: StudyFolder, content: bytes | None
-) -> None:
-    pairs = read_stimuli(ready.stimuli).pairs
-    files = [ready.root / pair.file for pair in pairs]
-    damaged = files[0].read_bytes()[:400] if content is None else content
-    for file in files:
-        file.write_bytes(damaged)
-    errors = findings_of(ready, "error")
-    assert len(errors) == len(files)
-    assert all(pair.file in error for pair, error in zip(pairs, errors, strict=True))
-
-
-def hum(folder: StudyFolder, segment: str, amplitude: float) -> None:
-    """Give the pairs of `segment` a sound of this amplitude."""
-    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
-    sound = Audio((amplitude * np.sin(2 * np.pi * 997 * moments)).astype(np.float32), SOUND_RATE)
-    for pair in read_stimuli(folder.stimuli).pairs:
-        if pair.segment == segment:
-            with VideoWriter(folder.root / pair.file, 64, 64, 30, sound):
-                pass
-
-
-def test_segments_that_differ_in_loudness_are_warned_of(ready: StudyFolder) -> None:
-    one, two, three = (segment.name for segment in ready.segments())
-    for segment, amplitude in ((one, 0.1), (two, 0.105), (three, 0.1)):
-        hum(ready, segment, amplitude)
-    assert not any("louder" in warning for warning in findings_of(ready, "warning"))
-    hum(ready, two, 0.2)
-    (warning,) = (w for w in findings_of(ready, "warning") if "louder" in w)
-    assert f"segment {two} is 6.0 LU louder than segment" in warning
-    assert "(-17.0 and -23.0 LUFS)" in warning
-
-
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
     (found,) = [each for each in check(ready) if each.severity == "error"]
@@ -271,27 +222,6 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
     assert note.rstrip(".") in findings_of(ready, "note")
-
-
-def _give_coefficients(folder: StudyFolder) -> None:
-    """Let the reference's faces be SMPL-X expression coefficients instead of ARKit weights."""
-    study = folder.study()
-    assert isinstance(study, PairwiseStudy)
-    for segment in folder.segments():
-        path = folder.clip(study.reference, segment.name)
-        clip = read_clip(path)
-        face = np.ones((len(clip), 100), np.float32)
-        write_clip(path, replace(clip, arkit=None, expressions=face))
-
-
-def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> None:
-    generate(ready)
-    change(ready, "freeze", value=[])
-    _give_coefficients(ready)
-    said = "the clip's face is given as SMPL-X expression coefficients"
-    assert sum(said in what for what in findings_of(ready, "warning")) == 1
-    change(ready, "freeze", value=["face"])
-    assert not any(said in what for what in findings_of(ready, "warning"))
 
 
 def test_every_broken_clip_is_an_error_beside_all_other_findings(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,7 +18,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.conftest import OwnStudy
-from tests.support.stored import writing
+from tests.support.stored import filled, writing
 
 
 def material(root: Path) -> Material:
@@ -88,16 +87,7 @@ def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
     answer_study(tiny_study, people=1)
     assert "intake-closed" not in names(tiny_study)
     with writing(tiny_study / "responses.db") as session:
-        session.add(
-            IntakeChange(
-                at=datetime(2026, 5, 4, tzinfo=UTC),
-                state="paused",
-                more_places=0,
-                researcher="anna",
-                reason="",
-            )
-        )
-
+        session.add(filled(IntakeChange, state="paused"))
     assert names(tiny_study)["intake-closed"] == "the study is paused on the researchers' pages"
 
 

@@ -92,9 +92,15 @@ def test_a_whole_study_has_nothing_but_small_pictures(own_study: OwnStudy) -> No
     assert set(names(own_study("rating"))) == {"picture-small", "frame-rate-low"}
 
 
+FREE_BOX = (12).to_bytes(4, "big") + b"free" + bytes(4)
+
+
 @pytest.mark.parametrize(
     ("spoil", "name", "said"),
     [
+        (lambda file: file.write_bytes(b"no video"), "video-damaged", "cannot be played"),
+        (lambda file: file.write_bytes(file.read_bytes()[:400]), "sound-missing", "has no sound"),
+        (lambda file: file.write_bytes(file.read_bytes() + FREE_BOX), "sizes-differ", "file size"),
         (rewritten, "loads-before-playing", ".mp4"),
         (partial(rewritten, fast=True, title="render of Ours v2"), "metadata-tells", "'ours'"),
         (partial(rewritten, fast=True, comment="take 3"), "metadata-tells", "other videos of"),
@@ -104,7 +110,7 @@ def test_a_whole_study_has_nothing_but_small_pictures(own_study: OwnStudy) -> No
     ],
 )
 def test_what_a_file_tells_or_lacks_is_told(
-    own_study: OwnStudy, spoil: Callable[[Path], None], name: str, said: str
+    own_study: OwnStudy, spoil: Callable[[Path], object], name: str, said: str
 ) -> None:
     study = own_study("rating")
     spoil(shown(study, "ours"))

@@ -12,7 +12,7 @@ from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
-from tests.support.stored import opened
+from tests.support.stored import filled, opened
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 
@@ -70,24 +70,16 @@ def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
 def store(database: Database, *study_sessions: tuple[str, bool, int | None]) -> None:
     """Store study sessions: who they are of, whether they are finished, and their place."""
     now = datetime.now(UTC)
-    version = StudyVersion(number=1, design="d", definition="", operation={}, opened_at=now)
     with database.writing() as session:
+        session.add(filled(StudyVersion))
+        session.flush()
         for name, finished, number in study_sessions:
-            study_session = StudySession(
-                token=name,
-                recruiter_participant=name,
-                version=version,
-                arm="a-b",
-                arm_design="d",
-                conditions=["a", "b"],
-                consented_at=now,
-                last_active_at=now,
-                completed_at=now if finished else None,
-                completion_code=name if finished else None,
-            )
-            session.add(study_session)
+            known = filled(StudySession, token=name, recruiter_participant=name, version_id=1)
+            if finished:
+                known.completed_at, known.completion_code = now, name
             if number is not None:
-                study_session.place = Place(arm="a-b", design="d", number=number)
+                known.place = filled(Place, number=number)
+            session.add(known)
 
 
 def test_the_roster_tells_who_is_where(database: Database) -> None:
