@@ -18,7 +18,9 @@ from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
+from studyapp.rehearsal.simulation.raters import SeenTrial
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.folder import StudyFolder
 
 SPEED = 200.0
@@ -87,6 +89,19 @@ def answering(participant: Participant, answer: AnswerTrial) -> Participant:
             return answer(visit, page, judgement)
 
     return AnsweringSo(**vars(participant))
+
+
+def seen_of(planned: PlannedTrial) -> SeenTrial:
+    """Return what a rater sees of a trial that is planned."""
+    return SeenTrial(
+        position=planned.position,
+        kind=planned.kind,
+        part=planned.part,
+        segment=planned.segment.name,
+        stimuli=planned.stimuli,
+        expected=planned.expected,
+        instructed=planned.instructed,
+    )
 
 
 def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visit, Page]:

@@ -21,7 +21,7 @@ from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
 from tests.studyapp.made_study import make_segments
 from tests.studyapp.rehearsal.protocol_studies import definition
-from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged
+from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged, seen_of
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
 ATTENTIVE: dict[str, Any] = {"kinds": {}, "overlooked": 0.0}
@@ -40,15 +40,7 @@ def judged(
     for number in range(raters):
         rater = Rater(population=population, seed=6, name=str(number))
         for planned in study.plan(study.arms[0], number % study.arms[0].places, SEGMENTS):
-            trial = SeenTrial(
-                position=planned.position,
-                kind=planned.kind,
-                part=planned.part,
-                segment=planned.segment.name,
-                stimuli=planned.stimuli,
-                expected=planned.expected,
-                instructed=planned.instructed,
-            )
+            trial = seen_of(planned)
             yield rater, trial, judge(study, rater, trial)
 
 

@@ -25,13 +25,14 @@ from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
 from tests.studyapp.exported import responses_table
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
+from tests.studyapp.rehearsal.steps import seen_of
 from tests.support.stored import opened, reading
 
 ANSWER = ["rater", "position", "question", "left_condition", "right_condition", "value"]
@@ -99,10 +100,7 @@ def expected(folder: StudyFolder, population: Population, seed: int) -> list[tup
             conduct = Conduct(rater=rater, trials=len(plan), coverage=1)
             leaves_at = None if conduct.returns else conduct.leaves_at
             for trial in plan[: leaves_at and leaves_at - 1]:
-                seen = SeenTrial(
-                    position=trial.position, segment=trial.segment.name, stimuli=trial.stimuli
-                )
-                given = judge(study, rater, seen).values
+                given = judge(study, rater, seen_of(trial)).values
                 said.extend(
                     (name, trial.position, question, *trial.conditions, value)
                     for (question, _), value in given.items()

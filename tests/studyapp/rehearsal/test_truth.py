@@ -1,87 +1,118 @@
+"""The true values of a rehearsal are what very many of its raters say on average."""
+
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.results.headline import Measure
-from analysis.results.known_values import KnownValue
+from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
-from studyapp.rehearsal.simulation.truth import (
-    expectations,
-    win_share,
-)
-from studyapp.study.design.order import PREFERENCES
-from studyapp.study.design.trial import Ask, Stimulus
-from studyapp.study.protocols.mismatch import MismatchStudy
-from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.protocols.ranking import RankingStudy
-from studyapp.study.protocols.rating import RatingStudy
+from studyapp.rehearsal.simulation.truth import expectations, win_share
+from studyapp.study.design.trial import AnswerKey
+from studyapp.study.settings.conditions import comparison_name
+from studyapp.study.settings.reading import parse_study
 from studyapp.study.settings.study import Study
 from tests.studyapp.made_study import make_segments
+from tests.studyapp.rehearsal.steps import seen_of
 
-SEGMENTS = make_segments(["anger"] * 6)
-
-
-def counted_share(
-    population: Population, *, seed: int, raters: range, other: str, question: str
-) -> float:
-    """Wins of the reference plus half the ties, as simulated attentive raters really answer."""
-    scores = []
-    for name in raters:
-        rater = Rater(population=population, seed=seed, name=str(name))
-        for position, segment in enumerate(SEGMENTS):
-            on_the_right = (name + position) % 2 == 1
-            left, right = (other, "rule_based") if on_the_right else ("rule_based", other)
-            pair = SeenTrial(
-                position=position,
-                segment=segment.name,
-                stimuli=(Stimulus.own(left, segment.name), Stimulus.own(right, segment.name)),
-            )
-            ask = Ask(question=question, values=PREFERENCES[5])
-            answer = rater.prefer(pair, ask) * (1 if on_the_right else -1)
-            scores.append((np.sign(answer) + 1) / 2)
-    return float(np.mean(scores))
-
-
-def expected(truth: Sequence[KnownValue], other: str, question: str) -> tuple[float, float]:
-    for entry in truth:
-        if (entry.about, entry.question) == (f"rule_based-{other}", question):
-            return entry.value, entry.on_these_segments
-    raise AssertionError("no such comparison")
+CONDITIONS = ("ours", "theirs", "real")
+SEGMENTS = make_segments(["anger"] * 3)
+PEOPLE = Population(
+    quality={"ours": {"q": 0.8}, "theirs": {"q": 0.0}, "real": {"q": 1.6}},
+    belonging={"ours": {"q": 1.0}, "theirs": {"q": 0.0}, "real": {"q": 2.0}},
+    kinds={},
+)
+PART = {"name": "all", "conditions": CONDITIONS}
+QUESTION = {"name": "q", "title": "Q", "text": "?"}
+STUDIES: dict[str, dict[str, object]] = {
+    "pairs": {"reference": "ours", "comparisons": "all_pairs", "layout": "players", "practice": 0},
+    "opinions": {"sets": [PART], "questions": [QUESTION | {"scale": "mean_opinion"}]},
+    "sliders": {"sets": [PART], "questions": [QUESTION | {"scale": "slider"}]},
+    "ranks": {"blocks": [PART]},
+    "forced choice": {"fit": 3, "realism": 3, "questions": [QUESTION | {"levels": 2}]},
+    "choice with ties": {"fit": 3, "realism": 3, "questions": [QUESTION | {"levels": 3}]},
+}
+PROTOCOLS = ("pairwise", "rating", "rating", "ranking", "mismatch", "mismatch")
+PLACES = 60
+RATERS = 700
 
 
-@pytest.fixture(scope="module")
-def attentive(population: Population) -> Population:
-    return replace(population, kinds={})
+def made(protocol: str, **keys: object) -> Study:
+    common: dict[str, object] = {
+        "name": "made",
+        "title": "Made",
+        "protocol": protocol,
+        "conditions": {name: {"videos": True} for name in CONDITIONS},
+        "catch": {"trials": 0},
+        "questions": [QUESTION],
+        "page": {"consent": "You agree."},
+    }
+    return parse_study(common | keys, where="test")
 
 
-@pytest.mark.parametrize("other", ["mismatched", "static"])
-def test_very_many_raters_agree_with_the_share_on_these_segments(
-    study: PairwiseStudy, attentive: Population, other: str
+def score(trial: SeenTrial, key: AnswerKey, value: int) -> tuple[str, float]:
+    """Return what an answer is about, and what it counts for that."""
+    if key[1] is not None:
+        return trial.conditions[key[1] - 1], float(value)
+    first, second = trial.stimuli
+    share = (np.sign(value) + 1) / 2
+    if first.condition == second.condition:
+        return first.condition, share if second.speech == second.segment else 1 - share
+    a, b = sorted(trial.conditions, key=CONDITIONS.index)
+    return comparison_name(a, b), share if second.condition == a else 1 - share
+
+
+def said(study: Study, *, seed: int, raters: int) -> Mapping[tuple[str, str], Sequence[float]]:
+    """Return what counts for each part and each of what it is about, rater after rater."""
+    found: dict[tuple[str, str], list[float]] = defaultdict(list)
+    for number in range(raters):
+        rater = Rater(population=PEOPLE, seed=seed, name=str(number))
+        for planned in study.plan(study.arms[0], number % PLACES, SEGMENTS):
+            trial = seen_of(planned)
+            for key, value in judge(study, rater, trial).values.items():
+                about, counts = score(trial, key, value)
+                found[trial.part, about].append(counts)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("protocol", "keys"), [*zip(PROTOCOLS, STUDIES.values(), strict=True)], ids=STUDIES
+)
+def test_very_many_raters_agree_with_the_value_on_these_segments(
+    protocol: str, keys: dict[str, object]
 ) -> None:
-    truth = expectations(study, SEGMENTS, population=attentive, seed=4)
-    counted = counted_share(attentive, seed=4, raters=range(3000), other=other, question="rhythm")
-    assert counted == pytest.approx(expected(truth, other, "rhythm")[1], abs=0.012)
+    study = made(protocol, **keys)
+    truth = expectations(study, SEGMENTS, population=PEOPLE, seed=3)
+    found = said(study, seed=3, raters=RATERS)
+
+    assert {(known.part, known.about) for known in truth} == found.keys()
+    for known in truth:
+        counted = found[known.part, known.about]
+        error = np.std(counted) / math.sqrt(RATERS)
+        assert abs(np.mean(counted) - known.on_these_segments) < 3 * error, known.about
 
 
-def test_very_many_studies_agree_with_the_share_over_all_segments(
-    study: PairwiseStudy, attentive: Population
-) -> None:
-    counted = [
-        counted_share(attentive, seed=seed, raters=range(6), other="static", question="emotion")
-        for seed in range(500)
-    ]
-    truth = expectations(study, SEGMENTS, population=attentive, seed=0)
+def test_very_many_studies_agree_with_the_value_over_all_segments() -> None:
+    study = made("pairwise", **STUDIES["pairs"])
+    counted = [np.mean(said(study, seed=seed, raters=6)["", "ours-theirs"]) for seed in range(500)]
+    (known, *_) = expectations(study, SEGMENTS, population=PEOPLE, seed=0)
+
     error = np.std(counted) / math.sqrt(len(counted))
-    assert abs(np.mean(counted) - expected(truth, "static", "emotion")[0]) < 3 * error
+    assert known.about == "ours-theirs"
+    assert abs(np.mean(counted) - known.value) < 3 * error
+
+
+def test_nothing_is_expected_of_shared_ranks() -> None:
+    study = made("ranking", ties=True, **STUDIES["ranks"])
+    assert expectations(study, SEGMENTS, population=PEOPLE, seed=3) == ()
 
 
 @given(
@@ -93,113 +124,8 @@ def test_very_many_studies_agree_with_the_share_over_all_segments(
 def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
     gap: float, slope_sd: float, bias: float, bias_sd: float
 ) -> None:
-    population = Population(quality={}, side_bias=bias, side_bias_sd=bias_sd)
+    population = replace(PEOPLE, side_bias=bias, side_bias_sd=bias_sd)
     share = win_share(population, gap, slope_sd)
     assert 0 <= share <= 1
     assert share + win_share(population, -gap, slope_sd) == pytest.approx(1)
     assert (share - 0.5) * gap >= -1e-12
-
-
-CONDITIONS = ("ours", "theirs", "real")
-THREE = make_segments(["anger"] * 3)
-RATERS = 700
-PEOPLE = Population(
-    quality={"ours": {"q": 0.8}, "theirs": {"q": 0.0}, "real": {"q": 1.6}},
-    belonging={"ours": {"q": 1.0}, "theirs": {"q": 0.0}, "real": {"q": 2.0}},
-    kinds={},
-)
-KEYS = {
-    "name": "made",
-    "title": "Made",
-    "conditions": {name: {"videos": True} for name in CONDITIONS},
-    "page": {"consent": "You agree."},
-}
-QUESTION = {"name": "q", "title": "Q", "text": "?"}
-
-
-def known(study: Study, measure: Measure) -> dict[str, KnownValue]:
-    found = expectations(study, THREE, population=PEOPLE, seed=3)
-    return {entry.about: entry for entry in found if entry.measure == measure}
-
-
-def shown(*stimuli: Stimulus, position: int) -> SeenTrial:
-    return SeenTrial(position=position, segment=stimuli[0].segment, stimuli=stimuli)
-
-
-def raters() -> list[Rater]:
-    return [Rater(population=PEOPLE, seed=3, name=str(number)) for number in range(RATERS)]
-
-
-@pytest.mark.parametrize("scale", ["mean_opinion", "slider"])
-def test_very_many_ratings_average_to_the_mean_on_these_segments(scale: str) -> None:
-    study = RatingStudy.model_validate(
-        KEYS
-        | {
-            "sets": [{"name": "all", "conditions": CONDITIONS}],
-            "questions": [QUESTION | {"scale": scale}],
-        }
-    )
-    values = study.questions[0].values
-    truth = known(study, "mean_rating")
-    for condition in CONDITIONS:
-        answers = [
-            rater.rate(
-                shown(Stimulus.own(condition, segment.name), position=position),
-                Ask(question="q", stimulus=1, values=values),
-            )
-            for rater, (position, segment) in product(raters(), enumerate(THREE))
-        ]
-        error = np.std(answers) / math.sqrt(RATERS)
-        assert abs(np.mean(answers) - truth[condition].on_these_segments) < 3 * error
-
-
-def test_very_many_rankings_average_to_the_mean_on_these_segments() -> None:
-    study = RankingStudy.model_validate(
-        KEYS | {"blocks": [{"name": "all", "conditions": CONDITIONS}], "questions": [QUESTION]}
-    )
-    truth = known(study, "mean_rank")
-    found = np.array(
-        [
-            rater.rank(
-                shown(*(Stimulus.own(c, segment.name) for c in CONDITIONS), position=position),
-                "q",
-                ties=False,
-            )
-            for rater, (position, segment) in product(raters(), enumerate(THREE))
-        ]
-    )
-    means = dict(zip(CONDITIONS, found.mean(axis=0), strict=True))
-    assert means["real"] < means["ours"] < means["theirs"]
-    for condition, mean in means.items():
-        assert mean == pytest.approx(truth[condition].on_these_segments, abs=0.07)
-
-
-@pytest.mark.parametrize("levels", [2, 3])
-def test_very_many_answers_prefer_the_own_speech_as_often_as_computed(levels: int) -> None:
-    study = MismatchStudy.model_validate(
-        KEYS | {"questions": [QUESTION | {"levels": levels}], "realism": 1}
-    )
-    truth = known(study, "own_speech")
-    for condition in CONDITIONS:
-        scores = []
-        for rater, (position, segment) in product(raters(), enumerate(THREE)):
-            own = Stimulus.own(condition, segment.name)
-            pair = (own, replace(own, speech="elsewhere"))
-            own_first = (int(rater.name) + position) % 2 == 0
-            trial = shown(*(pair if own_first else pair[::-1]), position=position)
-            (ask,) = study.asks(trial)
-            answer = rater.prefer(trial, ask) * (-1 if own_first else 1)
-            scores.append((np.sign(answer) + 1) / 2)
-        assert np.mean(scores) == pytest.approx(truth[condition].on_these_segments, abs=0.04)
-
-
-def test_nothing_is_expected_of_shared_ranks() -> None:
-    study = RankingStudy.model_validate(
-        KEYS
-        | {
-            "ties": True,
-            "blocks": [{"name": "all", "conditions": CONDITIONS}],
-            "questions": [QUESTION],
-        }
-    )
-    assert expectations(study, THREE, population=PEOPLE, seed=3) == ()
