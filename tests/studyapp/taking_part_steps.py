@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any, TypeVar
 
 from sqlalchemy import select
 
@@ -27,6 +28,7 @@ from studyapp.session.watch_evidence import Playback, Report, Watched
 from studyapp.session.watch_reports import record_watched
 from tests.support.stored import opened
 
+Result = TypeVar("Result")
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
 
 AS_RECORDED = Playback()
@@ -80,12 +82,16 @@ class Participant:
                 select(StudySession).where(StudySession.token == self.token)
             ).one()
 
+    def do(self, service: Callable[..., Result], *asked: Any, **more: Any) -> Result:
+        """Ask a service in this participant's name."""
+        return service(self.database, self.served, self.token, *asked, clock=self.clock, **more)
+
     def begin(self, **answers: str) -> Participant:
-        begin(self.database, self.served, self.token, self.clock, answers=answers)
+        self.do(begin, answers=answers)
         return self
 
     def look(self) -> Situation:
-        return look(self.database, self.served, self.token, self.clock)
+        return self.do(look)
 
     def trial(self) -> ShownTrial:
         shown = self.look().trial
@@ -100,15 +106,8 @@ class Participant:
         """Say that the first video of the present trial does not play."""
         trial = self.trial()
         self.fetch(trial.videos[0].token)
-        skip_unplayable(
-            self.database,
-            self.served,
-            self.token,
-            trial.token,
-            self.clock,
-            trial.videos[0].token,
-            media_error,
-        )
+        video = trial.videos[0].token
+        self.do(skip_unplayable, trial.token, video_token=video, media_error=media_error)
 
     def report(
         self,
@@ -119,9 +118,7 @@ class Participant:
     ) -> Watched:
         """Tell the server that a video was played, whether it was sent or not."""
         report = Report(batch=batch, intervals=intervals, **vars(playback))
-        return record_watched(
-            self.database, self.served, self.token, video_token, report, self.clock
-        )
+        return self.do(record_watched, video_token, report)
 
     def watch(
         self,
@@ -137,7 +134,7 @@ class Participant:
         fields = {
             name: [value] if isinstance(value, str) else value for name, value in answers.items()
         }
-        answer(self.database, self.served, self.token, trial_token, fields, self.clock)
+        self.do(answer, trial_token, fields)
 
     def watch_all(self) -> ShownTrial:
         """Play every video of the present trial to its end, one after the other."""

@@ -1,9 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import comb
-
-import pytest
 
 from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
@@ -11,7 +8,6 @@ from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
 from studyapp.rehearsal.recovery_page import recovery_page, recovery_tables
 from studyapp.rehearsal.recovery_words import (
-    chance_of_missing,
     difference_in_words,
     exclusions_in_words,
     recovery_lines,
@@ -91,17 +87,7 @@ def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
 
 def test_a_miss_is_shown_and_put_down_to_chance() -> None:
     lines = list(recovery_lines(RECOVERY))
-    assert lines[1].split() == [
-        "fit",
-        "ours-theirs",
-        "win",
-        "share",
-        "0.60",
-        "0.55",
-        "0.45",
-        "to",
-        "0.65",
-    ]
+    assert " ".join(lines[1].split()) == "fit ours-theirs win share 0.60 0.55 0.45 to 0.65"
     assert lines[2].endswith("outside")
     assert "1 of 2 intervals hold the true value" in lines[3]
     assert "1 or more of 2 intervals in 10 of 100" in lines[3]
@@ -125,9 +111,3 @@ def test_tables_and_page_hold_it_all() -> None:
     assert [section.anchor for section in page.sections] == [
         *("values", "differences", "raters", "bookkeeping")
     ]
-
-
-@pytest.mark.parametrize(("missed", "intervals"), [(1, 4), (2, 20), (5, 20)])
-def test_the_chance_of_so_many_misses_is_that_of_a_binomial(missed: int, intervals: int) -> None:
-    by_hand = 1 - sum(comb(intervals, k) * 0.05**k * 0.95 ** (intervals - k) for k in range(missed))
-    assert chance_of_missing(missed, intervals) == pytest.approx(by_hand)

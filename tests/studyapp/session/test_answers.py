@@ -122,25 +122,15 @@ def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
         with participant.database.writing() as session:
             session.execute(update(Video).values(sent_at=None))
 
-    def leave_out() -> None:
-        skip_unplayable(
-            participant.database,
-            participant.served,
-            participant.token,
-            first.token,
-            participant.clock,
-            media_error=media_error,
-        )
-
     if shown:
-        leave_out()
+        participant.do(skip_unplayable, first.token, media_error=media_error)
         assert participant.trial().position == 2
         assert stored(participant) == []
         with pytest.raises(ConflictError):
             participant.answer(first.token)
     else:
         with pytest.raises(UnacceptableError, match="There is no sign yet"):
-            leave_out()
+            participant.do(skip_unplayable, first.token, media_error=media_error)
         assert participant.trial().position == 1
 
 

@@ -16,23 +16,13 @@ def resting(open_changed: Open) -> Participant:
     return open_changed(("[page]\n", "[page]\nbreak_every = 2\n")).enrol().begin()
 
 
-def go_on(participant: Participant, position: int) -> None:
-    leave_break(
-        participant.database,
-        participant.served,
-        participant.token,
-        position,
-        participant.clock,
-    )
-
-
 def test_breaks_come_between_trials_and_never_right_before_the_end(resting: Participant) -> None:
     breaks = []
     while (situation := resting.look()).state != "completed":
         if situation.rest is not None:
             breaks.append((situation.rest.done, situation.rest.position))
             assert situation.trial is None
-            go_on(resting, situation.rest.position)
+            resting.do(leave_break, situation.rest.position)
         else:
             resting.take_trial()
 
@@ -44,11 +34,11 @@ def test_a_break_waits_until_it_is_left(resting: Participant) -> None:
         resting.take_trial()
 
     for stale in (1, 2, 5):
-        go_on(resting, stale)
+        resting.do(leave_break, stale)
         assert resting.look().rest is not None
 
-    go_on(resting, 3)
-    go_on(resting, 3)
+    resting.do(leave_break, 3)
+    resting.do(leave_break, 3)
     assert resting.trial().position == 3
 
 
@@ -59,7 +49,7 @@ def test_a_break_takes_no_time_from_the_trial_after_it(resting: Participant) -> 
     assert left is not None
 
     resting.clock.advance(minutes=30)
-    go_on(resting, 3)
+    resting.do(leave_break, 3)
     shown = resting.trial()
 
     assert shown.minutes_left == left.minutes_left

@@ -24,17 +24,6 @@ def come(participant: Participant, **form: str) -> Participant:
     return participant.arrive(Arrival(visit="visit", form=form))
 
 
-def tell(participant: Participant, stage: str, answers: dict[str, str]) -> None:
-    answer_form(
-        participant.database,
-        participant.served,
-        participant.token,
-        stage,  # type: ignore[arg-type]
-        answers,
-        participant.clock,
-    )
-
-
 def stored(participant: Participant) -> list[tuple[str, str, str]]:
     with participant.database.reading() as session:
         rows = session.scalars(select(FormAnswer).order_by(FormAnswer.id))
@@ -46,13 +35,13 @@ def test_questions_come_before_the_trials_and_after_them(asking: Participant) ->
     assert asking.look().form == "demographics"
     assert asking.begin().look().state == "instructed"
 
-    tell(asking, "demographics", ABOUT)
+    asking.do(answer_form, "demographics", ABOUT)
     assert asking.begin().look().form is None
     while asking.look().trial is not None:
         asking.take_trial()
 
     assert (asking.look().form, asking.look().completion_code) == ("closing", None)
-    tell(asking, "closing", {"comment": "Good."})
+    asking.do(answer_form, "closing", {"comment": "Good."})
     assert asking.look().completion_code
     table = read_once(asking.database, form_answers_table)
     assert table["question"].tolist() == ["adult", "age", "work", "comment"]
@@ -68,24 +57,24 @@ def test_the_same_answers_twice_are_stored_once_and_others_are_refused(
     asking: Participant,
 ) -> None:
     come(asking, **ADULT)
-    tell(asking, "demographics", ABOUT)
-    tell(asking, "demographics", ABOUT)
+    asking.do(answer_form, "demographics", ABOUT)
+    asking.do(answer_form, "demographics", ABOUT)
 
     with pytest.raises(ConflictError, match="already answered"):
-        tell(asking, "demographics", {"age": "32"})
+        asking.do(answer_form, "demographics", {"age": "32"})
     assert len(stored(asking)) == 3
 
 
 def test_every_question_that_needs_another_answer_is_named(asking: Participant) -> None:
     come(asking, **ADULT)
     with pytest.raises(UnacceptableError, match="Question 1 needs a whole number from 18 to 120"):
-        tell(asking, "demographics", {"age": "17"})
+        asking.do(answer_form, "demographics", {"age": "17"})
     too_long = "x" * 2001
 
     with pytest.raises(UnacceptableError, match="Questions 1 and 2 have no answer yet, or one"):
-        tell(asking, "demographics", {"age": "", "work": too_long})
+        asking.do(answer_form, "demographics", {"age": "", "work": too_long})
     with pytest.raises(UnacceptableError, match="to question 2 is longer than 2000 characters"):
-        tell(asking, "demographics", {"age": "31", "work": too_long})
+        asking.do(answer_form, "demographics", {"age": "31", "work": too_long})
     assert asking.look().form == "demographics"
 
 
@@ -93,4 +82,4 @@ def test_closing_questions_cannot_be_answered_before_the_trials(asking: Particip
     come(asking, **ADULT)
 
     with pytest.raises(ConflictError, match="not the questions you are on"):
-        tell(asking, "closing", {"comment": "Early."})
+        asking.do(answer_form, "closing", {"comment": "Early."})

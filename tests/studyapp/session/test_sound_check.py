@@ -7,6 +7,7 @@ import pytest
 
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrolled
+from studyapp.session.form_answers import answer_form
 from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.refusal import (
     ConflictError,
@@ -19,7 +20,6 @@ from studyapp.study.settings.study import Study
 from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.session.test_form_answers import tell
 from tests.studyapp.taking_part_steps import Participant
 from tests.support.asked_forms import ABOUT, ADULT, FORM
 
@@ -36,19 +36,13 @@ def digits(participant: Participant) -> str:
 
 
 def hear(participant: Participant, typed: str) -> bool:
-    return check_sound(
-        participant.database, participant.served, participant.token, typed, participant.clock
-    )
-
-
-def leave(participant: Participant) -> None:
-    leave_unheard(participant.database, participant.served, participant.token, participant.clock)
+    return participant.do(check_sound, typed)
 
 
 def leave_after_three_tries(participant: Participant) -> None:
     for _ in range(3):
         hear(participant, wrong(digits(participant)))
-    leave(participant)
+    participant.do(leave_unheard)
 
 
 def wrong(spoken: str) -> str:
@@ -99,10 +93,10 @@ def test_nothing_typed_is_no_try(listener: Participant) -> None:
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
     spoken = digits(listener)
     for _ in range(3):
-        leave(listener)
+        listener.do(leave_unheard)
         assert listener.look().state == "instructed"
         hear(listener, wrong(spoken))
-    leave(listener)
+    listener.do(leave_unheard)
     assert listener.look().state == "withdrawn"
     assert listener.look().left_unheard
     assert listener.stored().sound_tries == 3
@@ -161,7 +155,7 @@ def test_questions_wait_for_the_sound_check(open_changed: Open) -> None:
     listener.arrive(Arrival(visit="visit", form=ADULT))
     assert listener.look().form is None
     with pytest.raises(ConflictError, match="not the questions you are on"):
-        tell(listener, "demographics", ABOUT)
+        listener.do(answer_form, "demographics", ABOUT)
     hear(listener, digits(listener))
     assert listener.look().form == "demographics"
 
