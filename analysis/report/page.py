@@ -8,7 +8,6 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -46,6 +45,7 @@ from analysis.report.sections.ratings import rating_sections
 from analysis.report.sections.strip import strip_section
 from analysis.report.subject import PlayableMotion, Subject
 from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
+from analysis.report.texts import template
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
@@ -127,7 +127,7 @@ def render_page(page: Page) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    own = (files("analysis.report") / "templates" / "page.js").read_text("utf-8")
+    own = template("page.js")
     scripts = (own, *(page.motion.scripts if page.motion else ()))
     return environment.get_template("report.html").render(
         page=page,
@@ -282,14 +282,14 @@ def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, .
         What it is about.
     """
     match report.results:
-        case PairwiseResults() as results:
-            return pairwise_sections(results, subject) if results.comparisons else ()
-        case MismatchResults() as results:
-            return mismatch_sections(results, subject) if results.conditions else ()
-        case RatingResults() as results:
-            return rating_sections(results, subject) if results.conditions else ()
-        case RankingResults() as results:
-            return ranking_sections(results, subject) if results.conditions else ()
+        case PairwiseResults() as pairs:
+            return pairwise_sections(pairs, subject)
+        case MismatchResults() as matched:
+            return mismatch_sections(matched, subject)
+        case RatingResults() as rated:
+            return rating_sections(rated, subject)
+        case RankingResults() as ranked:
+            return ranking_sections(ranked, subject)
 
 
 def first_picture(sections: Sequence[Section]) -> tuple[Picture | None, tuple[Section, ...]]:

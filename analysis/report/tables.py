@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from functools import cache
 from itertools import accumulate
@@ -11,81 +12,13 @@ from typing import Any, Final
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from analysis.report import wording
 from analysis.report.content import Cell, Table
+from analysis.report.texts import template
 from analysis.results.report import TableReport, plain
 from motion.files import harmless_frame, replacing
 
 LONGEST: Final = 40
 """Rows up to which a table floats; a longer one breaks over pages."""
-
-_LATEX: Final = str.maketrans(
-    {
-        "\\": r"\textbackslash{}",
-        "&": r"\&",
-        "%": r"\%",
-        "$": r"\$",
-        "#": r"\#",
-        "_": r"\_",
-        "{": r"\{",
-        "}": r"\}",
-        "[": "{[}",
-        "]": "{]}",
-        "~": r"\textasciitilde{}",
-        "^": r"\textasciicircum{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        "|": r"\textbar{}",
-        '"': r"\textquotedbl{}",
-        "'": r"\textquotesingle{}",
-        "`": r"\textasciigrave{}",
-        "\n": " ",
-        "\r": " ",
-        "\t": " ",
-        "–": "--",
-        "—": "---",
-        "“": "``",
-        "”": "''",
-        "‘": "`",
-        "’": "'",
-        "…": r"\dots{}",
-        wording.NO_BREAK: "~",
-        "\u202f": r"\,",
-        "−": "$-$",
-        "±": r"$\pm$",
-        "×": r"$\times$",
-        "·": r"$\cdot$",
-        "≥": r"$\geq$",
-        "≤": r"$\leq$",
-        "≈": r"$\approx$",
-        "′": "$'$",
-        "°": r"$^\circ$",
-        "²": "$^2$",
-        "↑": r"$\uparrow$",
-        "↓": r"$\downarrow$",
-        "→": r"$\rightarrow$",
-        "←": r"$\leftarrow$",
-        "∞": r"$\infty$",
-        "√": r"$\surd$",
-        "†": r"\dag{}",
-        "‡": r"\ddag{}",
-        "✓": r"$\surd$",
-        "✗": r"$\times$",
-        "α": r"$\alpha$",
-        "β": r"$\beta$",
-        "δ": r"$\delta$",
-        "κ": r"$\kappa$",
-        "λ": r"$\lambda$",
-        "μ": r"$\mu$",
-        "ν": r"$\nu$",
-        "ρ": r"$\rho$",
-        "σ": r"$\sigma$",
-        "τ": r"$\tau$",
-        "χ": r"$\chi$",
-        "Δ": r"$\Delta$",
-        "Σ": r"$\Sigma$",
-    }
-)
 
 
 def booktabs(table: Table, *, remark: str = "") -> str:
@@ -139,7 +72,12 @@ def _environment() -> Environment:
 
 def as_latex(text: str) -> str:
     """Return text as LaTeX prints it, none of its signs taken for a command."""
-    return text.translate(_LATEX)
+    return text.translate(_latex_signs())
+
+
+@cache
+def _latex_signs() -> dict[int, str]:
+    return str.maketrans(tomllib.loads(template("latex.toml")))
 
 
 def _needs(body: str, *, long: bool) -> list[str]:

@@ -77,8 +77,8 @@ def paragraphs(place: str, **facts: object) -> tuple[str, ...]:
         What the template knows.
     """
     file, macro = place.split(".")
-    template = _environment().get_template(f"words/{file}.txt")
-    text = getattr(template.make_module(facts), macro)()
+    words = _environment().get_template(f"words/{file}.txt").make_module(facts)
+    text = getattr(words, macro)()
     return tuple(_squeezed(text.split("\n\n")))
 
 
@@ -202,10 +202,14 @@ def _expression(text: str) -> Any:
     return _environment().compile_expression(text, undefined_to_none=False)
 
 
+def template(name: str) -> str:
+    """Return the text of a file beside the templates."""
+    return (files("analysis.report") / "templates" / name).read_text("utf-8")
+
+
 @cache
 def _specs(name: str) -> dict[str, Any]:
-    text = (files("analysis.report") / "templates" / f"{name}.toml").read_text("utf-8")
-    found = tomllib.loads(text)
+    found = tomllib.loads(template(f"{name}.toml"))
     return {key: _Spec(**one) for key, one in found.items()} if name == "tables" else found
 
 

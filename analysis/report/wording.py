@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from types import MappingProxyType
-from typing import Final, Protocol
+from typing import Final
 
 from analysis.results.grouping import Place
 from analysis.results.strengths import RankInterval
-from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
 
 NO_BREAK: Final = "\u00a0"
@@ -135,18 +135,6 @@ INTERVAL: Final = f"{LEVEL:.0%} interval"
 HOLM: Final = f"p{NO_BREAK}(Holm)"
 
 
-class Interval(Protocol):
-    """What has two ends, NaN for none."""
-
-    @property
-    def low(self) -> float:
-        """The lower one."""
-
-    @property
-    def high(self) -> float:
-        """The higher one."""
-
-
 def place_of(one: Place) -> str:
     """Return what a note calls a result: its question, and its condition or conditions."""
     return f"{heading(one.question)}, {' against '.join(map(condition, one.names))}"
@@ -159,10 +147,10 @@ def interval(found: Estimate, written: Callable[[float], str] = share) -> str:
     return between(written(found.low), written(found.high))
 
 
-def interval_or_why(found: Interval, reason: str | None = None) -> str:
+def interval_or_why(found: Interval, reason: str = "") -> str:
     """Return the interval of a share, or that there is none and why."""
     if math.isnan(found.low) or math.isnan(found.high):
-        why = getattr(found, "reason", "") if reason is None else reason
+        why = found.reason or reason
         return f"none: {why}" if why else "none"
     return between(share(found.low), share(found.high))
 

@@ -16,6 +16,7 @@ from analysis.results.grouping import codes, parts, set_name, shown
 from analysis.results.net_preference import sided
 from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
 
 LEVEL: Final = "ordinal"
@@ -35,7 +36,7 @@ class Agreement(Alpha):
 
 
 @dataclass(frozen=True, kw_only=True)
-class AgreedSoFar:
+class AgreedSoFar(Interval):
     """How far participants agree about one question, with one another and with themselves.
 
     Attributes
@@ -46,12 +47,8 @@ class AgreedSoFar:
         Its name.
     measure : {'alpha', 'w'}
         Krippendorff's alpha for ordered answers; of rankings, Kendall's W.
-    estimate, low, high : float
-        With its 95% interval; NaN where there is none.
     n, participants : int
         Answers (of rankings: orders) and participants that it rests on.
-    reason : str
-        Why a number is missing.
     retest : Retest or None
         Practice trials against their repeats; None of rankings, which repeat none.
     """
@@ -59,12 +56,8 @@ class AgreedSoFar:
     set: str | None
     question: str
     measure: Literal["alpha", "w"]
-    estimate: float
-    low: float
-    high: float
     n: int
     participants: int
-    reason: str
     retest: Retest | None = None
 
 

@@ -12,7 +12,7 @@ from scipy import stats
 
 from analysis.results.drawn_preferences import Tallies
 from analysis.results.metric_scores import MetricSide
-from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.clustered_mean import LEVEL, Interval
 
 Floats = NDArray[np.float64]
 
@@ -23,26 +23,20 @@ _ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class WithinCorrelation:
-    """The correlation over single clips, each measured from the mean of its condition.
+class WithinCorrelation(Interval):
+    """Pearson's correlation over single clips, each measured from the mean of its condition.
+
+    The interval is clustered by segment.
 
     Attributes
     ----------
-    estimate, low, high : float
-        Pearson's, in [-1, 1], with a 95% interval clustered by segment; NaN where there is none.
     cells, segments, answers : int
         Clips (of pairwise comparisons, pairs of clips), segments and answers that it rests on.
-    reason : str
-        Why the estimate or its interval is missing; empty where both are there.
     """
 
-    estimate: float
-    low: float
-    high: float
     cells: int
     segments: int
     answers: int
-    reason: str = ""
 
 
 def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
@@ -146,12 +140,5 @@ def _interval(estimate: float, without: Floats) -> tuple[float, float, str]:
 def _none(
     reason: str, cells: int = 0, segments: int = 0, weights: Floats | None = None
 ) -> WithinCorrelation:
-    return WithinCorrelation(
-        estimate=math.nan,
-        low=math.nan,
-        high=math.nan,
-        cells=cells,
-        segments=segments,
-        answers=0 if weights is None else int(weights.sum()),
-        reason=reason,
-    )
+    answers = 0 if weights is None else int(weights.sum())
+    return WithinCorrelation(cells=cells, segments=segments, answers=answers, reason=reason)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +109,8 @@ class PairPlace:
 
 
 Place = ConditionPlace | PairPlace
+
+Tested = TypeVar("Tested", bound="ConditionPlace | PairPlace")
 
 
 def parts(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
@@ -238,6 +240,16 @@ class Family:
             own = [n for n in inside if not self.by_question or places[n].question == question]
             corrected[own] = holm([p_values[number] for number in own])
         return tuple(corrected.tolist())
+
+    def decide(self, found: Sequence[Tested], by: str = "") -> tuple[Tested, ...]:
+        """Return what was tested with its p corrected as `p_holm`; `by` names what of it tests."""
+        tests: list[Any] = [getattr(one, by) if by else one for one in found]
+        corrected = self.corrected(found, [test.p_value for test in tests])
+        decided = [replace(test, p_holm=p) for test, p in zip(tests, corrected, strict=True)]
+        return tuple(
+            replace(one, **{by: test}) if by else test
+            for one, test in zip(found, decided, strict=True)
+        )
 
 
 EVERYTHING = Family()

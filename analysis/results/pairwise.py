@@ -35,12 +35,10 @@ from analysis.results.preference import (
     MatchedCondition,
     left_share,
     preference,
-    with_holm,
 )
 from analysis.results.strengths import (
     StrengthContrast,
     Strengths,
-    corrected_contrasts,
     strengths_of,
 )
 from analysis.stats.agreement import Retest
@@ -58,10 +56,18 @@ class Equivalent(Equivalence, PairPlace):
 
 @dataclass(frozen=True, kw_only=True)
 class SideBias:
-    """How often the left side is preferred, ties counting one half; and how often a was there."""
+    """How often the left side is preferred, and how often a, or the own speech, was there.
+
+    Attributes
+    ----------
+    left_share : Estimate
+        Ties count one half.
+    on_left : float
+        Share of the answers for which a, or the video with its own speech, stood on the left.
+    """
 
     left_share: Estimate
-    a_on_left: float
+    on_left: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +122,7 @@ def pairwise_results(
         Which tests decide.
     """
     analysed = left_out.analysed
-    comparisons = with_holm(_comparisons(table, left_out.exclusions), family)
+    comparisons = family.decide(_comparisons(table, left_out.exclusions), "decision")
     fitted = {
         (name, question): strengths_of(answers, set_name(table, name), question)
         for name, question, answers in parts(table, analysed)
@@ -127,9 +133,7 @@ def pairwise_results(
         agreement=by_question(table, analysed, agreement_of),
         test_retest=by_question(table, left_out.kept, retest_of),
         bradley_terry=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
-        contrasts=corrected_contrasts(
-            [one for _, contrasts in fitted.values() for one in contrasts], family
-        ),
+        contrasts=family.decide([one for _, own in fitted.values() for one in own]),
         decided_by=_decided_by(comparisons),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
         heterogeneity=corrected_tests(
@@ -176,16 +180,8 @@ def _equivalent(one: Comparison, margin: float) -> Equivalent:
 def _side_bias(answers: pd.DataFrame) -> SideBias:
     return SideBias(
         left_share=left_share(answers),
-        a_on_left=float((~on_right(answers)).mean()),
+        on_left=float((~on_right(answers)).mean()),
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class OwnSideBias:
-    """How often the left side is preferred, ties counting one half; how often own was there."""
-
-    left_share: Estimate
-    own_on_left: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,7 +199,7 @@ class MismatchResults:
     """
 
     conditions: tuple[MatchedCondition, ...]
-    side_bias: ByQuestion[OwnSideBias]
+    side_bias: ByQuestion[SideBias]
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[Retest]
     heterogeneity: tuple[ConditionHeterogeneity, ...]
@@ -232,15 +228,9 @@ def mismatch_results(
         for numbers, rows in compared(part)
     ]
     return MismatchResults(
-        conditions=with_holm(found, family),
-        side_bias=by_question(table, left_out.analysed, _own_side_bias),
+        conditions=family.decide(found, "decision"),
+        side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, agreement_of),
         test_retest=by_question(table, left_out.kept, retest_of),
         heterogeneity=corrected_tests(preference_heterogeneity(table, left_out.analysed)),
-    )
-
-
-def _own_side_bias(answers: pd.DataFrame) -> OwnSideBias:
-    return OwnSideBias(
-        left_share=left_share(answers), own_on_left=float((~on_right(answers)).mean())
     )

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, Literal, TypeVar
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 
 from analysis.answers.table import ANALYSED_KINDS
-from analysis.results.grouping import ConditionPlace, Family, PairPlace, codes, people
+from analysis.results.grouping import ConditionPlace, PairPlace, codes, people
 from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
-from analysis.stats.clustered_mean import Estimate, clustered_mean
+from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.f_tests import min_f
 from analysis.stats.samples import group_means
 from analysis.stats.signed_rank import Pooled, pooled_tests, sign_test, signed_rank
@@ -40,15 +40,14 @@ class Robustness:
     sign_p, wilcoxon_p : float
         Exact sign and signed-rank tests of participants' mean preferences; they take the
         segments as the only ones of interest.
-    min_f, min_f_p : float
-        min F′ over participants and segments, and its p; conservative.
+    min_f_p : float
+        min F′ over participants and segments; conservative.
     reason : str
         Why a number is missing.
     """
 
     sign_p: float
     wilcoxon_p: float
-    min_f: float
     min_f_p: float
     reason: str
 
@@ -63,45 +62,32 @@ class Unexcluded:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Decision:
+class Decision(Interval):
     """What the report decides by, and what it quotes.
+
+    The estimate is of what decides, for the one: log-odds, a win share, or the share of
+    participants who prefer it among those who prefer either.
 
     Attributes
     ----------
     by : {'clmm', 'win_share', 'sign'}
         The mixed model's likelihood ratio; where there is none, or few participants or segments,
         the win share; where it has no test either, the exact sign test of participants.
-    estimate, low, high : float
-        Of what decides, for the one: log-odds, a win share, or the share of participants who
-        prefer it among those who prefer either; with its 95% interval.
     p_value, p_holm : float
         Its test; corrected over the report's family, NaN outside of it.
     why : str
         Why the mixed model does not decide; empty where it does.
-    reason : str
-        Why there is no test.
     """
 
     by: By
-    estimate: float
-    low: float
-    high: float
     p_value: float
     p_holm: float = math.nan
     why: str = ""
-    reason: str = ""
 
     @property
     def null(self) -> float:
         """The estimate of no preference."""
         return 0.0 if self.by == "clmm" else 0.5
-
-    def turned(self) -> Decision:
-        """Return the same, seen from the other side."""
-        whole = 2 * self.null
-        return replace(
-            self, estimate=whole - self.estimate, low=whole - self.high, high=whole - self.low
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +147,7 @@ class Comparison(Preference, PairPlace):
             without_exclusions=replace(
                 everyone, share=_swapped(everyone.share), win_share=everyone.win_share.turned()
             ),
-            decision=self.decision.turned(),
+            decision=self.decision.turned(2 * self.decision.null),
         )
 
 
@@ -172,18 +158,6 @@ def _swapped(share: Mapping[str, float]) -> dict[str, float]:
 @dataclass(frozen=True, kw_only=True)
 class MatchedCondition(Preference, ConditionPlace):
     """How far a condition's own speech is preferred; `Preference`'s one is own, its other other."""
-
-
-PlacedPreference = TypeVar("PlacedPreference", Comparison, MatchedCondition)
-
-
-def with_holm(found: Sequence[PlacedPreference], family: Family) -> tuple[PlacedPreference, ...]:
-    """Return the preferences of a report, what decides corrected over its family."""
-    corrected = family.corrected(found, [one.decision.p_value for one in found])
-    return tuple(
-        replace(one, decision=replace(one.decision, p_holm=p))
-        for one, p in zip(found, corrected, strict=True)
-    )
 
 
 def preference(
@@ -280,7 +254,6 @@ def _robustness(answers: SidedAnswers) -> Robustness:
     return Robustness(
         sign_p=signs.p_value,
         wilcoxon_p=ranks.p_value,
-        min_f=both.statistic,
         min_f_p=both.p_value,
         reason=both.reason or signs.reason or ranks.reason,
     )

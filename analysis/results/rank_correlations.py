@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.results.drawn_preferences import DrawnPreferences
 from analysis.results.metric_scores import MetricSide
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import times_drawn
 
 Floats = NDArray[np.float64]
@@ -52,24 +53,16 @@ _BLOCK: Final = 2_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankCorrelation:
-    """A rank correlation over conditions, with an interval.
+class RankCorrelation(Interval):
+    """A rank correlation over conditions, above zero where the metric and people agree.
 
     Attributes
     ----------
-    estimate, low, high : float
-        In [-1, 1]; above zero where the metric and people agree. NaN where there is none.
     degenerate : int
         Resamples without a correlation, which the interval leaves out.
-    reason : str
-        Why the estimate or its interval is missing; empty where both are there.
     """
 
-    estimate: float
-    low: float
-    high: float
     degenerate: int = 0
-    reason: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,9 +208,7 @@ def _with_interval(
     elif not reason and len(draws) < _LEAST_USABLE * resamples:
         reason = f"{degenerate} of {resamples} resamples have no correlation"
     if reason:
-        return RankCorrelation(
-            estimate=estimate, low=math.nan, high=math.nan, degenerate=degenerate, reason=reason
-        )
+        return RankCorrelation(estimate=estimate, degenerate=degenerate, reason=reason)
     low, high = np.quantile(draws, [0.025, 0.975])
     least, most = compatible(estimate, conditions, kind)
     return RankCorrelation(
@@ -229,8 +220,7 @@ def _with_interval(
 
 
 def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
-    missing = RankCorrelation(estimate=math.nan, low=math.nan, high=math.nan, reason=reason)
-    return missing, missing
+    return RankCorrelation(reason=reason), RankCorrelation(reason=reason)
 
 
 def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:

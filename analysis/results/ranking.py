@@ -27,7 +27,6 @@ from analysis.results.strengths import (
     RANKING,
     StrengthContrast,
     Worths,
-    corrected_contrasts,
     worths_of,
 )
 from analysis.stats.friedman import (
@@ -117,9 +116,7 @@ def ranking_results(
             for one in rank_summaries(given)
         ),
         plackett_luce=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
-        contrasts=corrected_contrasts(
-            [one for _, contrasts in fitted.values() for one in contrasts], family
-        ),
+        contrasts=family.decide([one for _, own in fitted.values() for one in own]),
         kendall_w=of_parts(table, {place: concordance(given) for place, given in placed.items()}),
         friedman=of_parts(
             table, {place: friedman(blocks_of_rankings(given)) for place, given in placed.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final, Literal
@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.results.grouping import Family, PairPlace, codes, shown_conditions
+from analysis.results.grouping import PairPlace, codes, shown_conditions
 from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import LEVEL, Estimate
 from analysis.stats.f_tests import FTest
@@ -211,14 +211,6 @@ def worths_of(
 
 RANKING: Final = ["participant", "segment", "trial"]
 """What tells one ranking from another."""
-
-
-def corrected_contrasts(
-    found: Sequence[StrengthContrast], family: Family
-) -> tuple[StrengthContrast, ...]:
-    """Return the contrasts of a report, corrected over the family that it declares."""
-    corrected = family.corrected(found, [one.p_value for one in found])
-    return tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True))
 
 
 def _p_values(found: Fitted, votes: Votes) -> Floats:

@@ -17,6 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import finite, percentile_interval
 from motion.errors import InputError
 
@@ -29,34 +30,24 @@ BLOCK: Final = 200
 
 
 @dataclass(frozen=True, kw_only=True)
-class Alpha:
-    """Krippendorff's alpha.
+class Alpha(Interval):
+    """Krippendorff's alpha, at most 1, with its interval over items.
 
     Attributes
     ----------
-    estimate : float
-        At most 1; NaN where there is none.
-    low, high : float
-        Ends of its 95% interval over items; NaN where there is none.
     level : {'nominal', 'ordinal', 'interval', 'ratio'}
         How far apart two values are taken to be.
     n, items, participants : int
         What it rests on: answers about items that at least two participants answered about.
     method : str
         How the interval was found; empty where there is none.
-    reason : str
-        Why there is no alpha, or no interval; empty where there are both.
     """
 
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
     level: Level
     n: int
     items: int
     participants: int
     method: str = ""
-    reason: str = ""
 
 
 def krippendorff_alpha(
@@ -154,41 +145,29 @@ def _squared_distances(domain: Floats, totals: Floats, level: Level) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Retest:
+class Retest(Interval):
     """How far participants agree with themselves.
+
+    The estimate is Cohen's weighted kappa, quadratic weights: 1 for the same answers, 0 for as much
+    agreement as chance gives; its interval draws participants again.
 
     Attributes
     ----------
-    kappa : float
-        Cohen's weighted kappa, quadratic weights: 1 for the same answers, 0 for as much agreement
-        as chance gives; NaN where there is none.
-    low, high : float
-        Ends of its 95% interval, participants drawn again; NaN where there is none.
     equal_share : float
         Share of the pairs with the same answer; NaN without any.
-    equal_low, equal_high : float
-        Ends of its 95% interval; NaN where there is none.
     spearman : float
         Rank correlation; NaN where one side's answers are all alike.
     n, participants : int
         Trials answered twice, and by how many.
     method : str
-        How the intervals were found; empty where there are none.
-    reason : str
-        Why a number is missing; empty where none is.
+        How the interval was found; empty where there is none.
     """
 
-    kappa: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
     equal_share: float = math.nan
-    equal_low: float = math.nan
-    equal_high: float = math.nan
     spearman: float = math.nan
     n: int
     participants: int
     method: str = ""
-    reason: str = ""
 
 
 def retest_agreement(
@@ -219,27 +198,19 @@ def retest_agreement(
     [kappa] = _kappas(tables.sum(axis=0)[None])
     found = replace(
         unknown,
-        kappa=float(kappa),
+        estimate=float(kappa),
         spearman=_spearman(before, after),
         equal_share=float((before == after).mean()),
     )
     if people < 2:
         return replace(found, reason="one participant gives no interval")
-    drawn = list(_drawn_tables(tables, RESAMPLES, 0))
-    equal_low, equal_high = percentile_interval(
-        np.concatenate([np.trace(one, axis1=1, axis2=2) / one.sum(axis=(1, 2)) for one in drawn])
-    )
-    found = replace(
-        found,
-        equal_low=equal_low,
-        equal_high=equal_high,
-        method=f"bootstrap over participants, {RESAMPLES} resamples",
-    )
-    if math.isnan(found.kappa):
+    if math.isnan(found.estimate):
         return replace(found, reason="all answers alike")
-    low, high = percentile_interval(np.concatenate([_kappas(one) for one in drawn]))
+    drawn = [_kappas(one) for one in _drawn_tables(tables, RESAMPLES, 0)]
+    low, high = percentile_interval(np.concatenate(drawn))
     reason = "one side's answers are all alike" if math.isnan(found.spearman) else ""
-    return replace(found, low=low, high=high, reason=reason)
+    method = f"bootstrap over participants, {RESAMPLES} resamples"
+    return replace(found, low=low, high=high, method=method, reason=reason)
 
 
 def _kappas(tables: Floats) -> Floats:

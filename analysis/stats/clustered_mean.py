@@ -162,15 +162,46 @@ EVEN: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """An estimate, its interval and its test; what there is none of is NaN.
+class Interval:
+    """An estimate and its interval; what there is none of is NaN.
 
     Attributes
     ----------
     estimate : float
-        A mean, a share or a difference.
+        What is estimated.
     low, high : float
         Ends of the interval at `LEVEL`, cut to where values can lie.
+    reason : str
+        Why a number is missing; empty where none is.
+    """
+
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    reason: str = ""
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether there is an interval."""
+        return not math.isnan(self.low)
+
+    def covers(self, value: float) -> bool:
+        """Tell whether the interval holds `value`; False where there is none."""
+        return self.low <= value <= self.high
+
+    def turned(self, whole: float = 1.0) -> Self:
+        """Return the same seen from the other side, whose share is the rest of the `whole`."""
+        return replace(
+            self, estimate=whole - self.estimate, low=whole - self.high, high=whole - self.low
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate(Interval):
+    """A mean, a share or a difference, with its interval and its test.
+
+    Attributes
+    ----------
     standard_error : float
         Clustered by participant and segment.
     p_value : float
@@ -183,13 +214,8 @@ class Estimate:
         Which variance was used; empty where there is none.
     remark : str
         What limits the estimate, such as one participant who weighs much more than the others.
-    reason : str
-        Why there is no interval; empty where there is one.
     """
 
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
     standard_error: float = math.nan
     p_value: float = math.nan
     n: int = 0
@@ -198,20 +224,6 @@ class Estimate:
     df: float = math.nan
     method: str = ""
     remark: str = ""
-    reason: str = ""
-
-    @property
-    def has_interval(self) -> bool:
-        """Whether there is an interval."""
-        return not math.isnan(self.low)
-
-    def covers(self, value: float) -> bool:
-        """Tell whether the interval holds `value`; False where there is none."""
-        return self.low <= value <= self.high
-
-    def turned(self) -> Self:
-        """Return the estimate of the other side's share."""
-        return replace(self, estimate=1 - self.estimate, low=1 - self.high, high=1 - self.low)
 
 
 @dataclass(frozen=True, eq=False)

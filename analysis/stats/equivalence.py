@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.clustered_mean import Estimate
+from analysis.stats.clustered_mean import Estimate, Interval
 from analysis.stats.samples import ROUNDING, finite
 from motion.errors import InputError
 
@@ -25,23 +25,19 @@ NORMAL: Final = "two one-sided z tests"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Equivalence:
+class Equivalence(Interval):
     """Whether a difference is surely smaller than a margin.
+
+    The interval is the 90% one; the conditions are equivalent where it lies within the margin.
 
     Attributes
     ----------
     margin : float
         A difference up to it does not matter: stated before the data were seen.
-    estimate : float
-        The difference; NaN where it is unknown.
-    low, high : float
-        90% interval; the conditions are equivalent where it lies within the margin.
     standard_error, df : float
         Of the difference; infinite degrees of freedom for a normal one.
     p_value : float
         Larger one of the two one-sided p values; NaN where there is no test.
-    p_difference : float
-        Two-sided p of there being no difference; NaN where there is no test.
     verdict : {'equivalent', 'different', 'equivalent and different', 'undecided', 'unknown'}
         At .05. 'equivalent and different': there is a difference, too small to matter.
         'undecided' allows neither the word "comparable" nor "better"; 'unknown' where there is
@@ -50,22 +46,15 @@ class Equivalence:
         Independent units that it rests on; 0 where not told.
     method : str
         Which tests.
-    reason : str
-        Why there is no test; empty where there is one.
     """
 
     margin: float
-    estimate: float
-    low: float = math.nan
-    high: float = math.nan
     standard_error: float
     df: float
     p_value: float = math.nan
-    p_difference: float = math.nan
     verdict: Verdict = "unknown"
     n: int = 0
     method: str = ""
-    reason: str = ""
 
 
 def equivalence(
@@ -101,14 +90,13 @@ def equivalence(
     reach = float(law.ppf(1 - LEVEL)) * standard_error
     above = float(law.sf((estimate + margin) / standard_error))
     below = float(law.cdf((estimate - margin) / standard_error))
-    p_difference = float(2 * law.sf(abs(estimate) / standard_error))
+    different = float(2 * law.sf(abs(estimate) / standard_error)) < LEVEL
     return replace(
         found,
         low=estimate - reach,
         high=estimate + reach,
         p_value=max(above, below),
-        p_difference=p_difference,
-        verdict=_verdict(max(above, below) < LEVEL, p_difference < LEVEL),
+        verdict=_verdict(max(above, below) < LEVEL, different),
         method=NORMAL if math.isinf(df) else STUDENT,
     )
 

@@ -8,7 +8,7 @@ differences that are not there.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from typing import Final
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.f_tests import FTest
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.multiple_testing import holm
 from analysis.stats.placements import Blocks, Placements, blocks_of_rankings
 from analysis.stats.samples import percentile_interval, times_drawn
@@ -35,8 +35,6 @@ class Friedman:
         Mean rank of each condition, the larger the better; NaN without participants.
     statistic, df, p_value : float
         Friedman's chi-square, corrected for ties.
-    iman_davenport : FTest
-        Iman & Davenport's (1980) F, which is less conservative.
     kendall_w : float
         The same as concordance: 0 none, 1 all participants rank alike.
     n, incomplete : int
@@ -49,7 +47,6 @@ class Friedman:
     statistic: float = math.nan
     df: int
     p_value: float = math.nan
-    iman_davenport: FTest = field(default_factory=FTest)
     kendall_w: float = math.nan
     n: int
     incomplete: int
@@ -73,8 +70,6 @@ class PairwiseRanks:
         Of Conover & Iman's t, plain and after Holm's correction.
     wilcoxon_p, wilcoxon_holm : float
         Of the participants' differences, exact.
-    wilcoxon_normal_p, wilcoxon_normal_holm : float
-        The same by the normal approximation, as other software gives it.
     n : int
         Participants.
     reason : str
@@ -89,8 +84,6 @@ class PairwiseRanks:
     conover_holm: float = math.nan
     wilcoxon_p: float
     wilcoxon_holm: float = math.nan
-    wilcoxon_normal_p: float
-    wilcoxon_normal_holm: float = math.nan
     n: int
     reason: str = ""
 
@@ -107,24 +100,14 @@ def friedman(blocks: Blocks) -> Friedman:
     )
     within = float(((blocks.ranks - (width + 1) / 2) ** 2).sum())
     if reason := _why_not(count, width, within):
-        return replace(unknown, iman_davenport=FTest(reason=reason), reason=reason)
+        return replace(unknown, reason=reason)
     between = count * float(((mean_ranks - (width + 1) / 2) ** 2).sum())
     concordance = min(1.0, between / within)
     statistic = count * unknown.df * concordance
-    alike = math.isclose(concordance, 1.0, rel_tol=1e-12)
-    f = math.inf if alike else (count - 1) * concordance / (1 - concordance)
-    rest = unknown.df * (count - 1)
     return replace(
         unknown,
         statistic=statistic,
         p_value=float(stats.chi2.sf(statistic, unknown.df)),
-        iman_davenport=FTest(
-            statistic=f,
-            df=unknown.df,
-            df_rest=rest,
-            p_value=float(stats.f.sf(f, unknown.df, rest)),
-            reason="all participants rank alike: F is infinite" if alike else "",
-        ),
         kendall_w=concordance,
     )
 
@@ -146,14 +129,10 @@ def compare_pairs(blocks: Blocks) -> tuple[PairwiseRanks, ...]:
     found = [
         _pair(blocks, a, b, whole.reason) for a, b in combinations(range(len(blocks.conditions)), 2)
     ]
-    corrected = (
-        holm([pair.conover_p for pair in found]),
-        holm([pair.wilcoxon_p for pair in found]),
-        holm([pair.wilcoxon_normal_p for pair in found]),
-    )
+    corrected = holm([one.conover_p for one in found]), holm([one.wilcoxon_p for one in found])
     return tuple(
-        replace(pair, conover_holm=conover, wilcoxon_holm=exact, wilcoxon_normal_holm=normal)
-        for pair, conover, exact, normal in zip(found, *corrected, strict=True)
+        replace(pair, conover_holm=conover, wilcoxon_holm=wilcoxon)
+        for pair, conover, wilcoxon in zip(found, *corrected, strict=True)
     )
 
 
@@ -164,7 +143,6 @@ def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
         a=blocks.conditions[a],
         b=blocks.conditions[b],
         wilcoxon_p=ranks.p_value,
-        wilcoxon_normal_p=ranks.normal_p,
         n=count,
         reason=reason or ranks.reason,
     )
@@ -221,15 +199,14 @@ class SegmentConcordance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Concordance:
+class Concordance(Interval):
     """How far participants agree about one question, by Kendall's W.
+
+    The estimate is the mean over the segments that have one; its interval draws participants and
+    segments again.
 
     Attributes
     ----------
-    estimate : float
-        Mean over the segments that have one; NaN where none has.
-    low, high : float
-        Ends of its 95% interval, participants and segments drawn again; NaN where there is none.
     overall : float
         Of the participants about the conditions, each ranked by the participant's mean ranks
         over segments (see `Friedman`).
@@ -237,18 +214,14 @@ class Concordance:
         Participants behind `overall`.
     segments : tuple of SegmentConcordance
         Of the participants about each segment.
-    method, reason : str
-        How the interval was found; why a number is missing.
+    method : str
+        How the interval was found.
     """
 
-    estimate: float
-    low: float = math.nan
-    high: float = math.nan
     overall: float
     n: int
     segments: tuple[SegmentConcordance, ...]
     method: str = ""
-    reason: str = ""
 
 
 def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0) -> Concordance:

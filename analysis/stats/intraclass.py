@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import finite
 from motion.errors import InputError
 
@@ -27,24 +28,9 @@ INCOMPLETE: Final = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Correlation:
-    """An intraclass correlation.
+TOO_FEW: Final = "too few participants share items to tell them apart"
 
-    Attributes
-    ----------
-    estimate : float
-        In [-1, 1]; below 0 where items differ less than chance would make them.
-    low, high : float
-        Ends of its 95% interval.
-    """
-
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
-
-
-UNKNOWN: Final = Correlation()
+UNKNOWN: Final = Interval()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +39,9 @@ class Intraclass:
 
     Attributes
     ----------
-    single, average : Correlation
-        Of one participant's answers; of the mean over all participants of an item. NaN where
-        they cannot be estimated.
+    single, average : Interval
+        Of one participant's answers; of the mean over all participants of an item. In [-1, 1],
+        below 0 where items differ less than chance would make them.
     item_variance, rater_variance, residual_variance : float
         What the answers' variance is made of; an estimate may be negative.
     participants_per_item : float
@@ -68,8 +54,8 @@ class Intraclass:
         Why there is none; empty where there is one.
     """
 
-    single: Correlation = UNKNOWN
-    average: Correlation = UNKNOWN
+    single: Interval = UNKNOWN
+    average: Interval = UNKNOWN
     item_variance: float = math.nan
     rater_variance: float = math.nan
     residual_variance: float = math.nan
@@ -120,10 +106,10 @@ def intraclass_correlation(
     )
     reason = _why_not(y, things, people)
     if reason:
-        return replace(unknown, reason=reason)
+        return _without(unknown, reason)
     variances = _variances(y, who, what)
     if variances is None:
-        return replace(unknown, reason="too few participants share items to tell them apart")
+        return _without(unknown, TOO_FEW)
     item, rater, residual = variances
     found = replace(
         unknown,
@@ -133,19 +119,24 @@ def intraclass_correlation(
         method=COMPLETE if complete else INCOMPLETE,
     )
     if item + rater + residual <= 0 or residual < 0:
-        return replace(found, reason="the variances come out negative")
+        return _without(found, "the variances come out negative")
     estimate = item / (item + rater + residual)
     low, high = _interval(found, estimate, float(stats.hmean(np.bincount(who))))
     mean_of = found.participants_per_item
     return replace(
         found,
-        single=Correlation(estimate=estimate, low=low, high=high),
-        average=Correlation(
+        single=Interval(estimate=estimate, low=low, high=high),
+        average=Interval(
             estimate=_of_the_mean(estimate, mean_of),
             low=_of_the_mean(low, mean_of),
             high=_of_the_mean(high, mean_of),
         ),
     )
+
+
+def _without(found: Intraclass, reason: str) -> Intraclass:
+    missing = Interval(reason=reason)
+    return replace(found, single=missing, average=missing, reason=reason)
 
 
 def _why_not(y: Floats, items: int, raters: int) -> str:
@@ -156,7 +147,7 @@ def _why_not(y: Floats, items: int, raters: int) -> str:
     if raters < 2:
         return "one participant"
     if len(y) <= items + raters - 1:
-        return "too few participants share items to tell them apart"
+        return TOO_FEW
     if not np.ptp(y):
         return "all answers alike"
     return ""

@@ -10,40 +10,33 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import ROUNDING, finite, tied_ranks
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SignTest:
-    """How many values are above zero.
+class SignTest(Interval):
+    """The share of the values above zero among those that are not zero, with its exact interval.
+
+    The interval is that of Clopper & Pearson (1934).
 
     Attributes
     ----------
-    estimate : float
-        Share of the values above zero among those that are not zero; NaN without any.
-    low, high : float
-        Ends of its exact 95% interval (Clopper & Pearson 1934); NaN without any.
     p_value : float
         Two-sided p of the share being one half; NaN without any.
     above, below, zeros : int
         Number of values.
     method : str
         Which test; empty where there is none.
-    reason : str
-        Why there is no test; empty where there is one.
     """
 
-    estimate: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
     p_value: float = math.nan
     above: int
     below: int
     zeros: int
     method: str = ""
-    reason: str = ""
 
 
 def sign_test(values: Floats) -> SignTest:

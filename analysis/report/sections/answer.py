@@ -20,8 +20,7 @@ from analysis.results.grouping import Place, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
 from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatingResults
-from analysis.results.rating_contrasts import RatedDifference
+from analysis.results.rating import RatedDifference, RatingResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import StrengthContrast
 from analysis.stats.clustered_mean import LEVEL

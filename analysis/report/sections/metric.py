@@ -7,69 +7,30 @@ DiffSHEG the greatest.
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
-from analysis.evaluators import network_names as names
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.report import wording
 from analysis.report.content import Cell, Section, Table
 from analysis.report.sections.metric_table import Systems, TableColumn, metric_table
 from analysis.report.subject import Subject
-from analysis.report.texts import table
+from analysis.report.texts import table, template
 from analysis.results.report import TableReport
 
-PAPER_TABLES: Final[Mapping[str, tuple[TableColumn, ...]]] = MappingProxyType(
-    {
-        # Chhatre et al. 2024, table 1; jerk from its supplement.
-        "amuse": (
-            TableColumn("semantic-relevant gesture recall (amuse)", "SRGR", "higher"),
-            TableColumn("beat alignment (amuse)", "BA", "higher"),
-            TableColumn(names.FGD_OF_EMOTION, "FGD", "lower"),
-            TableColumn(names.VARIANCE_OF_EMOTION, "Div", "near the reference"),
-            TableColumn(names.EMOTION_ACCURACY, "GA", "higher"),
-            TableColumn("jerk (hands, unfiltered)", "jerk", "near the reference"),
-        ),
-        # Chen et al. 2024, table 1.
-        "diffsheg": (
-            TableColumn(names.FMD, "FMD", "lower", "Holistic"),
-            TableColumn(names.FED, "FED", "lower", "Expression"),
-            TableColumn("mean distance between clips (expressions)", "Div", "higher", "Expression"),
-            TableColumn(names.FGD, "FGD", "lower", "Gesture"),
-            TableColumn("beat alignment (beat)", "BA", "higher", "Gesture"),
-            TableColumn("percent of correct motion (diffsheg)", "PCM", "higher", "Gesture"),
-            TableColumn("semantic-relevant gesture recall (diffsheg)", "SRGR", "higher", "Gesture"),
-            TableColumn("mean distance between clips", "Div", "higher", "Gesture"),
-        ),
-        # Bhattacharya et al. 2024, table 1.
-        "s2ue": (
-            TableColumn("mean absolute error (MALE, s2ue)", "MALE", "lower"),
-            TableColumn("mean absolute error (MAJE, s2ue)", "MAJE", "lower"),
-            TableColumn("mean acceleration error (MAcE-LM, s2ue)", "MAcE-LM", "lower"),
-            TableColumn("mean acceleration error (MAcE-P, s2ue)", "MAcE-P", "lower"),
-            TableColumn(names.FLD, "FLD", "lower"),
-            TableColumn(names.FGD, "FGD", "lower"),
-        ),
-        # Liu et al. 2022; the deviation from Liu et al. 2024 (EMAGE).
-        "beat": (
-            TableColumn(names.FGD, "FGD", "lower"),
-            TableColumn("semantic-relevant gesture recall (beat)", "SRGR", "higher"),
-            TableColumn("beat alignment (beat)", "BeatAlign", "higher"),
-            TableColumn("deviation from the mean pose (L1div)", "L1div", "higher"),
-        ),
-        # Kucherenko et al. 2021, and later GENEA challenges.
-        "genea": (
-            TableColumn("jerk (genea)", "jerk", "near the reference"),
-            TableColumn("acceleration (genea)", "acceleration", "near the reference"),
-            TableColumn("distance of speed histograms (genea)", "Hellinger", "lower"),
-            TableColumn(names.FGD, "FGD", "lower"),
-        ),
-    }
-)
-"""By preset; the mark of generative models in DiffSHEG's table is no score."""
+_PAPERS: Final = tomllib.loads(template("papers.toml"))
+
+PAPER_TABLES: Final[Mapping[str, tuple[TableColumn, ...]]] = {
+    paper: tuple(TableColumn(*column) for column in found["columns"])
+    for paper, found in _PAPERS.items()
+}
+"""By preset."""
+
+TITLES: Final = {paper: str(found["title"]) for paper, found in _PAPERS.items()}
+"""What the papers are called, by preset."""
 
 
 PAPER_OF: Final = {
@@ -79,14 +40,6 @@ PAPER_OF: Final = {
     "mismatch": "genea",
 }
 """Whose table is shown first, by protocol: that of the paper which the protocol is taken from."""
-
-TITLES: Final = {
-    "amuse": "AMUSE (Chhatre et al. 2024)",
-    "diffsheg": "DiffSHEG (Chen et al. 2024)",
-    "s2ue": "Speech2UnifiedExpressions (Bhattacharya et al. 2024)",
-    "beat": "BEAT (Liu et al. 2022)",
-    "genea": "the GENEA challenges (Kucherenko et al. 2021)",
-}
 
 _ENOUGH: Final = 0.5
 """Share of a paper's metrics that must be there for a table in its shape."""

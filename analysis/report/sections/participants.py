@@ -146,7 +146,6 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
                 "side_bias_table",
                 results.side_bias.rows(),
                 first="first condition" if is_pair else "own speech",
-                on_left="a_on_left" if is_pair else "own_on_left",
             )
         )
     if isinstance(results, RankingResults):

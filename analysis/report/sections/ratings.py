@@ -17,8 +17,7 @@ from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours
 from analysis.report.subject import Subject
 from analysis.report.texts import about, table
 from analysis.report.wording import between, number, suffix, why_no_figure
-from analysis.results.rating import RatedCondition, RatingResults
-from analysis.results.rating_contrasts import RatingContrast
+from analysis.results.rating import RatedCondition, RatingContrast, RatingResults
 
 MOST_PAIRS: Final = 15
 """Pairs of conditions up to which their differences are drawn."""

@@ -12,7 +12,6 @@ from analysis.results.grouping import EVERYTHING
 from analysis.results.strengths import (
     Standings,
     StrengthContrast,
-    corrected_contrasts,
     strengths_of,
     worths_of,
 )
@@ -58,7 +57,7 @@ def _of(
     found: tuple[Standings, Sequence[StrengthContrast]], any_one: str, together: str
 ) -> Mapping[str, Conclusion]:
     fitted, contrasts = found
-    held = corrected_contrasts(contrasts, EVERYTHING)
+    held = EVERYTHING.decide(contrasts)
     smallest = np.fmin.reduce([one.p_holm for one in held])
     return {
         any_one: Conclusion(p_value=float(smallest)),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from analysis.evaluators import network_names
 from analysis.measurement.presets import PRESETS, combined
 from analysis.metrics.result import Better
 from analysis.report.sections.metric import PAPER_TABLES
@@ -47,6 +48,9 @@ def test_each_paper_calls_diversity_better_in_its_own_way() -> None:
     assert of("diffsheg") == ["higher", "higher"]
 
 
-def test_no_table_shows_one_score_twice() -> None:
+def test_no_table_shows_one_score_twice_and_none_a_distance_that_no_network_gives() -> None:
     for columns in PAPER_TABLES.values():
-        assert len({column.metric for column in columns}) == len(columns)
+        metrics = {column.metric for column in columns}
+        assert len(metrics) == len(columns)
+        distances = {name for name in metrics if name.startswith(("FGD", "FED", "FMD", "FLD"))}
+        assert distances <= set(network_names.DISTANCES.values())

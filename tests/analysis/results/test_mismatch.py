@@ -25,7 +25,7 @@ def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> No
     assert truth.decision.p_holm == pytest.approx(min(1, 2 * truth.decision.p_value))
     assert set(truth.share) == {"own", "other", "equal"}
     bias = found.side_bias.of_set(None)["fits"]
-    assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())
+    assert bias.on_left == pytest.approx((table["left_speech"] == "own").mean())
 
 
 def test_practice_trials_meet_their_own_repeats() -> None:

@@ -36,9 +36,6 @@ def test_it_agrees_with_r_on_participant_means() -> None:
     assert found.statistic == pytest.approx(expected["friedman_chi2"], rel=1e-9)
     assert found.df == 3
     assert found.p_value == pytest.approx(expected["p"], rel=1e-6)
-    assert found.iman_davenport.statistic == pytest.approx(expected["iman_davenport_F"], rel=1e-9)
-    assert [found.iman_davenport.df, found.iman_davenport.df_rest] == expected["F_df"]
-    assert found.iman_davenport.p_value == pytest.approx(expected["F_p"], rel=1e-6)
     assert found.kendall_w == pytest.approx(expected["kendall_W_tie_corrected"], rel=1e-9)
 
 
@@ -52,7 +49,6 @@ def test_with_ties_it_is_scipys() -> None:
 def test_all_alike_is_perfect_concordance_and_no_error() -> None:
     found = friedman(blocks([[1, 2, 3]] * 5))
     assert found.kendall_w == pytest.approx(1)
-    assert (found.iman_davenport.statistic, found.iman_davenport.p_value) == (math.inf, 0)
 
 
 def test_participants_who_lack_a_condition_are_left_out_and_counted() -> None:
@@ -105,10 +101,6 @@ def test_they_agree_with_r_on_participant_means() -> None:
         assert pair.nemenyi_p == pytest.approx(expected["nemenyi_p"][name], rel=1e-5)
         assert pair.conover_p == pytest.approx(expected["conover_p_unadjusted"][name], rel=1e-6)
         assert pair.conover_holm == pytest.approx(expected["conover_p_holm"][name], rel=1e-6)
-        # R takes means that are equal but for rounding for different ones.
-        plain, holm = (expected[f"wilcoxon_p_{kind}"][name] for kind in ("unadjusted", "holm"))
-        assert pair.wilcoxon_normal_p == pytest.approx(plain, rel=1e-3)
-        assert pair.wilcoxon_normal_holm == pytest.approx(holm, rel=1e-3)
 
 
 def test_all_participants_alike_differ_surely() -> None:
