@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import cast, get_args
 
 import click
 
@@ -11,7 +10,6 @@ from motion.errors import InputError
 from studyapp.cli.arguments import refuse_beside, study_folder
 from studyapp.cli.output import counted
 from studyapp.researchers.audit import reason_given
-from studyapp.results.export.columns import Format
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
@@ -104,17 +102,9 @@ def command(
         )
     kinds = ("rehearsal_" if rehearsal else "") + ("withdrawn_" if withdrawn else "")
     path = out or folder.root / f"{kinds}responses.csv"
-    kind = path.suffix.lstrip(".")
-    if kind not in get_args(Format):
-        raise InputError(
-            f"{path.name} ends neither in .csv nor in .parquet",
-            where="--out",
-            remedy="Give it one of these endings",
-        )
     written = export(
         folder,
         path,
-        formats=(cast(Format, kind),),
         rehearsal=rehearsal,
         withdrawn=withdrawn,
         with_recruiter_ids=with_recruiter_ids,

@@ -22,7 +22,7 @@ from studyapp.custody.deployment import (
     Proxy,
     planned_deployment,
 )
-from studyapp.custody.server_files import NAMES, deployed_file, write_deployment
+from studyapp.custody.server_files import write_deployment
 from studyapp.database.engine import Database, database_url_of
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
@@ -139,9 +139,12 @@ def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
 @click.command("deploy")
 @study_folder
 @click.option("--host", required=True, help="Name of the server, such as study.example.org.")
-@click.option("--print", "name", type=click.Choice(NAMES), help="Print this one file.")
-@click.option("--all", "everything", is_flag=True, help="Write all files into the folder --out.")
-@click.option("--out", type=click.Path(path_type=Path), help="A new folder for the files of --all.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    required=True,
+    help="A new folder for the files.",
+)
 @click.option(
     "--proxy",
     type=click.Choice(PROXIES),
@@ -178,9 +181,7 @@ def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
 def deploy_command(
     folder: StudyFolder,
     host: str,
-    name: str | None,
-    everything: bool,
-    out: Path | None,
+    out: Path,
     proxy: str,
     database: str,
     prefix: str,
@@ -202,11 +203,6 @@ def deploy_command(
         contact=contact,
         port=port,
     )
-    if name is not None and not everything and out is None:
-        click.echo(deployed_file(deployment, name).text, nl=False)
-        return
-    if name is not None or not everything or out is None:
-        raise click.UsageError("Give either --print NAME, or --all with --out FOLDER.")
     for file in write_deployment(deployment, out):
         goes = f"{file.place} (mode {file.mode:03o})" if file.place else "stays where it is"
         click.echo(f"{out / file.name}: {goes}")

@@ -12,7 +12,7 @@ from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from studyapp.custody.deployment import Deployment
 
 
@@ -122,38 +122,12 @@ KINDS: Final = (
     _Kind("install", template="install.sh", mode=0o755),
 )
 
-NAMES: Final = tuple(kind.name for kind in KINDS)
-
 
 def deployed_files(deployment: Deployment) -> tuple[DeployedFile, ...]:
     """Return all files of `deployment`."""
     *kinds, install = (kind for kind in KINDS if kind.belongs_to(deployment))
     installed = tuple(_made(kind, deployment) for kind in kinds)
     return (*installed, _made(install, deployment, files=installed))
-
-
-def deployed_file(deployment: Deployment, name: str) -> DeployedFile:
-    """Return the file of `deployment` that is called `name`.
-
-    Raises
-    ------
-    InputError
-        If it has none of that name.
-    """
-    files = {file.name: file for file in deployed_files(deployment)}
-    if name in files:
-        return files[name]
-    kind = next((kind for kind in KINDS if kind.name == name), None)
-    if kind is not None and kind.needs is not None:
-        option, value = kind.needs
-        raise InputError(
-            f"there is a file {name} for the {option} {value} alone",
-            where=f"{option} {getattr(deployment, option)}",
-            remedy=f"Add --{option} {value}",
-        )
-    raise InputError(
-        "there is no such file", where=name, remedy=f"Choose one of {listed(list(files))}"
-    )
 
 
 def _made(

@@ -15,7 +15,7 @@ from typing import Final
 
 from motion.files import write_text
 from studyapp.custody.deployment import STUDIES, Deployment, planned_deployment
-from studyapp.custody.server_files import deployed_file
+from studyapp.custody.server_files import deployed_files
 from tools.handbook.fenced import Fenced, fenced_blocks, with_body
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "deploy.md"
@@ -46,7 +46,8 @@ def up_to_date(page: str) -> str:
     """Return the page with every file as it is written."""
     for block in reversed(shown_files(page)):
         name, deployment = (*block.words[1:], "")[:2]
-        page = with_body(page, block, deployed_file(DEPLOYMENTS[deployment], name).text)
+        files = {file.name: file.text for file in deployed_files(DEPLOYMENTS[deployment])}
+        page = with_body(page, block, files[name])
     return page
 
 

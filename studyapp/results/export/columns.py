@@ -15,7 +15,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from motion.files import harmless_frame, replacing
+from motion.files import harmless_frame, replacing, write_text
 
 ColumnType = Literal["text", "integer", "number", "boolean", "moment"]
 
@@ -124,7 +124,7 @@ ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG, RECRUITER_IDS = map(
 PARTICIPANT: Final = PARTICIPANTS.columns[0]
 
 
-Format = Literal["csv", "parquet"]
+ENDINGS: Final = (".csv", ".parquet")
 
 _ARROW: Final = {
     "text": pa.string(),
@@ -188,19 +188,23 @@ def _words(cells: pd.Series[Any], column: Column, missing: str) -> pd.Series[Any
     return made
 
 
-def write_table(path: Path, frame: pd.DataFrame, table: TableColumns, kind: Format) -> None:
-    """Write a typed table in one step.
+def csv_text(frame: pd.DataFrame, table: TableColumns) -> str:
+    """Return a typed table as CSV in which nothing that a spreadsheet runs as a formula is left."""
+    cells = harmless_frame(as_text(frame, table))
+    return cells.to_csv(index=False, lineterminator="\n")
 
-    In CSV nothing that a spreadsheet runs as a formula is left (`motion.files`). Parquet
-    keeps text as it is, and each column's meaning and unit.
+
+def write_table(path: Path, frame: pd.DataFrame, table: TableColumns) -> None:
+    """Write a typed table in one step, as the ending of `path` says.
+
+    Parquet keeps text as it is, and each column's meaning and unit.
     """
+    if path.suffix == ".csv":
+        write_text(path, csv_text(frame, table))
+        return
+    schema = pa.schema([_field(column) for column in table.columns])
+    content = pa.Table.from_pandas(frame, schema=schema, preserve_index=False)
     with replacing(path) as draft:
-        if kind == "csv":
-            cells = harmless_frame(as_text(frame, table))
-            cells.to_csv(draft, index=False, lineterminator="\n")
-            return
-        schema = pa.schema([_field(column) for column in table.columns])
-        content = pa.Table.from_pandas(frame, schema=schema, preserve_index=False)
         pq.write_table(content.replace_schema_metadata({"title": table.title}), draft)
 
 

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import pandas as pd
 
-from motion.files import replacing, write_text
+from motion.errors import InputError
+from motion.files import write_text
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.export.codebook import as_json, codebook, codebook_page
 from studyapp.results.export.columns import (
     ANSWERS,
+    ENDINGS,
     FORM,
     LOG,
     PARTICIPANTS,
     RECRUITER_IDS,
     REFUSALS,
     WATCHING,
-    Format,
+    csv_text,
     typed,
     write_table,
 )
@@ -45,9 +44,6 @@ def nothing_to_export() -> tuple[ExportedTable, ...]:
         ExportedTable(about=about, frame=typed(pd.DataFrame(), about))
         for about in (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
     )
-
-
-OWNER_ALONE: Final = 0o600
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +72,6 @@ def export(
     folder: StudyFolder,
     path: Path,
     *,
-    formats: Sequence[Format] = ("csv",),
     rehearsal: bool = False,
     withdrawn: bool = False,
     with_recruiter_ids: bool = False,
@@ -93,9 +88,7 @@ def export(
     folder : StudyFolder
         The study.
     path : Path
-        The main table; its ending is replaced by that of each format.
-    formats : sequence of {'csv', 'parquet'}
-        What to write.
+        The main table, ``.csv`` or ``.parquet`` as all of them.
     withdrawn : bool
         Whether what was kept of participants who withdrew is written instead: their answers, and
         what they said about themselves.
@@ -107,8 +100,14 @@ def export(
     Raises
     ------
     InputError
-        If the study or its database cannot be read, or the key is damaged.
+        If the study or its database cannot be read, the key is damaged, or `path` ends otherwise.
     """
+    if path.suffix not in ENDINGS:
+        raise InputError(
+            f"{path.name} ends neither in .csv nor in .parquet",
+            where="--out",
+            remedy="Give it one of these endings",
+        )
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
     answers = NO_ANSWERS
@@ -131,15 +130,13 @@ def export(
     written: list[Path] = []
     described = []
     for table in tables:
-        stem = "_".join(filter(None, (path.stem, table.about.name)))
-        files = [path.with_name(f"{stem}.{kind}") for kind in formats]
-        for file, kind in zip(files, formats, strict=True):
-            write_table(file, table.frame, table.about, kind)
-        written += files
-        described.append((table.about, [file.name for file in files]))
+        file = path.with_stem("_".join(filter(None, (path.stem, table.about.name))))
+        write_table(file, table.frame, table.about)
+        written.append(file)
+        described.append((table.about, [file.name]))
     if names is not None:
         file = path.with_name(f"{RECRUITER_IDS.name}.csv")
-        _write_for_owner(file, names)
+        write_text(file, csv_text(names.frame, names.about), private=True)
         written.append(file)
         described.append((RECRUITER_IDS, [file.name]))
     book = codebook(folder, study, described)
@@ -152,14 +149,3 @@ def export(
         remark=judged.remark,
         look=look,
     )
-
-
-def _write_for_owner(path: Path, table: ExportedTable) -> None:
-    """Write a table that nobody else on this machine may read, not even for a moment."""
-    mask = os.umask(0o077)
-    try:
-        with replacing(path) as draft:
-            write_table(draft, table.frame, table.about, "csv")
-        path.chmod(OWNER_ALONE)
-    finally:
-        os.umask(mask)

@@ -71,19 +71,10 @@ def test_files_of_a_server_are_written_and_their_places_said(
     given = ("--host", "study.example.org", "--prefix", "/one", "--proxy", "nginx")
     there = ("--folder-there", "/srv/motionjury/gestures")
 
-    said = run("deploy", tiny_study, *given, *there, "--all", "--out", out)
+    said = run("deploy", tiny_study, *given, *there, "--out", out)
 
     assert f"{out}/environment: /etc/motionjury/gestures.env (mode 600)" in said
     assert "MOTIONJURY_PREFIX=/one" in (out / "environment").read_text("utf-8")
     assert {path.name for path in out.iterdir()} >= {"install", "host.nginx", "Containerfile"}
-    printed = run("deploy", tiny_study, *given, "--print", "serve.service")
-    assert f'serve "{tiny_study.resolve()}" --port 8000' in printed
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [[], ["--all"], ["--out", "server"], ["--print", "install", "--all", "--out", "server"]],
-)
-def test_it_must_be_said_which_files_are_wanted(tiny_study: Path, arguments: list[str]) -> None:
-    said = run("deploy", tiny_study, "--host", "study.example.org", *arguments, status=2)
-    assert "either --print NAME, or --all with --out FOLDER" in said
+    unit = (out / "serve.service").read_text("utf-8")
+    assert 'serve "/srv/motionjury/gestures" --port 8000' in unit

@@ -24,7 +24,7 @@ from studyapp.custody.deployment import (
     Proxy,
     planned_deployment,
 )
-from studyapp.custody.server_files import deployed_file, deployed_files, write_deployment
+from studyapp.custody.server_files import deployed_files, write_deployment
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
@@ -58,6 +58,11 @@ def said_by(*command: str | Path, cwd: Path | None = None) -> str:
     )
 
 
+def text_of(study: Deployment, name: str) -> str:
+    (text,) = (file.text for file in deployed_files(study) if file.name == name)
+    return text
+
+
 def needs(program: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(shutil.which(program) is None, reason=f"{program} is not installed")
 
@@ -72,13 +77,6 @@ def test_every_file_is_whole_and_its_own(study: Deployment) -> None:
         assert file.text.endswith("\n")
         assert not re.search(r"\{\{|\{%|None|\t\n| \n", file.text), file.name
     assert {file.mode for file in files if file.name == "environment"} == {0o600}
-
-
-def test_a_file_of_another_deployment_says_how_to_get_it() -> None:
-    with pytest.raises(InputError, match="--proxy nginx"):
-        deployed_file(deployment("caddy"), "host.nginx")
-    with pytest.raises(InputError, match="--database postgresql"):
-        deployed_file(deployment("caddy", "sqlite"), "database.sql")
 
 
 @needs("systemd-analyze")
@@ -107,7 +105,7 @@ def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
 def test_the_unit_names_the_folder_as_one_word() -> None:
     line = next(
         line
-        for line in deployed_file(deployment(), "serve.service").text.splitlines()
+        for line in text_of(deployment(), "serve.service").splitlines()
         if line.startswith("ExecStart=")
     )
 
@@ -146,7 +144,7 @@ def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
     study = replace(deployment(), name="deployed-here")
     script = tmp_path / "database.sql"
     # The role is another one here: that of the tests is there already, and owns all.
-    text = deployed_file(study, "database.sql").text
+    text = text_of(study, "database.sql")
     script.write_text(re.sub(r"\bmotionjury\b", "deployed_role", text), "utf-8")
     address = postgresql.url.replace("+psycopg", "")
     try:

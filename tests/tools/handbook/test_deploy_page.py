@@ -10,7 +10,7 @@ import click
 import pytest
 
 from studyapp.cli.serve_command import deploy_command
-from studyapp.custody.server_files import NAMES
+from studyapp.custody.server_files import KINDS
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
 from tools.handbook.fenced import fenced_blocks
 
@@ -22,7 +22,7 @@ def test_every_file_on_the_page_is_the_one_that_is_written() -> None:
 
 
 def test_every_file_that_is_written_is_on_the_page() -> None:
-    assert {block.words[1] for block in shown_files(TEXT)} == set(NAMES)
+    assert {block.words[1] for block in shown_files(TEXT)} == {kind.name for kind in KINDS}
 
 
 def test_a_file_changed_by_hand_is_seen() -> None:
@@ -51,9 +51,8 @@ def test_the_commands_of_the_page_have_such_options(
     given: dict[str, Any] = parser.parse_args(list(arguments))[0]
 
     assert given["host"] == "study.example.org"
-    if given.get("name") is None:
-        shown = DEPLOYMENTS["second" if "proxy" in given else ""]
-        assert given["contact"] == shown.contact
-        assert given.get("prefix", "") == shown.prefix
-        assert given.get("database", "sqlite") == shown.database
-        assert given.get("proxy", "caddy") == shown.proxy
+    shown = DEPLOYMENTS["second" if "proxy" in given else ""]
+    assert given["contact"] == shown.contact
+    assert given.get("prefix", "") == shown.prefix
+    assert given.get("database", "sqlite") == shown.database
+    assert given.get("proxy", "caddy") == shown.proxy
