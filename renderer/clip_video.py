@@ -49,7 +49,7 @@ class Stage:
         self._normals = VertexNormals(self.body)
         self._caster = ShadowCaster(self.body)
         colours = surface_colours(self.body)
-        self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size)
+        self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size, look.background)
 
     def __enter__(self) -> Self:
         self._renderer.__enter__()
@@ -67,7 +67,7 @@ class Stage:
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
-        canvas = Canvas(self.look.size)
+        canvas = Canvas(self.look.size, self.look.background)
         for batch in self._vertices(clip):
             shadows = self._shadows(clip, batch)
             box = self._renderer.box_around([batch, *(s.corners() for s in shadows if s)])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from renderer.contact_shadow import ContactShadow
 from renderer.framing import Camera, looking
-from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
+from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS, Colour
 from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
 from renderer.picture import RGB, SUPERSAMPLING, PixelBox
@@ -31,10 +31,17 @@ class FrameRenderer:
         Where the picture is taken from.
     size : int
         Pixels along each side of the finished frame.
+    background : tuple of int
+        Its colour where nothing is drawn.
     """
 
     def __init__(
-        self, faces: NDArray[np.integer], colours: Floats, camera: Camera, size: int
+        self,
+        faces: NDArray[np.integer],
+        colours: Floats,
+        camera: Camera,
+        size: int,
+        background: Colour = BACKGROUND,
     ) -> None:
         self._attributes = np.zeros((len(colours), 10), np.float32)
         self._attributes[:, 4] = 1.0
@@ -51,7 +58,7 @@ class FrameRenderer:
             indices=np.array([(0, 1, 2), (0, 2, 3)]),
             material=self._primitive.material,
         )
-        self.scene: Any = _build_scene(self._primitive, self._ground, camera)
+        self.scene: Any = _build_scene(self._primitive, self._ground, camera, background)
         self.side = size * SUPERSAMPLING
         self._context: OffscreenContext | None = None
 
@@ -112,10 +119,10 @@ class FrameRenderer:
         return self.context.render(self.scene, box or PixelBox.whole(self.side), channels, shadow)
 
 
-def _build_scene(primitive: Any, ground: Any, camera: Camera) -> Any:
+def _build_scene(primitive: Any, ground: Any, camera: Camera, background: Colour) -> Any:
     """Return a pyrender scene of `primitive`, the ground, the lights and the camera."""
-    background = np.array([*BACKGROUND, 255]) / 255.0
-    scene = pyrender.Scene(bg_color=background, ambient_light=np.array(AMBIENT_LIGHT))
+    plain = np.array([*background, 255]) / 255.0
+    scene = pyrender.Scene(bg_color=plain, ambient_light=np.array(AMBIENT_LIGHT))
     scene.add(pyrender.Mesh([primitive]))
     scene.add(pyrender.Mesh([ground]), name=GROUND)
     lens = pyrender.PerspectiveCamera(

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
-from renderer.look import Look
+from renderer.look import VIEWS, Look
 
-FIELD_OF_VIEW: Final = 20.0
+_FIELD_OF_VIEW: Final = 20.0
 """Degrees; narrow, as of a portrait lens, so that hands held forward do not grow."""
+
+_CLOSE_FIELD_OF_VIEW: Final = 8.0
+"""Of a face, from as far away, for the same reason."""
 
 _MARGIN: Final = 0.04
 """Share of the picture's half that stays empty on each side."""
@@ -32,6 +36,9 @@ _CLIPS_REACHED: Final = 97
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
 _BELOW_FOOT: Final = 0.09
+_AROUND_HEAD: Final = np.array(  # from the head joint, in metres: hair, ears, nose
+    [(0, _ABOVE_HEAD, 0), (0.11, 0.05, 0), (-0.11, 0.05, 0), (0, 0.05, 0.13)]
+)
 _AROUND_FINGER: Final = 0.04 * np.array(  # from the last finger joint to the tip
     [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)]
 )
@@ -41,7 +48,9 @@ _HANDS: Final = tuple(
     for name in JOINT_NAMES
     if name.endswith(("3", "wrist")) and "spine" not in name
 )
-_FEET: Final = tuple(joint_index(f"{side}_foot") for side in ("left", "right"))
+_FEET, _ELBOWS = (
+    tuple(joint_index(f"{side}_{part}") for side in ("left", "right")) for part in ("foot", "elbow")
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +71,7 @@ class Camera:
 
 
 def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Camera:
-    """Return the camera that sees hands and head of all `clips`, from the front and level.
+    """Return the one level camera that sees what the look frames, in all of `clips`.
 
     Parameters
     ----------
@@ -72,15 +81,17 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     body : BodyModel
         The body that they are put on.
     look : Look
-        Its framing says whether legs and feet belong into the picture (``full_body``) or only
-        what is above the hips, and the hands wherever they are (``upper_body``).
+        Its framing says what belongs into the picture: all (``full_body``), what is above the
+        hips, and the hands wherever they are (``upper_body``), head and neck (``face``), or hands
+        and lower arms (``hands``). Its view says from which side.
 
     Raises
     ------
     InputError
         If there is no clip.
     """
-    points = [_points_to_show(clip, body, look) for clip in clips]
+    turn = VIEWS[look.view]
+    points = [_turned(_points_to_show(clip, body, look), -turn) for clip in clips]
     if not points:
         raise InputError("there is no clip to frame", remedy="Generate or import motion first")
     shown = np.concatenate(points)
@@ -89,16 +100,37 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     top = max(float(np.median([part[:, 1].max() for part in points])), float(high))
     height = _rounded((float(low) + top) / 2)
     depth = _rounded(np.median(shown[:, 2]))
-    slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
+    field_of_view = _CLOSE_FIELD_OF_VIEW if look.framing == "face" else _FIELD_OF_VIEW
+    slope = np.tan(np.radians(field_of_view / 2))
     halves = [_half_shown(part, middle, height, depth, slope) for part in points]
     # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
     half = np.percentile(halves, _CLIPS_REACHED, method="higher")
     distance = _rounded_up(half) / slope
-    return Camera(
-        eye=(middle, height, round(float(depth + distance), 4)),
-        target=(middle, height, depth),
-        field_of_view=FIELD_OF_VIEW,
+    eye = (middle, height, round(float(depth + distance), 4))
+    return turned_camera(
+        Camera(eye=eye, target=(middle, height, depth), field_of_view=field_of_view), turn
     )
+
+
+def turned_camera(camera: Camera, turn: float) -> Camera:
+    """Return `camera` walked round the upright axis of the origin, to the left of who faces +z.
+
+    Parameters
+    ----------
+    turn : float
+        Degrees.
+    """
+    if not turn:
+        return camera
+    (x, y, z), target = np.round(_turned(np.array([camera.eye, camera.target]), turn), 4).tolist()
+    return replace(camera, eye=(x, y, z), target=tuple(target))
+
+
+def _turned(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
+    """Return `points`, shape (n, 3), turned by degrees from +z towards +x."""
+    if not turn:
+        return points
+    return np.asarray(Rotation.from_euler("y", turn, degrees=True).apply(points))
 
 
 def _half_shown(
@@ -125,16 +157,21 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
     part = clip.frames(slice(None, None, step))
     positions, turned = forward_kinematics(part.poses, part.trans, body.joints(clip.betas))
     head = joint_index("head")
+    if look.framing == "face":
+        around = positions[:, head, None] + (turned[:, head] @ _AROUND_HEAD.T).transpose(0, 2, 1)
+        return np.concatenate([around.reshape(-1, 3), positions[:, joint_index("neck")]])
     above = positions[:, head] + turned[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
     hands = positions[:, _HANDS].reshape(-1, 3)
     fingers = (hands[:, None] + _AROUND_FINGER).reshape(-1, 3)
-    if look.framing == "full_body":
-        lowest = positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]
+    if look.framing == "hands":
+        others = [positions[:, _ELBOWS].reshape(-1, 3)]
+    elif look.framing == "full_body":
+        others = [above, positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]]
     else:
-        lowest = positions[:, joint_index("pelvis")] - [0, 0.1, 0]
+        others = [above, positions[:, joint_index("pelvis")] - [0, 0.1, 0]]
     # Repeated, so that few heads and hips are not outvoted by many fingers in a percentile.
     repeats = max(1, len(hands) // len(above) // 2)
-    return np.concatenate([fingers, np.repeat(above, repeats, 0), np.repeat(lowest, repeats, 0)])
+    return np.concatenate([fingers, *(np.repeat(part, repeats, 0) for part in others)])
 
 
 def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""How every stimulus of a study looks: size, frame rate, framing, avatar, light.
+"""How every stimulus of a study looks: size, frame rate, camera, background, avatar, light.
 
 Avatars' files are made by `tools.avatars`. Versions are raised with every change that can be seen
 or heard, and whatever was made with another version is made anew; tests hold what each gives.
@@ -7,7 +7,7 @@ or heard, and whatever was made with another version is made anew; tests hold wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -25,10 +25,16 @@ CELL_VERSION: Final = "1"
 
 BODIES: Final = Path(__file__).parent / "bodies"
 
-BACKGROUND: Final = (0xEC, 0xEC, 0xEE)
-"""sRGB of the plain background; pages that show the videos use the same."""
+Colour = tuple[int, int, int]
+"""sRGB, each in 0-255."""
 
-FRAMINGS: Final = ("upper_body", "full_body")
+BACKGROUND: Final[Colour] = (0xEC, 0xEC, 0xEE)
+"""The plain background where a study chooses no other; participants' pages have the same."""
+
+FRAMINGS: Final = ("upper_body", "full_body", "face", "hands")
+
+VIEWS: Final[Mapping[str, float]] = MappingProxyType({"front": 0.0, "three_quarter": 35.0})
+"""How many degrees to the speaker's left the camera stands."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +154,11 @@ class Look:
     frame_rate : float
         Frames per second of the videos.
     framing : str
-        ``upper_body`` or ``full_body``.
+        One of `FRAMINGS`: what of the body the picture shows.
+    view : str
+        One of `VIEWS`: from where.
+    background : tuple of int
+        What is behind the speaker.
     avatar : str
         One of `renderer.look.AVATARS`.
     expression_matrix : Path or None
@@ -159,6 +169,10 @@ class Look:
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
+    # Not in the text form, by which videos are known as made: the camera says the one, and the
+    # other is added to it where it is not the usual one.
+    view: str = field(default="front", repr=False)
+    background: Colour = field(default=BACKGROUND, repr=False)
     avatar: str = FIRST_AVATAR
     expression_matrix: Path | None = None
 
@@ -173,8 +187,12 @@ class Look:
                 f"frame rate {self.frame_rate} is not usable",
                 remedy="Give 1 to 120 frames per second",
             )
-        if self.framing not in FRAMINGS:
-            raise InputError(
-                f"unknown framing {self.framing!r}", remedy=f"Use one of {', '.join(FRAMINGS)}"
-            )
+        for kind, given, known in (
+            ("framing", self.framing, FRAMINGS),
+            ("view", self.view, tuple(VIEWS)),
+        ):
+            if given not in known:
+                raise InputError(
+                    f"unknown {kind} {given!r}", remedy=f"Use one of {', '.join(known)}"
+                )
         avatar_named(self.avatar)

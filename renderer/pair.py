@@ -15,7 +15,7 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
-from renderer.look import BACKGROUND, Look
+from renderer.look import Colour, Look
 from renderer.loudness import at_common_loudness
 from renderer.picture import plane_pixels
 
@@ -24,7 +24,10 @@ LABELS: Final = ("A", "B")
 
 _LABEL_SHARE: Final = 0.085  # of the picture's height
 _LABEL_PLACE: Final = 0.03
-_LABEL_COLOUR: Final = (0x3C, 0x3C, 0x42)
+_DARK: Final = (0x3C, 0x3C, 0x42)
+_LIGHT: Final = (0xFF, 0xFF, 0xFF)
+_LEAST_FOR_DARK: Final = 0x8D
+"""Level of grey, of 255, from which dark letters stand out more than light ones."""
 
 Planes = tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]
 
@@ -60,7 +63,7 @@ def write_pair(
         replacing(video) as draft,
         VideoWriter(draft, 2 * size, size, look.frame_rate, sound) as writer,
     ):
-        for frame in composed_frames(left, right, size):
+        for frame in composed_frames(left, right, look):
             seen += 1
             if seen <= count:
                 writer.write(frame)
@@ -72,9 +75,10 @@ def write_pair(
             )
 
 
-def composed_frames(left: Path, right: Path, size: int) -> Iterator[Any]:
+def composed_frames(left: Path, right: Path, look: Look) -> Iterator[Any]:
     """Yield labelled frames, `av.VideoFrame`, of two lossless videos until one of them ends."""
-    labels = [_label(text, size) for text in LABELS]
+    size = look.size
+    labels = [_label(text, size, look.background) for text in LABELS]
     for sides in zip(_frames(left, size), _frames(right, size), strict=False):
         yield _side_by_side(sides, labels, size)
 
@@ -117,12 +121,14 @@ def _side_by_side(sides: tuple[Any, Any], labels: list[Planes], size: int) -> An
     return joined
 
 
-def _label(text: str, size: int) -> Planes:
+def _label(text: str, size: int, background: Colour) -> Planes:
     """Return a letter on the background's colour as three planes, luma first."""
     side = round(_LABEL_SHARE * size / 2) * 2
-    tile = Image.new("RGB", (side, side), BACKGROUND)
+    tile = Image.new("RGB", (side, side), background)
     font = ImageFont.load_default(size=side * 0.9)
-    ImageDraw.Draw(tile).text((side / 2, side / 2), text, _LABEL_COLOUR, font=font, anchor="mm")
+    grey = float(np.dot(background, [0.2126, 0.7152, 0.0722]))
+    ink = _DARK if grey >= _LEAST_FOR_DARK else _LIGHT
+    ImageDraw.Draw(tile).text((side / 2, side / 2), text, ink, font=font, anchor="mm")
     planes = video_frame(np.asarray(tile)).planes
     luma, blue, red = (plane_pixels(plane).copy() for plane in planes)
     return luma, blue, red

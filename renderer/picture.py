@@ -16,7 +16,7 @@ import numpy as np
 from av.video.reformatter import Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
-from renderer.look import BACKGROUND
+from renderer.look import BACKGROUND, Colour
 
 _RED, _BLUE = 0.2126, 0.0722
 _LUMA: Final = np.array([_RED, 1 - _RED - _BLUE, _BLUE])
@@ -107,10 +107,10 @@ def _span(places: NDArray[np.float32], side: int) -> tuple[int, int]:
 class Canvas:
     """Makes video frames of `size` × `size` pixels from parts of pictures."""
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, background: Colour = BACKGROUND) -> None:
         self._size = size
         self._reformatters = [VideoReformatter() for _ in _PLANE_SHRINKS]
-        plain = VIDEO @ [*BACKGROUND, 255.0]
+        plain = VIDEO @ [*background, 255.0]
         self._background = np.round(plain[:3]).astype(int).tolist()
 
     def with_picture(self, planes: NDArray[np.uint8], box: PixelBox) -> Any:

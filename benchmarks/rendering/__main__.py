@@ -182,7 +182,7 @@ def _encode(setting: Setting, frames: list[object], width: int, silence: Audio) 
 def _x264_pair(setting: Setting, silence: Audio) -> Measured:
     """Encode the very frames that a pair is composed of, already in memory."""
     job = setting.pair_job("two", "one")
-    frames: list[object] = [*composed_frames(job.left, job.right, setting.look.size)]
+    frames: list[object] = [*composed_frames(job.left, job.right, setting.look)]
     return timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
 
 

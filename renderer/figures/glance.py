@@ -13,7 +13,7 @@ from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from renderer.look import BACKGROUND
+from renderer.look import BACKGROUND, Colour
 
 MOMENTS: Final = 7
 SIDE: Final = 112
@@ -21,7 +21,6 @@ SIDE: Final = 112
 
 _LIGHT: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """How much each channel of RGB adds to how light a pixel is."""
-_BACKGROUND_LIGHT: Final = round(float(_LIGHT @ BACKGROUND))
 _DIFFERENT: Final = 10
 """Of 255: what differs so much from the background belongs to the figure."""
 _STILL: Final = 2.5
@@ -64,8 +63,8 @@ class Glance:
     remarks: tuple[str, ...]
 
 
-def glance_at(video: Path) -> Glance:
-    """Return what `video` shows.
+def glance_at(video: Path, background: Colour = BACKGROUND) -> Glance:
+    """Return what `video` shows of a figure before a plain background.
 
     Raises
     ------
@@ -84,7 +83,7 @@ def glance_at(video: Path) -> Glance:
     count = len(frames)
     chosen = [int((place + 0.5) * count / MOMENTS) for place in range(MOMENTS)]
     light = frames @ _LIGHT
-    figure = np.abs(light - _BACKGROUND_LIGHT) > _DIFFERENT
+    figure = np.abs(light - round(float(_LIGHT @ background))) > _DIFFERENT
     change = np.abs(np.diff(light, axis=0))
     either = figure[1:] | figure[:-1]
     movement = (change * either).sum(axis=(1, 2)) / np.maximum(either.sum(axis=(1, 2)), 1)

@@ -13,7 +13,7 @@ from PIL import Image, ImageColor
 from motion.errors import InputError
 from renderer.figures.panels import CutOut
 from renderer.figures.plate import LETTERS, Plate, fitted, font, pixels
-from renderer.look import BACKGROUND
+from renderer.look import BACKGROUND, Colour
 
 VARIATION_COLOURS: Final = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#8A8A8A",
@@ -101,7 +101,14 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
     return CutOut(_as_image(mean, 1 - clear), nearest)
 
 
-def draw_overlay(picture: Image.Image, names: Sequence[str], caption: str, *, clear: bool) -> Plate:
+def draw_overlay(
+    picture: Image.Image,
+    names: Sequence[str],
+    caption: str,
+    *,
+    clear: bool,
+    background: Colour = BACKGROUND,
+) -> Plate:
     """Return the overlay as a page: the picture, what each colour is, and a caption.
 
     Parameters
@@ -114,12 +121,14 @@ def draw_overlay(picture: Image.Image, names: Sequence[str], caption: str, *, cl
         Which moments are seen.
     clear : bool
         Whether nothing is behind the figures, rather than the videos' background.
+    background : tuple of int
+        That background.
     """
     line = pixels(LETTERS) * _LINE
     letters = font(pixels(LETTERS))
     lines = (len(names) if len(names) > 1 else 0) + 1
     page = Plate.of(picture.width, round(picture.height + (lines + 0.3) * line), clear=clear)
-    ground = Image.new("RGBA", picture.size, (0, 0, 0, 0) if clear else (*BACKGROUND, 255))
+    ground = Image.new("RGBA", picture.size, (0, 0, 0, 0) if clear else (*background, 255))
     ground.alpha_composite(picture)
     page.add_picture(ground, 0, 0)
     for place, name in enumerate(names if len(names) > 1 else ()):

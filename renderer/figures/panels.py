@@ -20,8 +20,7 @@ from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, large_still, still
 from renderer.figures.skeleton_lines import joints_of, with_skeleton
-from renderer.framing import Camera, project
-from renderer.look import BACKGROUND
+from renderer.framing import Camera, looking, project
 from renderer.picture import SUPERSAMPLING
 
 Box = tuple[float, float, float, float]
@@ -78,7 +77,7 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
     depth = _depth(stage.body, pose, camera, drawn.width)
     near = minimum_filter(depth, 3) < FAR
     differs = (
-        np.abs(np.asarray(drawn, np.int16) - np.array(BACKGROUND, np.int16)).max(axis=-1)
+        np.abs(np.asarray(drawn, np.int16) - np.array(stage.look.background, np.int16)).max(axis=-1)
         > _SAME_COLOUR
     )
     drawn.putalpha(Image.fromarray(np.where(near & differs, 255, 0).astype(np.uint8)))
@@ -181,16 +180,20 @@ def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) ->
     body : BodyModel
         The body that they are put on.
     camera : Camera
-        How far away it stands; it moves in height and to the side.
+        How far away it stands, and on which side; it moves in height and along the picture.
     """
     low, high = _range_of_faces(clips, body)
-    x, y, z = (low + high) / 2
-    half = float((high - low)[:2].max() / 2) + _FACE
-    distance = camera.eye[2] - float(high[2])
+    middle, reach = (low + high) / 2, (high - low) / 2
+    pose = looking(np.array(camera.eye), np.array(camera.target))
+    right, back = pose[:3, 0], pose[:3, 2]
+    half = max(float(np.abs(right) @ reach), float(reach[1])) + _FACE
+    away = float((camera.eye - middle) @ back)
+    target = middle - [0, _BELOW_EYES, 0]
+    (x, y, z), (a, b, c) = (target + away * back).tolist(), target.tolist()
     return Camera(
-        eye=(float(x), float(y) - _BELOW_EYES, camera.eye[2]),
-        target=(float(x), float(y) - _BELOW_EYES, float(z)),
-        field_of_view=float(np.degrees(2 * np.arctan(half / distance))),
+        eye=(x, y, z),
+        target=(a, b, c),
+        field_of_view=float(np.degrees(2 * np.arctan(half / (away - np.abs(back) @ reach)))),
     )
 
 

@@ -94,6 +94,13 @@ _UPPER: Final = (
     *("right_shoulder", "right_elbow", "right_wrist"),
 )
 _LOWER: Final = ("left_knee", "left_ankle", "right_knee", "right_ankle")
+_SEEN: Final = {
+    "upper_body": _UPPER,
+    "full_body": (*_UPPER, *_LOWER),
+    "face": ("neck", "head"),
+    "hands": ("left_elbow", "left_wrist", "right_elbow", "right_wrist"),
+}
+"""Joints by which motions are told apart, by the study's framing."""
 
 FloatArray = NDArray[np.float64]
 
@@ -114,11 +121,10 @@ class Difference:
     rougher: float
 
 
-def difference(one: MotionClip, other: MotionClip, *, full_body: bool = False) -> Difference:
+def difference(one: MotionClip, other: MotionClip, framing: str = "upper_body") -> Difference:
     """Return how much two motions differ, as far as both last, in the joints that are seen."""
     rate = min(one.frame_rate, other.frame_rate)
-    names = (*_UPPER, *(_LOWER if full_body else ()))
-    joints = [joint_index(name) for name in names]
+    joints = [joint_index(name) for name in _SEEN[framing]]
     first, second = (_positions(resample(clip, rate))[:, joints] for clip in (one, other))
     both = min(len(first), len(second))
     still, moved = (_acceleration(positions, rate) for positions in (first, second))
@@ -141,7 +147,7 @@ def catch_motion_findings(
     flawed, right = clips.get(study.catch.condition, {}), clips.get(study.catch_against, {})
     if not study.catch.trials:
         return
-    full_body = study.video.framing == "full_body"
+    framing = study.video.framing
     caught: dict[str, Difference] = {}
     usual: list[float] = []
     for segment in [name for name in right if name in flawed]:
@@ -151,10 +157,10 @@ def catch_motion_findings(
             if segment in made
         }
         caught[segment] = difference(
-            shown[study.catch_against], shown[study.catch.condition], full_body=full_body
+            shown[study.catch_against], shown[study.catch.condition], framing
         )
         usual += [
-            difference(shown[a], shown[b], full_body=full_body).metres
+            difference(shown[a], shown[b], framing).metres
             for a, b in combinations([name for name in shown if name in study.conditions], 2)
         ]
     if not caught:

@@ -11,6 +11,7 @@ from motion.errors import InputError, listed
 from motion.formats import read_clip
 from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.look_checks import look_findings
 from studyapp.preflight.material import Material
 from studyapp.stimuli.shown_motion import left_out, shown_abilities
 from studyapp.study.settings.study import Study
@@ -70,7 +71,7 @@ def _read_motion(
 
 
 def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
-    """Say what of the motion the study's body leaves out."""
+    """Say what of the motion the study's body, or its camera, leaves out."""
     study = material.study
     try:
         body = shown_abilities(material.folder, study)
@@ -85,6 +86,7 @@ def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) ->
     shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
     for sentence in left_out(shown, body):
         yield finding("motion-not-shown", sentence.rstrip("."))
+    yield from look_findings(material, body, clips)
 
 
 def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:

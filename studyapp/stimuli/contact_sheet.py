@@ -12,7 +12,8 @@ from motion.files import digest, replacing, write_text
 from motion.segment import Segment
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
-from renderer.look import CELL_VERSION
+from renderer.look import BACKGROUND, CELL_VERSION
+from studyapp.stimuli.shown_motion import background_of
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ShownVideo, shown_videos
 from studyapp.study.settings.study import Study
@@ -52,11 +53,7 @@ def write_contact_sheet(
     entries: dict[tuple[str, str], SheetCell] = {}
     with ThreadPoolExecutor(threads) as pool:
         made = pool.map(
-            lambda key: (
-                _entry(place, clips.get(key), brought=study.is_finished(key[1]))
-                if key in shown
-                else _UNSHOWN
-            ),
+            lambda key: _entry(place, clips.get(key), study, key[1]) if key in shown else _UNSHOWN,
             wanted,
         )
         for number, (key, entry) in enumerate(zip(wanted, made, strict=True), 1):
@@ -86,14 +83,9 @@ def write_contact_sheet(
     return page
 
 
-def _entry(place: Path, clip: ShownVideo | None, *, brought: bool) -> SheetCell:
-    """Return the cell of a clip, drawn where it is not kept.
-
-    Parameters
-    ----------
-    brought : bool
-        Whether the video is finished, so that it is not rendered here.
-    """
+def _entry(place: Path, clip: ShownVideo | None, study: Study, condition: str) -> SheetCell:
+    """Return the cell of a condition's clip, drawn where it is not kept."""
+    brought = study.is_finished(condition)
     if clip is None:
         todo = "bring it" if brought else "run 'motionjury render'"
         return SheetCell(cell=None, remark=f"there is no video: {todo}", video="")
@@ -101,7 +93,8 @@ def _entry(place: Path, clip: ShownVideo | None, *, brought: bool) -> SheetCell:
     video = f"../../{clip.file.relative_to(place.parent.parent).as_posix()}"
     if not kept.exists():
         try:
-            cell = draw_cell(glance_at(clip.file))
+            background = BACKGROUND if brought else background_of(study)
+            cell = draw_cell(glance_at(clip.file, background))
         except InputError as error:
             return SheetCell(cell=None, remark=error.what, video=video)
         with replacing(kept) as draft:

@@ -15,8 +15,9 @@ from motion.placement import stand_on_ground
 from motion.segment import Segment
 from renderer.framing import Camera, frame_clips
 from renderer.jobs.job import ClipJob, DubJob, PairJob
-from renderer.look import RENDERER_VERSION, Look
+from renderer.look import BACKGROUND, RENDERER_VERSION, Look
 from studyapp.stimuli.shown_motion import (
+    background_of,
     body_file,
     expression_matrix_file,
     left_out,
@@ -67,8 +68,11 @@ class RenderPlan:
         body, model = body_file(folder, study), shown_body(folder, study)
         matrix = expression_matrix_file(folder, study)
         look = _look(study)
-        camera = _camera(shown, study, model, look)
-        shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
+        framed = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
+        camera = study_camera(framed, study, model)
+        chosen = () if look.background == BACKGROUND else (look.background,)
+        size = body.stat().st_size
+        shared = (RENDERER_VERSION, body.name, size, camera, look, study.freeze, *chosen)
         contents = list(study.contents(tuple(segments.values())))
         own = tuple(
             ClipVideo(
@@ -223,17 +227,13 @@ def _look(study: Study) -> Look:
         size=video.size,
         frame_rate=video.frame_rate,
         framing=video.framing,
+        view=video.view,
+        background=background_of(study),
         avatar=video.avatar,
     )
 
 
-def _camera(
-    shown: Mapping[tuple[str, str], MotionClip], study: Study, body: BodyModel, look: Look
-) -> Camera:
-    """Frame all conditions alike, the catch motion left aside."""
-    clips = [
-        stand_on_ground(clip, body.joints(clip.betas))
-        for (name, _), clip in shown.items()
-        if name != study.catch.condition
-    ]
-    return frame_clips(clips, body, look)
+def study_camera(clips: Iterable[MotionClip], study: Study, body: BodyModel) -> Camera:
+    """Return the camera of a study's `clips`, frozen channels still; leave the catch motion out."""
+    standing = [stand_on_ground(clip, body.joints(clip.betas)) for clip in clips]
+    return frame_clips(standing, body, _look(study))

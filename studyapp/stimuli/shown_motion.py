@@ -18,7 +18,7 @@ from motion.errors import InputError
 from motion.formats import read_clip
 from motion.segment import Segment
 from renderer.encoder import SOUND_RATE
-from renderer.look import AVATARS, Look, default_body
+from renderer.look import AVATARS, Colour, Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
 from renderer.viewer.avatar import avatar_body
@@ -35,6 +35,12 @@ def body_file(folder: StudyFolder, study: Study) -> Path:
     if study.video.body:
         return folder.root / Path(study.video.body).expanduser()
     return default_body(study.video.avatar)
+
+
+def background_of(study: Study) -> Colour:
+    """Return the sRGB of what is behind the speaker in the study's videos."""
+    red, green, blue = bytes.fromhex(study.video.background[1:])
+    return red, green, blue
 
 
 def expression_matrix_file(folder: StudyFolder, study: Study) -> Path | None:
@@ -173,6 +179,7 @@ def study_look(folder: StudyFolder, study: Study) -> Look:
     return Look(
         frame_rate=study.video.frame_rate,
         framing=study.video.framing,
+        view=study.video.view,
         avatar=study.video.avatar,
         expression_matrix=expression_matrix_file(folder, study),
     )

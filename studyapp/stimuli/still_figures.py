@@ -219,7 +219,9 @@ def write_overlay(
     size = (width, round(width * aspect_of(box)))
     picture = blended(trails).picture.resize(size, Image.Resampling.LANCZOS)
     caption = " → ".join(moment.label for moment in moments)
-    draw_overlay(picture, list(clips), caption, clear=printed.clear).save(printed.outputs)
+    background = material.plan.look.background
+    page = draw_overlay(picture, list(clips), caption, clear=printed.clear, background=background)
+    page.save(printed.outputs)
 
 
 def _view(

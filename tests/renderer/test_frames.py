@@ -15,7 +15,7 @@ from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera, frame_clips
-from renderer.look import AVATARS, Look, default_body
+from renderer.look import AVATARS, FRAMINGS, VIEWS, Look, default_body
 from tests.renderer.golden_frames import assert_like_golden
 
 
@@ -39,6 +39,18 @@ def test_a_frame_looks_as_kept(
     with Stage(default_body(avatar), frame_clips([clip], body, look), look) as stage:
         picture = np.asarray(still(stage, clip, 0.5))
     assert_like_golden(picture, f"{framing}-{avatar}", tmp_path)
+
+
+@pytest.mark.usefixtures("on_llvmpipe")
+@pytest.mark.parametrize("framing", FRAMINGS)
+@pytest.mark.parametrize("view", VIEWS)
+def test_each_framing_from_each_side_looks_as_kept(
+    framing: str, view: str, clip: MotionClip, body: BodyModel, tmp_path: Path
+) -> None:
+    look = Look(size=160, framing=framing, view=view, background=(0x2E, 0x34, 0x40))
+    with Stage(default_body(), frame_clips([clip], body, look), look) as stage:
+        picture = np.asarray(still(stage, clip, 0.5))
+    assert_like_golden(picture, f"{framing}-{view}-on-dark", tmp_path)
 
 
 @pytest.mark.usefixtures("on_llvmpipe")

@@ -15,7 +15,7 @@ from motion.skeleton import forward_kinematics, joint_index
 from renderer.clip_video import Stage, still
 from renderer.figures.skeleton_lines import joints_of
 from renderer.framing import Camera, frame_clips, project
-from renderer.look import BACKGROUND, Look
+from renderer.look import BACKGROUND, VIEWS, Look
 from renderer.shown_clip import frame_at
 
 HANDS = [joint_index(f"{side}_middle3") for side in ("left", "right")]
@@ -85,6 +85,66 @@ def test_full_body_shows_the_feet_and_upper_body_comes_closer(
     assert upper.eye[2] < full.eye[2]
 
 
+HEAD = ("head", "neck", "left_eye", "right_eye")
+ARMS = (*(f"{side}_{part}" for side in ("left", "right") for part in ("elbow", "middle3")),)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize(("framing", "joints"), [("face", HEAD), ("hands", ARMS)])
+def test_what_is_framed_is_in_the_picture_of_every_clip(
+    framing: str,
+    joints: tuple[str, ...],
+    view: str,
+    clip: MotionClip,
+    arms_wide: MotionClip,
+    body: BodyModel,
+) -> None:
+    camera = frame_clips([clip, arms_wide], body, Look(framing=framing, view=view))
+    for shown in (clip, arms_wide):
+        seen = project(_points(shown, body, [joint_index(name) for name in joints]), camera, 100)
+        assert seen[..., :2].min() > 0 and seen[..., :2].max() < 100
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_framed_head_fills_three_quarters_of_the_picture(
+    view: str, clip: MotionClip, body: BodyModel
+) -> None:
+    heights = {}
+    for framing in ("face", "upper_body"):
+        camera = frame_clips([clip], body, Look(framing=framing, view=view))
+        head = project(body.vertices(clip)[:, _head(body)], camera, 100)[..., 1]
+        heights[framing] = np.ptp(head, axis=1).mean()
+        assert head.min() > 0 and head.max() < 100
+    assert heights["face"] > 75 > 35 > heights["upper_body"]
+
+
+def _head(body: BodyModel) -> np.ndarray:
+    strongest = np.asarray(body.weights.toarray().argmax(axis=1))
+    return np.isin(strongest, [joint_index("head"), joint_index("jaw")])
+
+
+def test_framed_hands_are_in_the_middle_of_the_picture_as_high_as_they_are(
+    clip: MotionClip, body: BodyModel
+) -> None:
+    upper, hands = (frame_clips([clip], body, Look(framing=f)) for f in ("upper_body", "hands"))
+    assert hands.eye[2] <= upper.eye[2]
+    height = _points(clip, body, [joint_index(name) for name in ARMS])[..., 1]
+    assert hands.eye[1] == pytest.approx((height.min() + height.max()) / 2, abs=0.05)
+    assert hands.eye[1] < upper.eye[1] - 0.1
+
+
+def test_a_camera_at_three_quarters_sees_the_speakers_left_from_as_far_away(
+    clip: MotionClip, body: BodyModel
+) -> None:
+    front, side = (
+        frame_clips([clip], body, Look(framing="full_body", view=view)) for view in VIEWS
+    )
+    ahead, aside = (np.subtract(camera.eye, camera.target) for camera in (front, side))
+    assert np.degrees(np.arctan2(aside[0], aside[2])) == pytest.approx(35, abs=0.1)
+    assert np.linalg.norm(aside) == pytest.approx(np.linalg.norm(ahead), rel=0.05)
+    assert side.eye[1] == side.target[1]
+
+
 def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyModel) -> None:
     many = clip.frames(np.tile(np.arange(len(clip)), 40))
     trans = many.trans.copy()
@@ -107,7 +167,9 @@ def test_no_clip_is_refused(body: BodyModel) -> None:
         frame_clips([], body, Look())
 
 
-@pytest.mark.parametrize("bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}])
+@pytest.mark.parametrize(
+    "bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}, {"view": "x"}]
+)
 def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         Look(**bad)

@@ -113,6 +113,13 @@ def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) 
     assert fingerprint(*found) == pytest.approx(VIDEOS[RENDERER_VERSION], abs=1e-3)
 
 
+def test_a_look_of_before_there_was_more_to_choose_is_told_by_the_same_text() -> None:
+    assert repr(Look()) == (
+        "Look(size=720, frame_rate=30.0, framing='upper_body', avatar='alex', "
+        "expression_matrix=None)"
+    )
+
+
 def test_another_body_makes_other_videos(body_path: Path) -> None:
     with np.load(body_path, allow_pickle=False) as body:
         found = [body[name] for name in ("v_template", "shapedirs", "weights")]

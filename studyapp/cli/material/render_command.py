@@ -9,7 +9,7 @@ import click
 
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
-from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, Look
+from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
 from studyapp.cli.arguments import cluster as cluster_option
 from studyapp.cli.arguments import joints_option, study_folder
 from studyapp.cli.arguments import processes as processes_option
@@ -85,6 +85,7 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option(
     "--framing", type=click.Choice(list(FRAMINGS)), default="full_body", show_default=True
 )
+@click.option("--view", type=click.Choice(list(VIEWS)), default="front", show_default=True)
 @click.option(
     "--size",
     type=click.IntRange(64, 2160),
@@ -116,6 +117,7 @@ def preview_command(
     joint_map: JointMap | None,
     avatar: str,
     framing: str,
+    view: str,
     size: int,
     kinds: tuple[str, ...],
     out: Path,
@@ -130,7 +132,7 @@ def preview_command(
         write_preview_page,
     )
 
-    look = Look(size=size + size % 2, framing=framing, avatar=avatar)
+    look = Look(size=size + size % 2, framing=framing, view=view, avatar=avatar)
     read = []
     for path, name in zip(motions, distinct_names(motions), strict=True):
         motion = read_previewed(path, name, speech=speech, frame_rate=fps, joint_map=joint_map)

@@ -74,6 +74,12 @@ class Video(Section):
 
     Attributes
     ----------
+    framing : {'upper_body', 'full_body', 'face', 'hands'}
+        What of the body the picture shows.
+    view : {'front', 'three_quarter'}
+        From where.
+    background : str
+        sRGB of what is behind the speaker.
     size : int
         Pixels along each side of one clip; a pair is twice as wide.
     avatar : str
@@ -85,7 +91,9 @@ class Video(Section):
         actions, which turns the one into the other where the body shows only that.
     """
 
-    framing: Literal["upper_body", "full_body"] = "upper_body"
+    framing: Literal["upper_body", "full_body", "face", "hands"] = "upper_body"
+    view: Literal["front", "three_quarter"] = "front"
+    background: str = Field("#ececee", pattern="^#[0-9a-fA-F]{6}$")
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
     avatar: Literal["alex", "maya", "jonas", "amara", "henry", "mannequin"] = "alex"

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from renderer.figures.panels import (
     faces_level,
 )
 from renderer.figures.skeleton_lines import joints_of
-from renderer.framing import Camera, project
+from renderer.framing import Camera, frame_clips, project
 from renderer.look import BACKGROUND, Look
 from renderer.shown_clip import frame_at
 from tests.motion.random_clips import clip_of
@@ -98,6 +99,17 @@ def test_the_face_fills_the_picture_and_is_never_cut(
     for name in ("left_eye", "right_eye", "head"):
         seen = project(joints_of(clip, body)[:, joint_index(name)], close, 100)[:, :2]
         assert seen.min() > 20 and seen.max() < 80
+
+
+def test_faces_are_seen_from_the_side_that_the_camera_is_on(
+    clip: MotionClip, body: BodyModel, small_look: Look
+) -> None:
+    camera = frame_clips([clip], body, replace(small_look, view="three_quarter"))
+    close = face_camera([clip], body, camera)
+    far, near = (np.subtract(each.eye, each.target) for each in (camera, close))
+    np.testing.assert_allclose(near / np.linalg.norm(near), far / np.linalg.norm(far), atol=1e-3)
+    seen = project(joints_of(clip, body)[:, joint_index("head")], close, 100)[:, :2]
+    assert seen.min() > 20 and seen.max() < 80
 
 
 def test_faces_of_who_sits_and_who_stands_are_in_one_place(

@@ -224,6 +224,45 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     assert note.rstrip(".") in findings_of(ready, "note")
 
 
+@pytest.mark.parametrize(
+    ("framing", "avatar", "freeze", "said"),
+    [
+        ("face", "alex", ["face"], "framed on the face, but freeze holds it still"),
+        ("face", "mannequin", [], "framed on the face, but the study's body has no face"),
+        ("hands", "alex", ["hands"], "framed on the hands, but freeze holds it still"),
+        ("hands", "alex", ["face"], ""),
+        ("face", "alex", ["hands"], ""),
+        ("upper_body", "mannequin", ["face", "hands"], ""),
+    ],
+)
+def test_a_framing_of_what_stays_still_is_warned_of(
+    ready: StudyFolder, framing: str, avatar: str, freeze: list[str], said: str
+) -> None:
+    with edited(ready.definition) as document:
+        document["video"].update({"framing": framing, "avatar": avatar})
+        document["freeze"] = freeze
+    found = [warning for warning in findings_of(ready, "warning") if "framed on" in warning]
+    assert found == ([f"the videos are {said}"] if said else [])
+
+
+def test_a_face_that_is_asked_about_but_small_is_noted(ready: StudyFolder) -> None:
+    with edited(ready.definition) as document:
+        document["video"].update({"size": 240})
+        document["freeze"] = []
+        document["questions"][1]["text"] = "Which face fits better?"
+    said = "the question 'emotion' is about the face, but a head is only"
+    assert sum(said in note for note in findings_of(ready, "note")) == 1
+    change(ready, "video", "framing", value="face")
+    assert not any(said in note for note in findings_of(ready, "note"))
+
+
+def test_a_background_that_pages_do_not_have_is_noted(ready: StudyFolder) -> None:
+    said = "another background than participants' pages"
+    assert not any(said in note for note in findings_of(ready, "note"))
+    change(ready, "video", "background", value="#2e3440")
+    assert any(said in note for note in findings_of(ready, "note"))
+
+
 def test_every_broken_clip_is_an_error_beside_all_other_findings(
     ready: StudyFolder, untouched: list[Finding]
 ) -> None:

@@ -15,6 +15,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.render_record import RenderCount, RenderProgress
 from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
@@ -133,6 +134,22 @@ def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
     count = render(rendered, processes=1)
     assert count.made == 2 * (1 + 2)
     assert count.kept == 14
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("framing", "face"), ("view", "three_quarter"), ("background", "#2e3440")],
+)
+def test_whoever_changes_the_look_makes_every_video_anew(
+    key: str, value: str, study: StudyFolder
+) -> None:
+    before = RenderPlan.of(study)
+    with edited(study.definition) as document:
+        document["video"][key] = value
+    after = RenderPlan.of(study)
+    for old, new in ((before.clips, after.clips), (before.pairs, after.pairs)):
+        assert [video.file for video in old] == [video.file for video in new]
+        assert not {video.key for video in old} & {video.key for video in new}
 
 
 def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:

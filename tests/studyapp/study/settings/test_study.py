@@ -7,7 +7,7 @@ import pytest
 import tomlkit
 
 from motion.errors import InputError
-from renderer.look import AVATARS
+from renderer.look import AVATARS, FRAMINGS, VIEWS
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Video
 from studyapp.study.settings.reading import read_study
@@ -182,9 +182,16 @@ def test_a_study_states_the_family_of_its_tests(family: str, said: str, study_fi
         assert read_study(study_file).family == family
 
 
-def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path) -> None:
-    choices = get_args(Video.model_fields["avatar"].annotation)
-    assert set(choices) == set(AVATARS)
+def test_looks_to_choose_from_are_those_the_renderer_has() -> None:
+    for key, known in (("avatar", AVATARS), ("framing", FRAMINGS), ("view", VIEWS)):
+        assert get_args(Video.model_fields[key].annotation) == tuple(known)
+
+
+@pytest.mark.parametrize("colour", ["white", "#fff", "ececee", "#ececeg", "#ececee00"])
+def test_a_background_is_one_colour_in_hex(colour: str, study_file: Path) -> None:
+    changed(study_file, video__background=colour)
+    with pytest.raises(InputError, match=r"video\.background"):
+        read_study(study_file)
 
 
 def test_a_question_cannot_have_the_name_of_the_pages_own_field(study_file: Path) -> None:
