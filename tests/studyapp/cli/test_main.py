@@ -5,12 +5,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import click
 import pytest
 
 from motion.errors import InputError
 from studyapp.cli import main as front
-from studyapp.cli.main import group, main
+from studyapp.cli.main import main
 from tests.analysis.results.made_tables import ranking_table
 from tests.studyapp.takes import write_motion
 
@@ -31,15 +30,6 @@ def _refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
         return left.value.code, error
 
     return run
-
-
-def test_every_listed_command_is_there_under_its_name() -> None:
-    context = click.Context(group)
-    for name in group.list_commands(context):
-        command = group.get_command(context, name)
-        assert command is not None
-        assert command.name == name
-        assert command.help
 
 
 def test_a_misspelt_command_is_told_the_nearest(refused: Refused) -> None:

@@ -6,7 +6,7 @@ import logging
 import smtplib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from email.message import EmailMessage
+from unittest.mock import MagicMock
 
 import pytest
 from flask import Flask, request
@@ -174,40 +174,19 @@ def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
 def test_mail_goes_encrypted_with_the_name_and_password_of_the_environment(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    done: list[object] = []
-
-    class Server(smtplib.SMTP):
-        def __init__(self, host: str, port: int, timeout: float) -> None:
-            done.append((host, port))
-
-        def starttls(self, **_: object) -> tuple[int, bytes]:  # type: ignore[override]
-            done.append("encrypted")
-            return 220, b""
-
-        def login(self, user: str, password: str, **_: object) -> tuple[int, bytes]:
-            done.append((user, password))
-            return 235, b""
-
-        def send_message(self, message: EmailMessage) -> dict[str, object]:  # type: ignore[override]
-            done.append((message["To"], message.get_content().strip()))
-            return {}
-
-        def __exit__(self, *_: object) -> None:
-            done.append("closed")
-
-    monkeypatch.setattr(smtplib, "SMTP", Server)
+    server = MagicMock()
+    monkeypatch.setattr(smtplib, "SMTP", server)
     monkeypatch.setenv(SMTP, "smtp://lab%40example.org:s3cret@mail.example.org")
-    study = make_study(alarms={"mail": ["ada@example.org"]})
 
+    study = make_study(alarms={"mail": ["ada@example.org"]})
     assert AlarmChannels.of(study).send("It is full.")
 
-    assert done == [
-        ("mail.example.org", 587),
-        "encrypted",
-        ("lab@example.org", "s3cret"),
-        ("ada@example.org", "It is full."),
-        "closed",
-    ]
+    assert server.call_args.args == ("mail.example.org", 587)
+    done = [(name, arguments) for name, arguments, _ in server.return_value.method_calls]
+    assert [name for name, _ in done] == ["starttls", "login", "send_message"]
+    assert done[1][1] == ("lab@example.org", "s3cret")
+    assert done[2][1][0]["To"] == "ada@example.org"
+    assert server.return_value.__exit__.called
 
 
 def test_mail_without_a_server_and_addresses_that_are_none_are_refused(

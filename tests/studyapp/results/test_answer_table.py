@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.results.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
+from studyapp.results.answer_table import MIDDLE, StudyAnswers, study_answers
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
@@ -78,18 +78,3 @@ def test_failures_are_those_that_the_protocol_finds(answered_once: Once) -> None
         assert known.failed_attention == int(asked["response"] != asked["instructed"])
         assert (known.trials, known.settled) == (6, 6)
     assert len(stored.study_sessions) == 2
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_before_anybody_comes_there_are_the_same_tables_without_rows(
-    answered_once: Once, protocol: str
-) -> None:
-    study = StudyFolder(answered_once(protocol)).study()
-    _, given = read(StudyFolder(answered_once(protocol)))
-
-    empty = empty_answers(study)
-
-    assert set(empty.tables) == set(given.tables)
-    for name, table in empty.tables.items():
-        assert table.empty
-        assert set(given.tables[name].columns) <= set(table.columns)

@@ -118,26 +118,19 @@ def test_instructions_say_that_no_motion_is_recorded_where_all_of_it_is_generate
     assert "made by a computer" not in instructions(recorded)
 
 
-def test_instructions_follow_the_study(serve: Serve) -> None:
-    text = instructions(
-        serve(
-            ('title = "G', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
-            ("practice = 1", "practice = 2"),
-        )
+def test_instructions_follow_the_study(serve: Serve, tmp_path: Path) -> None:
+    plain = Visitor(serve(), SetClock()).enrol().begin().page()
+    app = serve(
+        ('title = "G', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
+        ("practice = 1", "practice = 2"),
+        database_url=f"sqlite:///{tmp_path / 'announced.db'}",
     )
+    text = instructions(app)
+    assert "ractice" not in plain.text
+    assert "ractice" in Visitor(app, SetClock()).enrol().begin().page().text
     assert "The first 2 pairs are for practice" in text
     assert "Some pairs come more than once" not in text
     assert "Kept still on purpose in every video: the face and whole-body movement" in text
-
-
-@pytest.mark.parametrize("announced", [True, False])
-def test_practice_is_marked_only_where_the_study_announces_it(
-    serve: Serve, announced: bool
-) -> None:
-    said = "practice = 1\nannounce_practice = true" if announced else "practice = 1"
-    page = Visitor(serve(("practice = 1", said)), SetClock()).enrol().begin().page()
-
-    assert ("ractice" in page.text) is announced
 
 
 def test_what_the_study_file_says_is_shown_as_text_never_as_markup(

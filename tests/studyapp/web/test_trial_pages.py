@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -138,23 +137,6 @@ def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Ar
         wants = [f"this one with {label}." in text for text in asked]
         assert wants == [number == check] * 6
         assert sum("please answer this one" in text for text in asked) == (number == check)
-
-
-@pytest.mark.parametrize("protocol", ["pairwise", "rating", "ranking", "mismatch"])
-def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
-    visitor = arrive(protocol)
-    page = Visitor(visitor.app, visitor.clock).enrol().page()
-
-    expected = {
-        "pairwise": "6 pairs",
-        "rating": "3 pages",
-        "ranking": "2 pages",
-        "mismatch": "4 pairs",
-    }
-    assert expected[protocol] in words(page)
-    assert "one after the other" in words(page)
-    assert ("Some pairs come more than once" in words(page)) == (protocol == "pairwise")
-    assert not any(re.search(r"[.:]\w", words(said)) for said in page.soup.select("main p"))
 
 
 def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive: Arrive) -> None:

@@ -86,25 +86,6 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert "participant reinstated: study session 1 it was another one" in log
 
 
-def test_the_overview_counts_who_is_excluded_and_leads_to_them(
-    people: list[Participant], log_in: LogIn
-) -> None:
-    analyst = log_in("analyst")
-    assert "left out of the analysis" not in analyst.get("/research/").text
-    decide(analyst, "exclude", "asleep")
-
-    overview = analyst.get("/research/")
-
-    assert "1 is left out of the analysis by researchers, and keeps the place" in overview.words(
-        "main"
-    )
-    assert "1 of 4 places done" in overview.words("main")
-    (link,) = [a["href"] for a in overview.soup.select("#live a") if "excluded" in str(a["href"])]
-    listed = analyst.get(str(link))
-    assert listed.one("[role=status]").get_text().startswith("1 study session left out of the")
-    assert [cell.get_text() for cell in listed.soup.select("tbody td")][:1] == ["done, excluded"]
-
-
 def test_participants_go_by_the_pseudonyms_of_the_export(
     people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:

@@ -108,15 +108,6 @@ def cookie_of(client: FlaskClient, prefix: str) -> str:
     return kept.value
 
 
-def test_participants_get_no_cookie_and_researchers_send_none_there(log_in: LogIn) -> None:
-    owner = log_in("owner")
-
-    answer = owner.client.get("/")
-
-    assert "Set-Cookie" not in answer.headers
-    assert "Cookie" not in answer.request.headers
-
-
 def test_two_studies_on_one_host_do_not_share_a_cookie() -> None:
     assert COOKIE.name("one") != COOKIE.name("other")
 

@@ -148,34 +148,24 @@ def test_no_page_says_what_was_answered(log_in: LogIn) -> None:
 
 
 def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogIn) -> None:
-    analyst = log_in("analyst")
-    newcomers = "/research/newcomers"
-    start = {"visit": "v" * 32}
-    assert "New participants are admitted" in analyst.get(newcomers).text
+    analyst, newcomers = log_in("analyst"), "/research/newcomers"
 
-    unexplained = analyst.post(f"{newcomers}/state", state="paused")
-    paused = analyst.post(f"{newcomers}/state", state="paused", reason="a video stalls <b>")
-    refused = log_in.app.test_client().post("/", data=start)
-    resumed = analyst.post(f"{newcomers}/state", state="open", reason="it plays")
-    taken = log_in.app.test_client().post("/", data=start)
-    extended = analyst.post(f"{newcomers}/more", more="2", reason="two were ill")
-    odd = [analyst.post(f"{newcomers}/more", more=m, reason="r") for m in ("", "-1", "1e9", "٣")]
-    nonsense = analyst.post(f"{newcomers}/state", state="nonsense", reason="r")
-    closed = analyst.post(f"{newcomers}/state", state="closed", reason="enough")
+    def status(what: str, **fields: str) -> int:
+        return analyst.post(f"{newcomers}/{what}", **fields).status_code
 
-    assert (unexplained.status_code, nonsense.status_code) == (422, 422)
-    assert {each.status_code for each in odd} == {422}
-    assert {each.status_code for each in (paused, resumed, extended, closed, taken)} == {303}
-    assert refused.status_code == 409
+    def start() -> int:
+        return log_in.app.test_client().post("/", data={"visit": "v" * 32}).status_code
+
+    assert status("state", state="paused") == status("state", state="x", reason="r") == 422
+    assert {status("more", more=m, reason="r") for m in ("", "-1", "1e9", "٣")} == {422}
+    assert (status("state", state="paused", reason="a video stalls <b>"), start()) == (303, 409)
+    assert (status("state", state="open", reason="it plays"), start()) == (303, 303)
+    assert status("more", more="2", reason="two were ill") == 303
+    assert status("state", state="closed", reason="enough") == 303
+
     assert "closed to new participants" in analyst.get("/research/").text
-    page = analyst.get(newcomers)
-    assert "a video stalls <b>" in page.soup.get_text()
-    assert [(each.state, each.more_places, each.researcher) for each in decided(log_in.stored)] == [
-        ("closed", 2, "Charles"),
-        ("open", 2, "Charles"),
-        ("open", 0, "Charles"),
-        ("paused", 0, "Charles"),
-    ]
-    assert "0 of 6 places done, 1 active" in " ".join(
-        analyst.get("/research/").one(".truth").get_text().split()
-    )
+    assert "0 of 6 places done, 1 active" in analyst.get("/research/").words(".truth")
+    assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
+    made = [(one.state, one.more_places, one.researcher) for one in decided(log_in.stored)]
+    states = [("closed", 2), ("open", 2), ("open", 0), ("paused", 0)]
+    assert made == [(*each, "Charles") for each in states]

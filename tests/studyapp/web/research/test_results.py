@@ -8,7 +8,6 @@ from typing import cast
 import pytest
 from flask import Flask
 
-from analysis.stats.multiple_testing import equally_spaced
 from studyapp.researchers.audit import logged_changes, looks
 from studyapp.web.running import running
 from tests.studyapp.figures_at_hand import FiguresAtHand
@@ -124,16 +123,6 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     assert "All 4 participants have finished" in everybody and "Interim" not in everybody
     logged = [(each.finished, each.reason) for each in looks(log_in.stored)]
     assert logged == [(4, "everybody has finished"), (3, "the study is closed")]
-
-
-def test_the_page_tells_what_a_look_costs_this_study(log_in: LogIn, figures: FiguresAtHand) -> None:
-    arrive(log_in.app, log_in.clock, "one", "two")
-
-    text = log_in("owner").get(RESULTS).words()
-
-    assert "with no look and the end at 4 participants it would be 5.0%" in text
-    assert f"with a look now at 2 it would be {100 * equally_spaced(2):.1f}%" in text
-    assert "Nobody has looked yet" in text
 
 
 def test_without_answers_nothing_is_computed_and_no_look_is_logged(
