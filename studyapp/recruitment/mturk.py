@@ -14,6 +14,8 @@ from datetime import UTC, datetime
 from typing import Any, Final
 from xml.sax.saxutils import escape
 
+from pydantic import BaseModel, ConfigDict, Field
+
 from motion.errors import InputError
 from studyapp.boto_errors import said_plainly
 from studyapp.recruitment.payment import (
@@ -40,8 +42,7 @@ PAGE_SIZE: Final = 100
 LONG_AGO: Final = datetime(2015, 1, 1, tzinfo=UTC)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Hit:
+class Hit(BaseModel):
     """A HIT and how far it is.
 
     Attributes
@@ -50,22 +51,23 @@ class Hit:
         Assignments in all, being worked on, not taken yet, and reviewed.
     """
 
-    id: str
-    status: str
-    wanted: int
-    pending: int
-    available: int
-    completed: int
+    model_config = ConfigDict(extra="ignore", frozen=True)
+    id: str = Field(validation_alias="HITId")
+    status: str = Field("", validation_alias="HITStatus")
+    wanted: int = Field(0, validation_alias="MaxAssignments")
+    pending: int = Field(0, validation_alias="NumberOfAssignmentsPending")
+    available: int = Field(0, validation_alias="NumberOfAssignmentsAvailable")
+    completed: int = Field(0, validation_alias="NumberOfAssignmentsCompleted")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Assignment:
+class Assignment(BaseModel):
     """What one worker handed in."""
 
-    id: str
-    worker: str
-    status: str
-    answer: str
+    model_config = ConfigDict(extra="ignore", frozen=True)
+    id: str = Field(validation_alias="AssignmentId")
+    worker: str = Field(validation_alias="WorkerId")
+    status: str = Field(validation_alias="AssignmentStatus")
+    answer: str = Field("", validation_alias="Answer")
 
 
 class MTurkClient:
@@ -83,12 +85,12 @@ class MTurkClient:
     def create(self, request: Mapping[str, Any]) -> Hit:
         """Make a HIT; workers see it at once. The same request within a day makes no other one."""
         with _said_plainly("create a HIT"):
-            return _hit(self._connection.create_hit(**request)["HIT"])
+            return Hit.model_validate(self._connection.create_hit(**request)["HIT"])
 
     def hit(self, hit: str) -> Hit:
         """Return the HIT with this id."""
         with _said_plainly(f"look at HIT {hit}"):
-            return _hit(self._connection.get_hit(HITId=hit)["HIT"])
+            return Hit.model_validate(self._connection.get_hit(HITId=hit)["HIT"])
 
     def stop(self, hit: str) -> None:
         """Offer a HIT to nobody any more; who works on it may finish."""
@@ -100,12 +102,7 @@ class MTurkClient:
         with _said_plainly(f"list the assignments of HIT {hit}"):
             pages = self._connection.get_paginator("list_assignments_for_hit")
             return [
-                Assignment(
-                    id=found["AssignmentId"],
-                    worker=found["WorkerId"],
-                    status=found["AssignmentStatus"],
-                    answer=found.get("Answer", ""),
-                )
+                Assignment.model_validate(found)
                 for page in pages.paginate(HITId=hit, PaginationConfig={"PageSize": PAGE_SIZE})
                 for found in page["Assignments"]
             ]
@@ -142,17 +139,6 @@ def _said_plainly(what: str) -> AbstractContextManager[None]:
         correct="Correct what it names; requesters of the sandbox and of the live site are "
         "different accounts",
         check="the network",
-    )
-
-
-def _hit(found: Mapping[str, Any]) -> Hit:
-    return Hit(
-        id=found["HITId"],
-        status=found.get("HITStatus", ""),
-        wanted=found.get("MaxAssignments", 0),
-        pending=found.get("NumberOfAssignmentsPending", 0),
-        available=found.get("NumberOfAssignmentsAvailable", 0),
-        completed=found.get("NumberOfAssignmentsCompleted", 0),
     )
 
 

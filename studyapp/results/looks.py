@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import fields, replace
 from pathlib import Path
@@ -120,15 +120,7 @@ def agreement_so_far(folder: StudyFolder) -> Document:
     InputError
         If the study cannot be read, or its answers contradict it.
     """
-    basis, tasks = _analysed(folder)
-    return Document(
-        basis=basis,
-        rows=tuple(
-            _row(task.protocol, one)
-            for task in tasks
-            for one in agreed_so_far(task.table, task.left_out)
-        ),
-    )
+    return _document(folder, lambda task: agreed_so_far(task.table, task.left_out))
 
 
 def results_so_far(folder: StudyFolder) -> Document:
@@ -139,15 +131,16 @@ def results_so_far(folder: StudyFolder) -> Document:
     InputError
         If the study cannot be read, or its answers contradict it.
     """
+    return _document(folder, lambda task: headline_numbers(task.table, task.left_out.analysed))
+
+
+def _document(
+    folder: StudyFolder,
+    found_in: Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]],
+) -> Document:
     basis, tasks = _analysed(folder)
-    return Document(
-        basis=basis,
-        rows=tuple(
-            _row(task.protocol, one)
-            for task in tasks
-            for one in headline_numbers(task.table, task.left_out.analysed)
-        ),
-    )
+    rows = tuple(_row(task.protocol, one) for task in tasks for one in found_in(task))
+    return Document(basis=basis, rows=rows)
 
 
 def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
