@@ -15,11 +15,12 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
-from analysis.planning.words import segments, sentences, with_error
+from analysis.planning.words import sentences, with_error
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
 from analysis.report.figures.style import INK, LINE, SOFT, sign_of
 from analysis.report.figures.svg import FORMATS, as_file
 from analysis.report.tables import write_frame
+from analysis.report.wording import count
 from analysis.results.report import as_json
 from motion.files import replacing, write_text
 
@@ -143,7 +144,7 @@ def power_figure(plan: Plan) -> Figure:
         return {}
 
     signs = [
-        _line(place, [], [], label=segments(items))
+        _line(place, [], [], label=count(items, "segment"))
         for place, items in enumerate(plan.request.items)
     ]
     if _own_size(plan) is not None:

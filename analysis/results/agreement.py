@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -18,8 +18,6 @@ from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
-
-LEVEL: Final = "ordinal"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +71,7 @@ def agreement_of(answers: pd.DataFrame) -> Agreement:
     key = participants.astype(np.int64) * (int(items.max(initial=0)) + 1) + items
     first = np.sort(np.unique(key, return_index=True)[1])
     own = _counted(answers)[first], participants[first], items[first]
-    alpha = krippendorff_alpha(*own, level=LEVEL)
+    alpha = krippendorff_alpha(*own)
     return Agreement(**vars(alpha), icc=intraclass_correlation(*own))
 
 

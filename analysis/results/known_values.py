@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from analysis.results.grouping import PairPlace, Place
+from analysis.results.grouping import Place
 from analysis.results.headline import Measure
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
@@ -117,7 +117,12 @@ def found_differences(
 ) -> tuple[KnownDifference, ...]:
     """Return, of any two that were compared, whether the better one is found."""
     truths = {_key_of(value, value.part): value.value for value in known}
-    return tuple(difference for report in reports for difference in _differences(report, truths))
+    return tuple(
+        difference
+        for report in reports
+        for one in _compared(report)
+        if not math.isnan((difference := _difference(report, truths, *one)).truth)
+    )
 
 
 _Key = tuple[str, str, str, str]
@@ -150,71 +155,49 @@ def _estimates(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate]]
                 yield "mean_rank", rank, rank.mean_rank
 
 
-def _differences(report: TableReport, truths: Mapping[_Key, float]) -> Iterator[KnownDifference]:
-    parts = {key[1] for key in truths}
-
-    def truth(measure: Measure, part: str | None, question: str, about: str) -> float:
-        # A table without sets may be one part of a study that has several.
-        for name in [part or ""] if report.sets else sorted(parts):
-            if (measure, name, question, about) in truths:
-                return truths[measure, name, question, about]
-        return math.nan
-
-    for difference in (*_from_half(report, truth), *_between(report, truth)):
-        if not math.isnan(difference.truth):
-            yield difference
-
-
-_Truth = Callable[[Measure, str | None, str, str], float]
-
-
-def _from_half(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
-    """Give the shares of a report, as differences from one half."""
-    for measure, place, share in _estimates(report):
-        if measure in ("win_share", "own_speech"):
-            key = _key(measure, place)
-            yield KnownDifference(
-                part=key[1],
-                question=place.question,
-                measure=measure,
-                first=place.names[0],
-                second=place.names[1] if isinstance(place, PairPlace) else "other speech",
-                truth=truth(measure, place.set, place.question, key[-1]) - 0.5,
-                found=replace(
-                    share, estimate=share.estimate - 0.5, low=share.low - 0.5, high=share.high - 0.5
-                ),
-                decided=share.has_interval and not share.covers(0.5),
-            )
-
-
-def _between(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
-    """Give the differences between every two conditions that were rated or ranked."""
-    pairs: list[tuple[Measure, PairPlace, Estimate, bool]] = []
+def _compared(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate, bool]]:
+    """Give what the analysis says of every two: shares as differences from one half."""
     match report.results:
         case RatingResults(contrasts=contrasts):
             for one in contrasts:
-                found: Estimate = one.difference
-                decided = found.has_interval and not found.covers(0.0)
-                pairs.append(("mean_rating", one, found, decided))
+                found = one.difference
+                yield "mean_rating", one, found, found.has_interval and not found.covers(0.0)
         case RankingResults(posthoc=posthoc):
-            for ranks in posthoc:
-                found = Estimate(
-                    estimate=-ranks.difference,
-                    participants=ranks.n,
-                    reason=ranks.reason or NO_RANK_INTERVAL,
-                )
-                pairs.append(("mean_rank", ranks, found, ranks.conover_holm < SIGNIFICANT))
-    for measure, pair, found, decided in pairs:
-        values = [truth(measure, pair.set, pair.question, name) for name in pair.names]
+            for pair in posthoc:
+                reason = pair.reason or NO_RANK_INTERVAL
+                ahead = Estimate(estimate=-pair.difference, participants=pair.n, reason=reason)
+                yield "mean_rank", pair, ahead, pair.conover_holm < SIGNIFICANT
+        case _:
+            for measure, place, share in _estimates(report):
+                moved = {name: getattr(share, name) - 0.5 for name in ("estimate", "low", "high")}
+                decided = share.has_interval and not share.covers(0.5)
+                yield measure, place, replace(share, **moved), decided
+
+
+def _difference(
+    report: TableReport,
+    truths: Mapping[_Key, float],
+    measure: Measure,
+    place: Place,
+    found: Estimate,
+    decided: bool,
+) -> KnownDifference:
+    # A table without sets may be one part of a study that has several.
+    parts = [place.set or ""] if report.sets else sorted({key[1] for key in truths})
+    is_share = measure in ("win_share", "own_speech")
+    keys = [
+        next((k for part in parts if (k := (measure, part, place.question, name)) in truths), None)
+        for name in (["-".join(place.names)] if is_share else place.names)
+    ]
+    first, second = [*(truths[key] if key else math.nan for key in keys), 0.5][:2]
+    return KnownDifference(
+        part=place.set or "",
+        question=place.question,
+        measure=measure,
+        first=place.names[0],
+        second="".join(place.names[1:]) or "other speech",
         # The smaller a rank, the better.
-        sign = -1 if measure == "mean_rank" else 1
-        yield KnownDifference(
-            part=pair.set or "",
-            question=pair.question,
-            measure=measure,
-            first=pair.a,
-            second=pair.b,
-            truth=sign * (values[0] - values[1]),
-            found=found,
-            decided=decided,
-        )
+        truth=second - first if measure == "mean_rank" else first - second,
+        found=found,
+        decided=decided,
+    )

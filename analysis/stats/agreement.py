@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -22,7 +22,6 @@ from analysis.stats.samples import finite, percentile_interval
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
-Level = Literal["nominal", "ordinal", "interval", "ratio"]
 
 RESAMPLES: Final = 2000
 BLOCK: Final = 200
@@ -35,15 +34,12 @@ class Alpha(Interval):
 
     Attributes
     ----------
-    level : {'nominal', 'ordinal', 'interval', 'ratio'}
-        How far apart two values are taken to be.
     n, items, participants : int
         What it rests on: answers about items that at least two participants answered about.
     method : str
         How the interval was found; empty where there is none.
     """
 
-    level: Level
     n: int
     items: int
     participants: int
@@ -55,11 +51,10 @@ def krippendorff_alpha(
     raters: NDArray[np.generic],
     items: NDArray[np.generic],
     *,
-    level: Level = "ordinal",
     resamples: int = RESAMPLES,
     seed: int = 0,
 ) -> Alpha:
-    """Estimate alpha from answers, of which some may be missing (Krippendorff 2011).
+    """Estimate alpha from ordered answers, of which some may be missing (Krippendorff 2011).
 
     Parameters
     ----------
@@ -67,8 +62,6 @@ def krippendorff_alpha(
         Answers as numbers in their order.
     raters, items : ndarray, shape (N,)
         Who answered about what; one answer of each about each.
-    level : {'nominal', 'ordinal', 'interval', 'ratio'}
-        Scale of the values.
     resamples, seed : int
         Bootstrap resamples of the items, and what draws them.
 
@@ -87,27 +80,19 @@ def krippendorff_alpha(
     domain, codes = np.unique(table["value"].to_numpy(), return_inverse=True)
     rows = pd.factorize(table["item"])[0]
     count = int(rows.max(initial=-1)) + 1
-    unknown = Alpha(
-        level=level, n=len(table), items=count, participants=int(table["rater"].nunique())
-    )
+    unknown = Alpha(n=len(table), items=count, participants=int(table["rater"].nunique()))
     if not count:
         return replace(unknown, reason="no item was answered about by two participants")
     if len(domain) < 2:
         return replace(unknown, reason="all answers alike")
     cells = np.bincount(rows * len(domain) + codes, minlength=count * len(domain))
     coincidences = _coincidences(cells.reshape(count, len(domain)).astype(np.float64))
-    [estimate] = _alphas(coincidences.sum(axis=0)[None], domain, level)
+    [estimate] = _alphas(coincidences.sum(axis=0)[None])
     found = replace(unknown, estimate=float(estimate))
     if count < 2:
         return replace(found, reason="one item gives no interval")
-    low, high = percentile_interval(
-        np.concatenate(
-            [
-                _alphas(drawn, domain, level)
-                for drawn in _drawn_tables(coincidences, resamples, seed)
-            ]
-        )
-    )
+    drawn = [_alphas(one) for one in _drawn_tables(coincidences, resamples, seed)]
+    low, high = percentile_interval(np.concatenate(drawn))
     return replace(found, low=low, high=high, method=f"bootstrap over items, {resamples} resamples")
 
 
@@ -119,29 +104,19 @@ def _coincidences(counts: Floats) -> Floats:
     return np.asarray(pairs / (counts.sum(axis=1) - 1)[:, None, None], np.float64)
 
 
-def _alphas(coincidences: Floats, domain: Floats, level: Level) -> Floats:
-    """Return alpha of each table of coincidences, (tables, values, values); NaN for one value."""
+def _alphas(coincidences: Floats) -> Floats:
+    """Return alpha of each table of coincidences, (tables, values, values); NaN for one value.
+
+    Two ordinal values are as far apart as there are answers between them.
+    """
     totals = coincidences.sum(axis=2)
     count = totals.sum(axis=1)
-    apart = _squared_distances(domain, totals, level)
+    middles = np.cumsum(totals, axis=1) - totals / 2
+    apart = (middles[:, :, None] - middles[:, None, :]) ** 2
     observed = np.einsum("tij,tij->t", coincidences, apart)
     expected = np.einsum("ti,tj,tij->t", totals, totals, apart) / (count - 1)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(expected > 0, 1 - observed / expected, math.nan)
-
-
-def _squared_distances(domain: Floats, totals: Floats, level: Level) -> Floats:
-    """Return how far values are apart, squared; between ordinal ones lie the answers between."""
-    if level == "ordinal":
-        middles = np.cumsum(totals, axis=1) - totals / 2
-        return np.asarray((middles[:, :, None] - middles[:, None, :]) ** 2, np.float64)
-    difference = domain[:, None] - domain
-    if level == "nominal":
-        return np.asarray(difference != 0, np.float64)[None]
-    if level == "ratio":
-        total = domain[:, None] + domain
-        difference = np.divide(difference, total, out=np.zeros_like(difference), where=total != 0)
-    return np.asarray(difference[None] ** 2, np.float64)
 
 
 @dataclass(frozen=True, kw_only=True)

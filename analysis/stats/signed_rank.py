@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -26,17 +26,9 @@ class SignTest(Interval):
     ----------
     p_value : float
         Two-sided p of the share being one half; NaN without any.
-    above, below, zeros : int
-        Number of values.
-    method : str
-        Which test; empty where there is none.
     """
 
     p_value: float = math.nan
-    above: int
-    below: int
-    zeros: int
-    method: str = ""
 
 
 def sign_test(values: Floats) -> SignTest:
@@ -50,10 +42,8 @@ def sign_test(values: Floats) -> SignTest:
     values = finite(values)
     nearly = ROUNDING * np.abs(values).max(initial=0.0)
     above, below = int((values > nearly).sum()), int((values < -nearly).sum())
-    zeros = len(values) - above - below
     if not above + below:
-        reason = "all values are zero" if zeros else "no values"
-        return SignTest(above=above, below=below, zeros=zeros, reason=reason)
+        return SignTest(reason="all values are zero" if len(values) else "no values")
     test = stats.binomtest(above, above + below)
     interval = test.proportion_ci(0.95)
     return SignTest(
@@ -61,19 +51,12 @@ def sign_test(values: Floats) -> SignTest:
         low=float(interval.low),
         high=float(interval.high),
         p_value=float(test.pvalue),
-        above=above,
-        below=below,
-        zeros=zeros,
-        method="exact binomial, zeros dropped",
     )
 
 
 EXACT: Final = 300
 """Up to so many values the distribution is counted out; beyond, it is taken for normal."""
 
-
-BY_COUNTING: Final = "exact"
-BY_NORMAL: Final = "normal approximation with tie correction"
 
 IGNORED: Final = (
     "that one participant's answers resemble each other",
@@ -97,10 +80,6 @@ class SignedRank:
     normal_p : float
         The same by the normal approximation with tie correction, without one for continuity, as
         other software gives it; NaN where there is no test.
-    n, zeros : int
-        Number of values, and how many of them are zero.
-    method : str
-        How `p_value` was found, and what was done with zeros; empty where there is no test.
     reason : str
         Why there is no test; empty where there is one.
     """
@@ -108,9 +87,6 @@ class SignedRank:
     statistic: float = math.nan
     p_value: float = math.nan
     normal_p: float = math.nan
-    n: int
-    zeros: int
-    method: str = ""
     reason: str = ""
 
 
@@ -129,24 +105,17 @@ def signed_rank(values: Floats) -> SignedRank:
     values = finite(values)
     size = np.abs(values)
     nonzero = size > ROUNDING * size.max(initial=0.0)
-    unknown = SignedRank(n=len(values), zeros=int((~nonzero).sum()))
-    if not len(values):
-        return replace(unknown, reason="no values")
     if not nonzero.any():
-        return replace(unknown, reason="all values are zero")
+        return SignedRank(reason="all values are zero" if len(values) else "no values")
     ranks = tied_ranks(size[nonzero])
     positive = values[nonzero] > 0
     total, above = ranks.sum(), ranks[positive].sum()
     deviation = math.sqrt(ranks @ ranks) / 2
     normal = float(2 * stats.norm.sf(abs(above - total / 2) / deviation))
-    counted = len(ranks) <= EXACT
-    treatment = "no zeros" if nonzero.all() else "zeros dropped"
-    return replace(
-        unknown,
+    return SignedRank(
         statistic=float(above),
-        p_value=_by_counting(ranks, positive) if counted else normal,
+        p_value=_by_counting(ranks, positive) if len(ranks) <= EXACT else normal,
         normal_p=normal,
-        method=f"{BY_COUNTING if counted else BY_NORMAL}, {treatment}",
     )
 
 

@@ -74,13 +74,13 @@ def inline_svg(
     figure: Figure,
     *,
     name: str,
+    title: str,
     alt: str,
-    title: str = "",
     hints: Mapping[str, str] | None = None,
 ) -> Markup:
     """Return `figure` as an ``svg`` element for the body of an HTML page.
 
-    Its ids begin with `name`; without a title, `alt` alone names the figure.
+    Its ids begin with `name`.
     """
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}), _any_letters():
@@ -126,8 +126,6 @@ def _any_letters() -> Iterator[None]:
 
 
 def _named(body: str, name: str, title: str, alt: str) -> str:
-    if not title:
-        return body.replace("<svg", f'<svg role="img" aria-label="{escape(alt)}"', 1)
     labels = f'role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc"'
     start = body.index(">", body.index("<svg")) + 1
     words = (

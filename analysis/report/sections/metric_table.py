@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from string import ascii_lowercase
@@ -13,8 +13,8 @@ from typing import Final
 from analysis.measurement.scores import ConditionScore
 from analysis.metrics.result import Better
 from analysis.report import wording
-from analysis.report.content import Cell, Table
-from motion.errors import listed
+from analysis.report.content import Cell, Table, counted
+from analysis.report.texts import paragraphs
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,6 @@ class TableColumn:
 
 SCORES: Final = "metrics.csv"
 """File in the report's ``tables`` folder with all scores of conditions, settings and reasons."""
-
-YES: Final = "✓"
-NO: Final = "✗"
 
 ARROWS: Final[dict[Better, str]] = {
     "lower": "↓",
@@ -110,18 +107,38 @@ def metric_table(
     marks_generative : bool
         Whether each block ends with a mark of generative conditions, where any is stated.
     """
-    footnotes = _Footnotes(len(systems.names))
+    why = {
+        (column, name): _why(column, name, scores, systems)
+        for column in columns
+        for name in systems.names
+    }
+    reasons = dict.fromkeys(reason for said in why.values() for reason in said)
+    letters = {reason: _letter(number) for number, reason in enumerate(reasons)}
     header, filled, groups = [], [], [("", 1)]
     for block, own in groupby(columns, key=lambda column: column.block):
         inside = list(own)
         header += [_heading(column, scores, systems) for column in inside]
-        filled += [_column(column, scores, systems, footnotes) for column in inside]
+        filled += [_column(column, scores, systems, why, letters) for column in inside]
         # DiffSHEG marks its blocks of expression and gesture, not the holistic one.
         gen = marks_generative and bool(systems.generative) and len(inside) > 1
         if gen:
             header.append("Gen")
             filled.append([_generative(system, systems) for system in systems.names])
         groups.append((block, len(inside) + gen))
+    left = ((systems.recorded, "recorded"), (systems.broken, "catch trials"))
+    notes = paragraphs(
+        "metrics.notes",
+        arrows=ARROWS,
+        used={column.better for column in columns},
+        unranked=[
+            f"{wording.condition(name)} ({what})" for name, what in left if name in systems.names
+        ],
+        has_spread=any("±" in cell.text for column in filled for cell in column),
+        has_recorded=systems.recorded in systems.names,
+        footnotes=[(letters[reason], _said_of(reason, why), reason) for reason in reasons],
+        systems=len(systems.names),
+        settings=_settings(columns, scores),
+    )
     return Table(
         caption=caption,
         header=("condition", *header),
@@ -130,40 +147,36 @@ def metric_table(
             for place, system in enumerate(systems.names)
         ),
         groups=tuple(groups) if any(block for block, _ in groups) else (),
-        notes=(
-            *_reading(columns, systems, any("±" in c.text for column in filled for c in column)),
-            *footnotes.texts(),
-            *settings_notes(columns, scores),
-        ),
+        notes=notes,
         name=name,
         data=SCORES,
     )
 
 
-@dataclass
-class _Footnotes:
-    """Reasons with a letter each, given out in the order in which cells need them."""
+_Why = Mapping[tuple[TableColumn, str], Sequence[str]]
+"""What must be known of a score, or why there is none, by column and condition."""
 
-    _rows: int
-    _subjects: dict[str, dict[str, list[str]]] = field(default_factory=dict)
 
-    def letter(self, reason: str, label: str, condition: str) -> str:
-        """Return the letter of `reason`, and remember what it is about."""
-        about = self._subjects.setdefault(reason, {})
-        about.setdefault(label, []).append(wording.condition(condition))
-        return _letter(list(self._subjects).index(reason))
+def _why(column: TableColumn, name: str, scores: Scores, systems: Systems) -> list[str]:
+    score = scores.get((name, column.metric))
+    if score is not None:
+        return [reason for reason in (score.reason, score.remark) if reason]
+    if name == systems.recorded and any((one, column.metric) in scores for one in systems.names):
+        return ["recorded motion is not compared with itself"]
+    return ["not measured"]
 
-    def texts(self) -> Iterator[str]:
-        """Yield the footnotes."""
-        for number, (reason, about) in enumerate(self._subjects.items()):
-            alike: dict[tuple[str, ...], list[str]] = {}
-            for label, names in about.items():
-                alike.setdefault(tuple(names), []).append(label)
-            parts = [
-                listed(labels) + ("" if len(names) == self._rows else f" of {listed(list(names))}")
-                for names, labels in alike.items()
-            ]
-            yield f"({_letter(number)}) {'; '.join(parts)}: {reason.rstrip('.')}."
+
+def _said_of(reason: str, why: _Why) -> list[tuple[list[str], list[str]]]:
+    """Return columns, and the conditions that a reason is about in all of these."""
+    about: dict[str, list[str]] = {}
+    for (column, name), said in why.items():
+        if reason in said:
+            label = f"{column.block.lower()} {column.label}".strip()
+            about.setdefault(label, []).append(wording.condition(name))
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for label, names in about.items():
+        alike.setdefault(tuple(names), []).append(label)
+    return [(labels, [*names]) for names, labels in alike.items()]
 
 
 def _letter(number: int) -> str:
@@ -172,34 +185,33 @@ def _letter(number: int) -> str:
 
 
 def _heading(column: TableColumn, scores: Scores, systems: Systems) -> str:
-    unit = next(
-        (scores[s, column.metric].unit for s in systems.names if (s, column.metric) in scores), ""
-    )
-    arrow = ARROWS[column.better]
-    return f"{column.label}{f' {arrow}' if arrow else ''}{f' ({unit})' if unit else ''}"
+    found = (scores.get((name, column.metric)) for name in systems.names)
+    unit = next((score.unit for score in found if score is not None), "")
+    return f"{column.label} {ARROWS[column.better]}".strip() + (f" ({unit})" if unit else "")
 
 
 def _column(
-    column: TableColumn, scores: Scores, systems: Systems, footnotes: _Footnotes
+    column: TableColumn, scores: Scores, systems: Systems, why: _Why, letters: Mapping[str, str]
 ) -> list[Cell]:
-    found = [scores.get((name, column.metric)) for name in systems.names]
-    values = [math.nan if score is None else score.value for score in found]
-    decimals = _decimals([score for score in found if score is not None])
-    recorded = next(
-        (v for name, v in zip(systems.names, values, strict=True) if name == systems.recorded),
-        math.nan,
-    )
-    ranked = [value if place in systems.ranked else math.nan for place, value in enumerate(values)]
+    found = {name: scores.get((name, column.metric)) for name in systems.names}
+    values = {name: math.nan if one is None else one.value for name, one in found.items()}
+    decimals = _decimals([score for score in found.values() if score is not None])
+    ranked = [
+        values[name] if place in systems.ranked else math.nan
+        for place, name in enumerate(systems.names)
+    ]
+    recorded = values.get(systems.recorded or "", math.nan)
     best, second = first_and_second(ranked, column.better, recorded, decimals)
+    marks = {name: ", ".join(letters[one] for one in why[column, name]) for name in systems.names}
     return [
-        Cell(
-            text=_text(score, decimals)
-            + _mark(score, column, name, footnotes, _absent(name, systems, found)),
-            value=None if math.isnan(value) else value,
+        counted(
+            value,
+            _text(found[name], decimals)
+            + (f"{wording.NO_BREAK}({marks[name]})" if marks[name] else ""),
             best=place in best,
             second=place in second,
         )
-        for place, (name, score, value) in enumerate(zip(systems.names, found, values, strict=True))
+        for place, (name, value) in enumerate(values.items())
     ]
 
 
@@ -215,27 +227,6 @@ def _text(score: ConditionScore | None, decimals: int) -> str:
     return f"{value}{wording.NO_BREAK}±{wording.NO_BREAK}{wording.fixed(score.spread, decimals)}"
 
 
-def _mark(
-    score: ConditionScore | None,
-    column: TableColumn,
-    condition: str,
-    footnotes: _Footnotes,
-    absent: str,
-) -> str:
-    """Return the letters of what must be known of a score, or of why there is none."""
-    reasons = [absent] if score is None else [score.reason, score.remark]
-    label = f"{column.block.lower()} {column.label}".strip()
-    letters = [footnotes.letter(reason, label, condition) for reason in reasons if reason]
-    return f"{wording.NO_BREAK}({', '.join(letters)})" if letters else ""
-
-
-def _absent(condition: str, systems: Systems, found: Sequence[ConditionScore | None]) -> str:
-    """Return why a condition has no score at all."""
-    if condition == systems.recorded and any(score is not None for score in found):
-        return "recorded motion is not compared with itself"
-    return "not measured"
-
-
 def _decimals(scores: Sequence[ConditionScore]) -> int:
     """Return how many decimals show what differs between conditions and no more."""
     spreads = [abs(score.spread) for score in scores if score.spread > 0]
@@ -249,37 +240,11 @@ def _generative(name: str, systems: Systems) -> Cell:
     known = systems.generative.get(name)
     if name == systems.recorded or known is None:
         return Cell(text="–")
-    return Cell(text=YES if known else NO, value=float(known))
+    return Cell(text="✓" if known else "✗", value=float(known))
 
 
-def _reading(columns: Sequence[TableColumn], systems: Systems, has_spread: bool) -> Iterator[str]:
-    """Yield how the table is read."""
-    used = {column.better for column in columns}
-    words = [
-        f"{ARROWS[better]} {text}"
-        for better, text in (
-            ("lower", "lower is better"),
-            ("higher", "higher is better"),
-            ("near the reference", "nearest to recorded motion is best"),
-        )
-        if better in used
-    ]
-    left = [
-        f"{wording.condition(name)} ({what})"
-        for name, what in ((systems.recorded, "recorded"), (systems.broken, "catch trials"))
-        if name is not None and name in systems.names
-    ]
-    yield (
-        f"{'; '.join(words)}{'. ' if words else ''}Best in bold, second best underlined, equal "
-        f"ones alike{f'; {listed(left)} not ranked' if left else ''}."
-        + (" ±: standard deviation between clips." if has_spread else "")
-    )
-    if "near the reference" in used and (systems.recorded not in systems.names):
-        yield "No recorded motion was measured, so nothing is nearest to it."
-
-
-def settings_notes(columns: Sequence[TableColumn], scores: Scores) -> list[str]:
-    """Return one note per set of settings, naming all metrics that share it."""
+def _settings(columns: Sequence[TableColumn], scores: Scores) -> dict[str, list[str]]:
+    """Return the metrics that share them by settings, in words."""
     shared: dict[str, list[str]] = {}
     for column in columns:
         found = [score for (_, metric), score in scores.items() if metric == column.metric]
@@ -287,7 +252,7 @@ def settings_notes(columns: Sequence[TableColumn], scores: Scores) -> list[str]:
         words = "; ".join(f"{key}: {value}" for key, value in settings.items())
         if words:
             shared.setdefault(words.replace("_", " "), []).append(column.label)
-    return [f"{listed(sharing)} – {words}." for words, sharing in shared.items()]
+    return shared
 
 
 def first_and_second(

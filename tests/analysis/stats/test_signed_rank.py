@@ -36,7 +36,6 @@ small = st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any)
 def test_with_ties_and_zeros_it_is_what_all_signs_give(values: list[float]) -> None:
     found = signed_rank(np.array(values) / 7)
     assert found.p_value == pytest.approx(by_all_signs(np.array(values)))
-    assert found.zeros == values.count(0)
 
 
 def test_without_ties_it_is_the_textbook_test() -> None:
@@ -45,15 +44,13 @@ def test_without_ties_it_is_the_textbook_test() -> None:
     found = signed_rank(values)
     assert found.p_value == pytest.approx(expected.pvalue)
     assert min(found.statistic, 25 * 26 / 2 - found.statistic) == expected.statistic
-    assert found.method == "exact, no zeros"
 
 
-def test_very_many_values_are_taken_for_normal_and_it_says_so() -> None:
+def test_very_many_values_are_taken_for_normal() -> None:
     values = np.random.default_rng(2).integers(-2, 4, 400).astype(float)
     expected = stats.wilcoxon(values, correction=False, method="approx")
     found = signed_rank(values)
     assert found.p_value == found.normal_p == pytest.approx(expected.pvalue)
-    assert found.method == "normal approximation with tie correction, zeros dropped"
 
 
 def test_the_normal_approximation_stands_beside_the_exact_p() -> None:
@@ -77,7 +74,6 @@ def test_no_test_comes_with_its_reason(values: list[float], reason: str) -> None
     found = signed_rank(np.array(values))
     assert found.reason == reason
     assert math.isnan(found.p_value)
-    assert not found.method
 
 
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=12))
@@ -109,14 +105,13 @@ def test_it_says_what_it_ignores() -> None:
 
 def test_six_above_and_one_below_worked_by_hand() -> None:
     found = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
-    assert (found.above, found.below, found.zeros) == (6, 1, 1)
     assert found.p_value == pytest.approx(2 * (1 + 7) / 2**7)
     assert found.estimate == pytest.approx(6 / 7)
     assert found.low < 0.5 < found.high
 
 
 def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:
-    assert sign_test(np.array([0.1 + 0.2 - 0.3, 1.0])).zeros == 1
+    assert sign_test(np.array([0.1 + 0.2 - 0.3, -1.0])).estimate == 0
 
 
 @pytest.mark.parametrize(("values", "reason"), [([], "no values"), ([0.0], "all values are zero")])

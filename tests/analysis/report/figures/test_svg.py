@@ -18,7 +18,7 @@ from analysis.report.figures.style import (
     place_colours,
     scale_colours,
 )
-from analysis.report.figures.svg import FORMATS, Drawing, as_file, inline_svg, picture
+from analysis.report.figures.svg import FORMATS, Drawing, as_file, picture
 
 
 def drawn(name: str = "one") -> Picture:
@@ -81,12 +81,6 @@ def test_a_figure_says_what_it_shows_to_those_who_cannot_see_it() -> None:
     assert line is not None
     assert [hint.get_text() for hint in line("title")] == ["1 < 2"]
     assert "a < b & c" in [text.get_text() for text in svg("text")]
-
-
-def test_a_figure_without_a_title_is_named_by_what_it_shows() -> None:
-    figure = Figure(figsize=(2, 1))
-    figure.subplots()
-    assert 'aria-label="say &#34;hi&#34;"' in inline_svg(figure, name="one", alt='say "hi"')
 
 
 def test_words_and_lines_follow_the_colours_of_the_page() -> None:
