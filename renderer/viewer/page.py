@@ -6,11 +6,11 @@ import base64
 import hashlib
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import soundfile
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -18,6 +18,7 @@ from markupsafe import Markup
 
 from motion.audio import Audio
 from motion.body.abilities import read_expression_matrix
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import write_text
@@ -51,13 +52,62 @@ class Scene:
         What stands beside the button that starts it.
     clips : mapping of str to MotionClip
         By what stands under them; at most `MOST_CLIPS`.
-    speech : Audio, str or None
-        What is heard, or the address at which a server has it. It is as long as the clips.
+    speech : Audio or None
+        What is heard, as long as the clips.
     """
 
     name: str
     clips: Mapping[str, MotionClip]
-    speech: Audio | str | None = None
+    speech: Audio | None = None
+
+
+def viewed_body(look: Look) -> BodyModel:
+    """Return the avatar of `look`, with the matrix that faces may need for it."""
+    matrix = look.expression_matrix
+    return replace(
+        avatar_body(look.avatar),
+        expression_matrix=None if matrix is None else read_expression_matrix(matrix),
+    )
+
+
+def packed_scene(
+    scene: Scene, body: BodyModel, look: Look, keep: Callable[[bytes], str]
+) -> dict[str, Any]:
+    """Return a scene as ``viewer.js`` reads it, in JSON values.
+
+    Parameters
+    ----------
+    scene : Scene
+        What plays.
+    body : BodyModel
+        What `viewed_body` returns.
+    look : Look
+        What the camera sees at first.
+    keep : callable
+        Takes a clip's track, or the speech as MP3, and returns where ``viewer.js`` finds it.
+
+    Raises
+    ------
+    InputError
+        If there is no clip, or more than `MOST_CLIPS`.
+    """
+    if not 0 < len(scene.clips) <= MOST_CLIPS:
+        raise InputError(
+            f"{len(scene.clips)} motions do not fit side by side",
+            remedy=f"Show 1 to {MOST_CLIPS} at a time",
+        )
+    return {
+        "speech": None if scene.speech is None else keep(_mp3(scene.speech)),
+        "camera": asdict(frame_clips(scene.clips.values(), body, look)),
+        "clips": [
+            {"name": name, "source": keep(track(clip, body))} for name, clip in scene.clips.items()
+        ],
+    }
+
+
+def data_address(data: bytes) -> str:
+    """Return the address that is the data itself."""
+    return f"data:;base64,{base64.b64encode(data).decode()}"
 
 
 class MotionFigures:
@@ -70,11 +120,7 @@ class MotionFigures:
     """
 
     def __init__(self, look: Look) -> None:
-        matrix = look.expression_matrix
-        self._body = replace(
-            avatar_body(look.avatar),
-            expression_matrix=None if matrix is None else read_expression_matrix(matrix),
-        )
+        self._body = viewed_body(look)
         self._look = look
         self._embedded: dict[str, str] = {}
         self._avatar = self._embed(packed_avatar(look.avatar))
@@ -95,25 +141,15 @@ class MotionFigures:
         InputError
             If there is no clip, or more than `MOST_CLIPS`.
         """
-        if not 0 < len(scene.clips) <= MOST_CLIPS:
-            raise InputError(
-                f"{len(scene.clips)} motions do not fit side by side",
-                remedy=f"Show 1 to {MOST_CLIPS} at a time",
-            )
-        speech = scene.speech
-        told = {
-            "avatar": self._avatar,
-            "speech": self._embed(_mp3(speech)) if isinstance(speech, Audio) else speech,
-            "camera": asdict(frame_clips(scene.clips.values(), self._body, self._look)),
-            "clips": [
-                {"name": name, "source": self._embed(track(clip, self._body))}
-                for name, clip in scene.clips.items()
-            ],
-        }
+        told = packed_scene(scene, self._body, self._look, self._embed)
         return Markup(
             '<figure class="motion-viewer" data-scene="{}"{}>'
             '<button type="button" class="start">Play {}</button></figure>'
-        ).format(json.dumps(told), Markup(" data-at-once") if at_once else "", scene.name)
+        ).format(
+            json.dumps({"avatar": self._avatar} | told),
+            Markup(" data-at-once") if at_once else "",
+            scene.name,
+        )
 
     def sources(self) -> Markup:
         """Return the elements that hold what the figures made so far show; scripts come after."""

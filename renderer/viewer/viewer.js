@@ -1,8 +1,10 @@
 /* Plays motion that one can turn around: each figure.motion-viewer of a page.
 
-   Its data-scene holds JSON: the avatar, the clips and the speech as addresses, or as "#id" of an
-   element with their bytes in base64. What they hold is written by renderer/viewer. All clips of a
-   figure run on one clock, which is the speech where there is any. */
+   Its data-scene holds JSON, or the address that sends it: the clips and the speech in base64, as
+   "data:" addresses or as "#id" of an element. The avatar is such an "#id" as well, or data-avatar
+   is its address. Where nothing can be played, "problem" says why in place of all that; "notes" say
+   what is not there. What the data hold is written by renderer/viewer. All clips of a figure run on one
+   clock, which is the speech where there is any. */
 "use strict";
 (() => {
 const BACKGROUND = 0xececee, SKELETON = 0x0072b2, GROUND = 0xd9d9dd;
@@ -12,14 +14,20 @@ let running = null;
 
 /* Reading what was packed */
 
+async function fetched(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(`the server answered with ${answer.status}`);
+  return answer;
+}
+
+function lettersOf(source) {
+  if (source.startsWith("#")) return document.getElementById(source.slice(1)).textContent.trim();
+  return source.slice(source.indexOf(",") + 1);
+}
+
 async function bytesOf(source) {
-  if (!source.startsWith("#")) {
-    const answer = await fetch(source);
-    if (!answer.ok) throw new Error(`${source} was answered with ${answer.status}`);
-    return new Uint8Array(await answer.arrayBuffer());
-  }
-  const letters = atob(document.getElementById(source.slice(1)).textContent.trim());
-  return Uint8Array.from(letters, letter => letter.charCodeAt(0));
+  if (source.startsWith("/")) return new Uint8Array(await (await fetched(source)).arrayBuffer());
+  return Uint8Array.from(atob(lettersOf(source)), letter => letter.charCodeAt(0));
 }
 
 async function unpacked(source) {
@@ -296,6 +304,7 @@ class Player {
       element("div", { className: "controls" }, this.button, this.scrubber, this.time, speed),
       element("div", { className: "controls" },
         element("label", {}, "Turn ", this.turn), front, element("label", {}, skeleton, " Skeleton")),
+      ...(scene.notes ?? []).map(note => element("p", { textContent: note })),
       ...this.figure.querySelectorAll("figcaption"),
     );
     if (this.clock.audio) this.figure.append(this.clock.audio);
@@ -360,11 +369,6 @@ class Player {
   }
 }
 
-async function speechAddress(source) {
-  if (!source || !source.startsWith("#")) return source;
-  return `data:audio/mpeg;base64,${document.getElementById(source.slice(1)).textContent.trim()}`;
-}
-
 function showsGraphics() {
   return Boolean(document.createElement("canvas").getContext("webgl2"));
 }
@@ -375,16 +379,21 @@ async function start(figure) {
     tell(figure, "This browser cannot draw in three dimensions (WebGL 2 is off or missing), so the motion cannot be shown here. Another browser, or another computer, can show it.");
     return;
   }
-  const before = figure.cloneNode(true), scene = JSON.parse(figure.dataset.scene);
+  const before = figure.cloneNode(true), { scene: told, avatar: address } = figure.dataset;
+  const button = figure.querySelector(".start");
+  Object.assign(button, { textContent: "Loading …", disabled: true });
   try {
-    const [avatar, ...clips] = await Promise.all([scene.avatar, ...scene.clips.map(clip => clip.source)].map(unpacked));
-    const speech = await speechAddress(scene.speech);
+    const scene = told.startsWith("{") ? JSON.parse(told) : await (await fetched(told)).json();
+    if (scene.problem) return tell(figure, scene.problem);
+    const sources = [scene.avatar ?? address, ...scene.clips.map(clip => clip.source)];
+    const [avatar, ...clips] = await Promise.all(sources.map(unpacked));
+    const speech = scene.speech && `data:audio/mpeg;base64,${lettersOf(scene.speech)}`;
     if (running) running.end();
     const player = new Player(figure, scene, avatar, clips, speech);
     running = { player, end: () => { player.stop(); figure.replaceWith(before); prepare(before); } };
     player.button.focus();
   } catch (error) {
-    tell(figure, `The motion cannot be shown: ${error.message}. Load the page again.`);
+    tell(figure, `The motion cannot be shown: ${error.message}. Load the page again to try once more.`);
     throw error;
   }
 }

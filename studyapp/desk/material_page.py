@@ -23,9 +23,10 @@ from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
+from studyapp.web.research.motion_scenes import WantedScene, scenes_of, send_scene
 
 State = Literal["missing", "motion", "video"]
 
@@ -73,6 +74,11 @@ class Cell:
         if self.video is not None:
             return "video"
         return "motion" if self.brought.is_file() else "missing"
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether it can be turned around."""
+        return self.brought.suffix != VIDEO_ENDING and self.brought.is_file()
 
     @property
     def is_bad(self) -> bool:
@@ -241,6 +247,40 @@ def clip_video(study: OpenedStudy, condition: str, segment: str) -> Response:
     return send_file(cell.video.resolve(), mimetype="video/mp4", conditional=True)
 
 
+def clip_scene(study: OpenedStudy, condition: str, segment: str) -> Response:
+    """Send what a viewer plays of one segment in one condition."""
+    _, cell = _cell(study, condition, segment)
+    return send_scene(study.folder.root, _scenes((cell,)), 0)
+
+
+def segment_motion(study: OpenedStudy, segment: str) -> ResponseReturnValue:
+    """Show the motion of one segment in all conditions side by side."""
+    found, cells = _row(study, segment)
+    return page(
+        "segment", study=study, found=found, segment=found.segments[segment], scenes=_scenes(cells)
+    )
+
+
+def segment_scene(study: OpenedStudy, segment: str, scene: int) -> Response:
+    """Send what a viewer plays of one segment in several conditions."""
+    _, cells = _row(study, segment)
+    return send_scene(study.folder.root, _scenes(cells), scene)
+
+
+def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
+    found = Material.of(study.folder)
+    if segment not in found.segments:
+        abort(404)
+    return found, [found.cell(segment, condition) for condition in found.conditions]
+
+
+def _scenes(cells: Sequence[Cell]) -> list[WantedScene]:
+    """Return the scenes of cells of one segment."""
+    segment = cells[0].segment.name
+    clips = [(cell.condition, cell.condition) for cell in cells if cell.has_motion]
+    return scenes_of(segment, segment, clips)
+
+
 def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
     """Remove the motion or the finished video of one segment in one condition."""
     _, cell = _cell(study, condition, segment)
@@ -270,10 +310,14 @@ def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, C
 SECTIONS: Final = (Section("material", "Material", Right.WATCH, _summary),)
 
 CLIP: Final = "/material/<condition>/<segment>"
+SEGMENT: Final = "/segments/<segment>/motion"
 
 PAGES: Final = (
     StudyPage("GET", "/material", material, Right.WATCH),
     StudyPage("GET", CLIP, clip, Right.WATCH),
     StudyPage("GET", f"{CLIP}/video.mp4", clip_video, Right.WATCH),
+    StudyPage("GET", f"{CLIP}/motion", clip_scene, Right.WATCH),
+    StudyPage("GET", SEGMENT, segment_motion, Right.WATCH),
+    StudyPage("GET", f"{SEGMENT}/<int:scene>", segment_scene, Right.WATCH),
     StudyPage("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
 )

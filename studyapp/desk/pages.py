@@ -29,6 +29,7 @@ from studyapp.web.research.pages import (
     NAME,
     OWN_PAGES,
     RESEARCHERS_PAGES,
+    VIEWER_FILES,
     Page,
     fail,
     guard,
@@ -40,6 +41,7 @@ STUDY: Final = "/studies/<study>"
 PAGES: Final = (
     *(each for each in OWN_PAGES if each.view is not own_account.log_out),
     *RESEARCHERS_PAGES,
+    *VIEWER_FILES,
     *list_page.PAGES,
     *belonging.PAGES,
     *making.PAGES,

@@ -138,20 +138,21 @@ def one_study_session(
         )
 
 
-def content_shown(database: Database, number: int, position: int, video: int) -> Content:
-    """Return what a video of a trial of the study session `number` shows; empty without one."""
+def contents_shown(database: Database, number: int, position: int) -> dict[int, Content]:
+    """Return what each video of a trial of the study session `number` shows, by its number."""
     query = (
-        select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
+        select(Video.number, TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
         .join(TrialStimulus.video)
         .join(Video.trial)
-        .where(Trial.study_session_id == number, Trial.position == position, Video.number == video)
-        .order_by(TrialStimulus.number)
+        .where(Trial.study_session_id == number, Trial.position == position)
+        .order_by(Video.number, TrialStimulus.number)
     )
+    found: dict[int, Content] = {}
     with database.reading() as session:
-        return tuple(
-            Stimulus(condition=condition, segment=segment, speech=speech)
-            for condition, segment, speech in session.execute(query)
-        )
+        for video, condition, segment, speech in session.execute(query):
+            shown = Stimulus(condition=condition, segment=segment, speech=speech)
+            found[video] = (*found.get(video, ()), shown)
+    return found
 
 
 def _recruiter(found: StudySession) -> tuple[tuple[str, str], ...]:

@@ -51,7 +51,9 @@ def playable_pairs(
             if segment is None:
                 left_out[f"Segment {pair.segment} is not in the study any more."] = None
                 continue
-            scene, missing = segment_scene(folder, study, segment, (pair.first, pair.second))
+            scene, missing = segment_scene(
+                folder, study, segment, (pair.first, pair.second), heard=segment
+            )
             for condition, why in missing.items():
                 sentence = f"{wording.condition(condition)}, segment {segment.name}: {why}."
                 left_out[f"Not playable: {sentence}"] = None

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.audio import read_audio
+from motion.audio import Audio, read_audio
 from motion.body.abilities import BodyAbilities, not_shown, read_expression_matrix
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
@@ -186,9 +186,14 @@ def study_look(folder: StudyFolder, study: Study) -> Look:
 
 
 def segment_scene(
-    folder: StudyFolder, study: Study, segment: Segment, conditions: Iterable[str]
+    folder: StudyFolder,
+    study: Study,
+    segment: Segment,
+    conditions: Iterable[str],
+    *,
+    heard: Segment | None,
 ) -> tuple[Scene, dict[str, str]]:
-    """Return a segment's clips as participants see them, with its speech.
+    """Return a segment's clips as participants see them, with what is heard.
 
     Parameters
     ----------
@@ -197,7 +202,9 @@ def segment_scene(
     study : Study
         Its definition.
     segment : Segment
-        What is said.
+        What the motion is made for.
+    heard : Segment or None
+        Whose speech is heard, as far as the motion goes; None for silence.
     conditions : iterable of str
         Whose clips; only the first `MOST_CLIPS` that can be read are shown.
 
@@ -223,9 +230,16 @@ def segment_scene(
                 clips[condition] = as_shown(clip, body, path, segment.duration, study.freeze, rate)
             except InputError as error:
                 missing[condition] = error.what
+    return Scene(name=segment.name, clips=clips, speech=_speech(folder, segment, heard)), missing
+
+
+def _speech(folder: StudyFolder, segment: Segment, heard: Segment | None) -> Audio | None:
+    """Return the speech of `heard`, no longer than `segment`; None where it cannot be read."""
+    if heard is None:
+        return None
     try:
-        speech = read_audio(folder.speech / segment.wav, sample_rate=SOUND_RATE)
-        heard = at_common_loudness(speech.cut(segment.start, segment.end))
+        speech = read_audio(folder.speech / heard.wav, sample_rate=SOUND_RATE)
     except InputError:
-        heard = None
-    return Scene(name=segment.name, clips=clips, speech=heard), missing
+        return None
+    end = min(heard.end, heard.start + segment.duration)
+    return at_common_loudness(speech.cut(heard.start, end))

@@ -41,6 +41,10 @@ SHUT_IN: Final = (
 """The policy of such files: whatever is in them has no origin, and asks nobody for anything."""
 
 
+BROWSERS_KEEP: Final = ("static", "media.video", "research.viewer_file", "research.viewer_avatar")
+"""Endpoints of what a browser may keep."""
+
+
 def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
     """Add the headers to every answer of `app`.
 
@@ -52,7 +56,8 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
     media : str
         The origin of the store that participants load videos from; empty where there is none.
     """
-    alone = _policy() | {"X-Frame-Options": "DENY"}
+    # Speech comes along with the motion that researchers turn around.
+    alone = _policy(media="data:") | {"X-Frame-Options": "DENY"}
     framed = _policy(media=media) | {"X-Frame-Options": "DENY"}
     if recruitment.channel == "mturk":
         # X-Frame-Options cannot name several sites: 'frame-ancestors' does, and stands alone.
@@ -64,7 +69,7 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
         response.headers.update(framed if request.blueprint in PARTICIPANTS else alone)
         if request.endpoint == FOREIGN_FILES:
             response.headers["Content-Security-Policy"] = SHUT_IN
-        if request.endpoint not in ("static", "media.video"):
+        if request.endpoint not in BROWSERS_KEEP:
             response.headers["Cache-Control"] = "no-store"
             response.headers.pop("Expires", None)
         return response

@@ -12,7 +12,14 @@ from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
 from studyapp.researchers.account import Right
-from studyapp.web.research import own_account, preview, progress, researchers, results
+from studyapp.web.research import (
+    motion_scenes,
+    own_account,
+    preview,
+    progress,
+    researchers,
+    results,
+)
 from studyapp.web.research.page import (
     PREFIX,
     PREFIXES,
@@ -155,9 +162,21 @@ RESEARCHERS_PAGES: Final = (
 )
 """Who belongs to it."""
 
+VIEWER_FILES: Final = (
+    Page(
+        "GET",
+        "/viewer/<any('three.min.js', 'viewer.js', 'viewer.css'):filename>",
+        motion_scenes.viewer_file,
+        Right.KEEP_ACCOUNT,
+    ),
+    Page("GET", "/viewer/avatars/<avatar>", motion_scenes.viewer_avatar, Right.KEEP_ACCOUNT),
+)
+"""What pages need on which motion is turned around."""
+
 PAGES: Final = (
     *OWN_PAGES,
     *RESEARCHERS_PAGES,
+    *VIEWER_FILES,
     Page("GET", "/", progress.overview, Right.WATCH, rehearsed=True),
     Page("GET", "/study-sessions", progress.study_sessions, Right.WATCH, rehearsed=True),
     Page(
@@ -175,6 +194,20 @@ PAGES: Final = (
         rehearsed=True,
     ),
     Page(
+        "GET",
+        f"/study-sessions/{ROW}:number>/{ROW}:position>/motion",
+        progress.shown_motion,
+        Right.WATCH,
+        rehearsed=True,
+    ),
+    Page(
+        "GET",
+        f"/study-sessions/{ROW}:number>/{ROW}:position>/motion/{ROW}:scene>",
+        progress.shown_scene,
+        Right.WATCH,
+        rehearsed=True,
+    ),
+    Page(
         "POST",
         f"/study-sessions/{ROW}:number>/exclusion",
         progress.decide_about,
@@ -184,6 +217,8 @@ PAGES: Final = (
     Page("GET", "/preview", preview.preview, Right.WATCH),
     Page("GET", f"{TRIAL}/", preview.previewed_page, Right.WATCH),
     Page("GET", f"{TRIAL}/media/{ROW}:number>.mp4", preview.previewed_video, Right.WATCH),
+    Page("GET", f"{TRIAL}/motion", preview.previewed_motion, Right.WATCH),
+    Page("GET", f"{TRIAL}/motion/{ROW}:scene>", preview.previewed_scene, Right.WATCH),
     Page("GET", f"{TRIAL}/static/<path:filename>", preview.previewed_file, Right.WATCH),
     Page(
         "POST",

@@ -21,7 +21,8 @@ from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.mounting import address_to_try
 from studyapp.web.participants.trial_page import trial_page
-from studyapp.web.research.page import page, researcher
+from studyapp.web.research.motion_scenes import WantedScene, scenes_of_trial, send_scene
+from studyapp.web.research.page import display_name, page, researcher
 from studyapp.web.running import running
 
 MOST_PLACES = 10_000
@@ -61,6 +62,9 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
     trial = previewed_trial(here.served, trials, position)
     around = {
         "listed": url_for("research.preview", arm=here.study.arms[arm].name, place=place),
+        "motion": ""
+        if here.study.only_finished
+        else url_for("research.previewed_motion", arm=arm, place=place, position=position),
         "before": _address(arm, place, position - 1) if position > 1 else "",
         "after": _address(arm, place, position + 1) if position < len(trials) else "",
     }
@@ -81,6 +85,35 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
 def previewed_video(arm: int, place: int, position: int, number: int) -> Response:
     """Send a video of a previewed trial."""
     return send_video(_video(arm, place, position, number).file)
+
+
+def previewed_motion(arm: int, place: int, position: int) -> ResponseReturnValue:
+    """Show the motion of a previewed trial, to be turned around."""
+    scenes = _scenes(arm, place, position)
+    return page(
+        "motion",
+        back=(_address(arm, place, position), f"Preview of trial {position}"),
+        position=position,
+        scenes=scenes,
+        addresses=[
+            url_for(
+                "research.previewed_scene", arm=arm, place=place, position=position, scene=number
+            )
+            for number in range(len(scenes))
+        ],
+    )
+
+
+def previewed_scene(arm: int, place: int, position: int, scene: int) -> Response:
+    """Send what a viewer plays of a previewed trial."""
+    return send_scene(running().folder, _scenes(arm, place, position), scene)
+
+
+def _scenes(arm: int, place: int, position: int) -> list[WantedScene]:
+    players = _planned(arm, place, position).players
+    return scenes_of_trial(
+        players, lambda letter, shown: f"{letter}: {display_name(shown.condition)}"
+    )
 
 
 def previewed_file(arm: int, place: int, position: int, filename: str) -> Response:
@@ -112,11 +145,17 @@ def previewed_answers(arm: int, place: int, position: int, what: str) -> Respons
 
 
 def _video(arm: int, place: int, position: int, number: int) -> VideoFile:
-    trials = _trials(arm, place)
-    content = trials[position - 1].players.get(number) if 0 < position <= len(trials) else None
+    content = _planned(arm, place, position).players.get(number)
     if content is None:
         abort(404)
     return running().served.videos[content]
+
+
+def _planned(arm: int, place: int, position: int) -> PlannedTrial:
+    trials = _trials(arm, place)
+    if not 0 < position <= len(trials):
+        abort(404)
+    return trials[position - 1]
 
 
 def _trials(arm: int, place: int) -> list[PlannedTrial]:

@@ -11,7 +11,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.monitoring.one_study_session import content_shown, one_study_session
+from studyapp.monitoring.one_study_session import contents_shown, one_study_session
 from studyapp.monitoring.overview import overview as overview_of
 from studyapp.monitoring.study_sessions import (
     ORDERS,
@@ -35,6 +35,7 @@ from studyapp.session.ending import JUDGED
 from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media import send_video
+from studyapp.web.research.motion_scenes import WantedScene, scenes_of_trial, send_scene
 from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
 from studyapp.web.running import running
 
@@ -168,11 +169,43 @@ def study_session_page(
 def shown_video(data: Data, number: int, position: int, video: int) -> Response:
     """Send a video that was shown in a study session, as it is served now."""
     with looked_at(data) as database:
-        content = content_shown(database, number, position, video)
+        content = contents_shown(database, number, position).get(video, ())
     found = running().served.videos.get(content)
     if found is None:
         abort(404)
     return send_video(found.file)
+
+
+def shown_motion(data: Data, number: int, position: int) -> ResponseReturnValue:
+    """Show the motion of a trial, to be turned around; which condition it is, is not told."""
+    scenes = _scenes(data, number, position)
+    if not scenes:
+        abort(404)
+    here = url_for("research.study_session", data=data, number=number)
+    return page(
+        "motion",
+        data=data,
+        back=(here, f"Study session {number}"),
+        position=position,
+        scenes=scenes,
+        addresses=[
+            url_for(
+                "research.shown_scene", data=data, number=number, position=position, scene=scene
+            )
+            for scene in range(len(scenes))
+        ],
+    )
+
+
+def shown_scene(data: Data, number: int, position: int, scene: int) -> Response:
+    """Send what a viewer plays of a trial of a study session, as the files are now."""
+    return send_scene(running().folder, _scenes(data, number, position), scene)
+
+
+def _scenes(data: Data, number: int, position: int) -> list[WantedScene]:
+    with looked_at(data) as database:
+        players = contents_shown(database, number, position)
+    return scenes_of_trial(players, lambda letter, _: letter)
 
 
 def changes() -> ResponseReturnValue:

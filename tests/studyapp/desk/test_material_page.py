@@ -106,9 +106,36 @@ def test_a_viewer_plays_a_video_and_removes_nothing(
     assert folder.clip("rule_based", "take-0").is_file()
 
 
+def test_motion_is_turned_around_whether_rendered_or_not_and_a_row_side_by_side(
+    folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    write_motion(folder.clip("broken", "take-0"), 2.0)
+
+    def played(address: str) -> list[str]:
+        answer = ada.client.get(ada.get(address).value(".motion-viewer", "data-scene"))
+        return [clip["name"] for clip in json.loads(answer.data)["clips"]]
+
+    assert played(f"{MATERIAL}/mismatched/take-1") == ["mismatched"]
+    table = ada.get(MATERIAL)
+    row = table.soup.select("tbody th a")[0]
+    assert row.text == "take-0"
+    assert played(str(row["href"])) == ["rule_based", "broken"]
+    assert not ada.get(f"{MATERIAL}/rule_based/take-3").soup.select(
+        ".motion-viewer, script[src*=viewer]"
+    )
+    assert "no motion yet" in ada.get(f"{TINY}segments/take-3/motion").text
+
+
 @pytest.mark.parametrize(
     "where",
-    ["no_such/take-0", "rule_based/no_such", "rule_based/..", "rule_based/take-3/video.mp4"],
+    [
+        "no_such/take-0",
+        "rule_based/take-3/motion",
+        "../segments/no_such/motion",
+        "rule_based/no_such",
+        "rule_based/..",
+        "rule_based/take-3/video.mp4",
+    ],
 )
 def test_there_is_nothing_beside_the_studys_own_clips(
     folder: StudyFolder, ada: ResearchBrowser, where: str

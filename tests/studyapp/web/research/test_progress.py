@@ -92,7 +92,7 @@ def test_what_happened_leads_to_the_video_it_was_about(log_in: LogIn) -> None:
 
     page = viewer.get("/research/study-sessions/1")
 
-    links = [str(link["href"]) for link in page.soup.select(".events a")]
+    links = [str(link["href"]) for link in page.soup.select(".events a[href$='.mp4']")]
     assert len(links) >= 6
     for link in links:
         with closing(viewer.client.get(link)) as answer:

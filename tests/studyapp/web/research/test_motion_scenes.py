@@ -1,0 +1,125 @@
+"""Researchers turn a trial's motion around, and learn no more of it than the page before told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flask import Flask
+
+from studyapp.study.design.trial import Content, Stimulus
+from studyapp.study.folder import StudyFolder
+from studyapp.web.research.motion_scenes import WantedScene, scenes_of, scenes_of_trial
+from tests.studyapp.takes import write_motion
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.research.conftest import LogIn
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.studyapp.web.visitor import Visitor
+
+CONDITIONS = ("rule_based", "mismatched", "broken")
+SESSION = "/research/study-sessions/1/1/motion"
+PREVIEW = "/research/preview/0/1/1"
+
+
+@pytest.fixture
+def viewer(app: Flask, log_in: LogIn, clock: SetClock, tiny_study: Path) -> ResearchBrowser:
+    """Return the browser of somebody who may only watch a study that a participant has begun."""
+    for condition in CONDITIONS:
+        for number in range(4):
+            write_motion(StudyFolder(tiny_study).clip(condition, f"take-{number}"), 2.0)
+    Visitor(app, clock).enrol().begin().page()
+    return log_in("viewer")
+
+
+def scene(browser: ResearchBrowser, page: str) -> dict[str, Any]:
+    """Return what the viewer of a page gets."""
+    answer = browser.client.get(browser.get(page).value(".motion-viewer", "data-scene"))
+    assert answer.mimetype == "application/json"
+    found: dict[str, Any] = json.loads(answer.data)
+    return found
+
+
+def test_a_trial_of_a_participant_is_turned_around_without_its_conditions(
+    viewer: ResearchBrowser,
+) -> None:
+    found = scene(viewer, SESSION)
+    assert [clip["name"] for clip in found["clips"]] == ["A", "B"]
+    assert found["speech"].startswith("data:")
+    told = viewer.get(SESSION).text + json.dumps(found | {"speech": "", "clips": []})
+    assert [name for name in CONDITIONS if name in told] == []
+
+
+def test_a_previewed_trial_is_turned_around_by_the_names_that_its_list_tells(
+    viewer: ResearchBrowser,
+) -> None:
+    assert f"{PREVIEW}/motion" in viewer.get(f"{PREVIEW}/").text
+    names = [clip["name"] for clip in scene(viewer, f"{PREVIEW}/motion")["clips"]]
+    assert [name[:3] for name in names] == ["A: ", "B: "]
+    assert {name[3:] for name in names} == {"rule based", "mismatched"}
+
+
+def test_what_is_not_there_is_said_beside_what_is(
+    viewer: ResearchBrowser, tiny_study: Path
+) -> None:
+    for number in range(4):
+        StudyFolder(tiny_study).clip("mismatched", f"take-{number}").unlink()
+    found = scene(viewer, f"{PREVIEW}/motion")
+    assert [clip["name"][3:] for clip in found["clips"]] == ["rule based"]
+    assert [note[3:] for note in found["notes"]] == ["mismatched: there is no motion file."]
+    for number in range(4):
+        StudyFolder(tiny_study).clip("rule_based", f"take-{number}").unlink()
+    nothing = scene(viewer, SESSION)
+    assert nothing == {
+        "problem": "There is no motion to play. A: there is no motion file. "
+        "B: there is no motion file."
+    }
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        f"{SESSION}/1",
+        "/research/study-sessions/1/7/motion",
+        "/research/study-sessions/1/7/motion/0",
+        f"{PREVIEW}7/motion",
+        f"{PREVIEW}/motion/1",
+        "/research/viewer/page.py",
+        "/research/viewer/avatars/nobody",
+    ],
+)
+def test_there_is_nothing_beside_trials_and_the_viewers_own_files(
+    viewer: ResearchBrowser, address: str
+) -> None:
+    assert viewer.client.get(address).status_code == 404
+
+
+def test_browsers_keep_what_all_pages_share(viewer: ResearchBrowser) -> None:
+    for name in ("three.min.js", "viewer.js", "viewer.css", "avatars/alex"):
+        answer = viewer.client.get(f"/research/viewer/{name}", buffered=True)
+        assert answer.status_code == 200
+        assert "max-age=300" in answer.headers["Cache-Control"]
+
+
+def one(condition: str, speech: str | None = "s") -> Content:
+    return (Stimulus(condition=condition, segment="s", speech=speech),)
+
+
+def by_letter(letter: str, shown: Stimulus) -> str:
+    return letter
+
+
+def test_what_is_heard_differently_plays_apart() -> None:
+    reference, players = {0: one("real")}, {1: one("ours"), 2: one("ours", "other")}
+    assert scenes_of_trial(reference | players, by_letter) == [
+        WantedScene(segment="s", speech="s", clips=(("Reference", "real"), ("A", "ours"))),
+        WantedScene(segment="s", speech="other", clips=(("B", "ours"),)),
+    ]
+    silent = scenes_of_trial({1: one("ours", None), 2: one("real", None)}, by_letter)
+    assert [(each.speech, each.labels) for each in silent] == [(None, ("A", "B"))]
+
+
+def test_more_than_fit_side_by_side_play_one_below_the_other() -> None:
+    clips = [(str(number), "ours") for number in range(8)]
+    assert [len(each.clips) for each in scenes_of("s", "s", clips)] == [6, 2]
