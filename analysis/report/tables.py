@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.report.content import Cell, Table
 from analysis.report.texts import template
+from analysis.results.grouping import ByQuestion
 from analysis.results.report import TableReport, plain
 from motion.files import harmless_frame, replacing
 
@@ -123,18 +124,21 @@ _PER_REPORT: Final = ("rules", "flow", "sensitivity")
 
 def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     """Return tables by file name: one row an entry, nested names joined by '_'."""
-    results: Any = plain(report.keys())
-    rules = [rule.rule for rule in report.rules]
-    excluded = [{"participant": who, "reason": why} for who, why in results["exclusions"].items()]
-    rows = {"exclusions": excluded}
+    keys, with_sets = report.keys(), bool(report.sets)
+    rows: dict[str, list[dict[str, Any]]] = {
+        "exclusions": [
+            {"participant": who, "reason": why} for who, why in report.exclusions.items()
+        ]
+    }
     for name in (*_PER_REPORT, *vars(report.results)):
-        if not isinstance(results[name], str):
-            rows[name] = _rows_of(results[name], with_sets=bool(report.sets))
-    beside = _rows_of(results["metrics_against_people"], with_sets=bool(report.sets))
+        if not isinstance(keys[name], str):
+            rows[name] = _rows_of(keys[name], with_sets)
+    beside = _rows_of(report.metrics_against_people, with_sets)
     rows["metrics_against_people"] = [row for one in beside for row in _metrics(one)]
-    rows["heterogeneity"] = [row for one in rows["heterogeneity"] for row in _levels(one)]
+    for name in {"heterogeneity", "bradley_terry", "plackett_luce"} & rows.keys():
+        rows[name] = [row for one in rows[name] for row in _apart(one)]
     for flow in rows["flow"]:
-        counts = zip(rules, flow.pop("removed"), strict=True)
+        counts = zip((rule.rule for rule in report.rules), flow.pop("removed"), strict=True)
         flow |= {f"removed_{place}_{rule}": n for place, (rule, n) in enumerate(counts, start=1)}
     return {
         f"{name}.csv": pd.json_normalize([_flat(one) for one in found], sep="_")
@@ -143,31 +147,24 @@ def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     }
 
 
-def _rows_of(found: Any, *, with_sets: bool) -> list[dict[str, Any]]:
+def _rows_of(found: Any, with_sets: bool) -> list[dict[str, Any]]:
     """Return a list of results, or results by question, as rows."""
-    if isinstance(found, list):
-        return [dict(one) for one in found]
-    if not with_sets:
-        return [row for question, one in found.items() for row in _of(one, question=question)]
+    if not isinstance(found, ByQuestion):
+        rows: Any = plain(found)
+        return [*rows]
     return [
-        row
-        for name, questions in found.items()
-        for question, one in questions.items()
-        for row in _of(one, set=name, question=question)
+        ({"set": row.set} if with_sets else {})
+        | {"question": row.question}
+        | cast(Any, plain(row.found))
+        for row in found.rows()
     ]
 
 
-def _of(found: Any, **place: str) -> list[dict[str, Any]]:
-    """Return the rows of one question: one, or one for each entry of a list."""
-    if isinstance(found, list):
-        return [place | dict(one) for one in found]
-    return [place | dict(found)]
-
-
-def _levels(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return a row for each level of an effect that was taken apart, its test in all of them."""
-    shared = {name: value for name, value in entry.items() if name != "levels"}
-    return [shared | {"level": level["level"]} | level for level in entry["levels"]]
+def _apart(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return a row for each level of an effect, or each condition; what they share in all."""
+    of = "levels" if "levels" in entry else "conditions"
+    shared = {name: value for name, value in entry.items() if name != of}
+    return [shared | {of[:-1]: one[of[:-1]]} | one for one in entry[of]]
 
 
 def _metrics(entry: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.results.grouping import Place
-from analysis.results.strengths import RankInterval
+from analysis.results.strengths import Standing
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
 
@@ -193,9 +193,9 @@ def number(value: float) -> str:
     return fixed(value, 2)
 
 
-def ranks(found: RankInterval | None) -> str:
+def ranks(found: Standing | None) -> str:
     """Return the ranks that a condition may have, '1–2'; a dash where they are not known."""
-    if found is None:
+    if found is None or found.best is None:
         return "–"
     return str(found.best) if found.best == found.worst else f"{found.best}–{found.worst}"
 

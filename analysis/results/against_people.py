@@ -13,7 +13,6 @@ import pandas as pd
 from analysis.answers.table import AnswerTable
 from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.clip_correlations import WithinCorrelation, within_conditions
 from analysis.results.drawn_preferences import (
     PREFERENCE,
     RESAMPLES,
@@ -23,7 +22,12 @@ from analysis.results.drawn_preferences import (
     tallies,
 )
 from analysis.results.grouping import ByQuestion, by_question
-from analysis.results.metric_scores import MetricSide, metric_sides
+from analysis.results.metric_scores import (
+    MetricSide,
+    WithinCorrelation,
+    metric_sides,
+    within_conditions,
+)
 from analysis.results.rank_correlations import (
     METHOD,
     RankCorrelation,

@@ -15,7 +15,7 @@ from scipy import stats
 
 from analysis.results.grouping import PairPlace, codes, shown_conditions
 from analysis.stats.bradley_terry import Votes, bradley_terry
-from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
 from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.samples import group_means
@@ -46,26 +46,36 @@ LEANS_ON_ONE: Final = "one participant or one segment alone bears this differenc
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankInterval:
-    """The best and the worst rank that a condition may have, from 1."""
+class Standing(Interval):
+    """How strong one condition is beside the others, in logits that add up to zero.
 
-    best: int
-    worst: int
+    Attributes
+    ----------
+    condition : str
+        Which one.
+    standard_error, by_participant : float
+        Clustered by participant and segment, and by participant alone; NaN where a condition is
+        unbeaten.
+    best, worst : int or None
+        The ranks that it may have, from 1, at 95% for all conditions together; None where nothing
+        is known.
+    """
+
+    condition: str
+    standard_error: float
+    by_participant: float
+    best: int | None
+    worst: int | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Standings:
-    """How strong conditions are, one beside the others, in logits that add up to zero.
+    """How strong conditions are, one beside the others.
 
     Attributes
     ----------
-    errors : mapping of condition to float
-        Clustered by participant.
-    errors_two_way, low, high : mapping of condition to float
-        Errors clustered by participant and segment, and the ends of the 95% intervals; NaN where
-        a condition is unbeaten.
-    ranks : mapping of condition to RankInterval
-        At 95%, all together; empty where nothing is known.
+    conditions : tuple of Standing
+        In the order of the table.
     omnibus : FTest
         Whether conditions differ at all.
     log_likelihood : float
@@ -78,11 +88,7 @@ class Standings:
         What limits the result; why there is none.
     """
 
-    errors: Mapping[str, float]
-    errors_two_way: Mapping[str, float]
-    low: Mapping[str, float]
-    high: Mapping[str, float]
-    ranks: Mapping[str, RankInterval]
+    conditions: tuple[Standing, ...]
     omnibus: FTest
     log_likelihood: float
     n: int
@@ -95,19 +101,16 @@ class Standings:
 
 @dataclass(frozen=True, kw_only=True)
 class Strengths(Standings):
-    """Bradley-Terry strengths with Davidson's ties and a left-side term.
+    """Log strengths of Bradley and Terry's model with Davidson's ties and a left-side term.
 
     Attributes
     ----------
-    strengths : mapping of condition to float
-        Log strengths.
     tie, tie_error : float
         Davidson's log nu: how likely ties are among equals; NaN where nobody tied.
     left, left_error : float
         The left side's advantage in logits.
     """
 
-    strengths: Mapping[str, float]
     tie: float
     tie_error: float
     left: float
@@ -116,17 +119,14 @@ class Strengths(Standings):
 
 @dataclass(frozen=True, kw_only=True)
 class Worths(Standings):
-    """Plackett-Luce worths, partial and tied rankings included.
+    """Log worths of Plackett and Luce's model, partial and tied rankings included.
 
     Attributes
     ----------
-    worths : mapping of condition to float
-        Log worths.
     ties : mapping of int to float
         For each size of tie that occurs, the logarithm of its parameter.
     """
 
-    worths: Mapping[str, float]
     ties: Mapping[int, float]
 
 
@@ -167,18 +167,15 @@ def strengths_of(
     known = not found.reason
     p_values = _p_values(found, votes)
     return Strengths(
-        strengths=_named(names, found.strengths, hide=not known),
         tie=found.tie if known and found.tie is not None else math.nan,
         tie_error=found.tie_error if known else math.nan,
         left=found.left if known and found.left is not None else math.nan,
         left_error=found.left_error if known else math.nan,
-        **vars(
-            _standings(
-                found,
-                p_values,
-                _segments(answers),
-                "nobody answered with a tie" if known and found.tie is None else "",
-            )
+        **_standings(
+            found,
+            p_values,
+            _segments(answers),
+            "nobody answered with a tie" if known and found.tie is None else "",
         ),
     ), _contrasts(found, p_values, of, question, _segments(answers))
 
@@ -203,9 +200,8 @@ def worths_of(
     known = not found.reason
     p_values = _p_values(found, _votes_of_rankings(rows, names))
     return Worths(
-        worths=_named(names, found.strengths, hide=not known),
         ties=found.ties if known else {},
-        **vars(_standings(found, p_values, _segments(answers))),
+        **_standings(found, p_values, _segments(answers)),
     ), _contrasts(found, p_values, of, question, _segments(answers))
 
 
@@ -250,38 +246,51 @@ def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
     )
 
 
-def _standings(found: Fitted, p_values: Floats, segments: int, *remarks: str) -> Standings:
-    """Return what Bradley-Terry and Plackett-Luce have in common."""
-    names, strengths, errors = found.conditions, found.strengths, found.two_way
-    low = high = np.full(len(names), math.nan)
-    ranks: tuple[tuple[int, int], ...] = ()
-    method = ""
-    if errors is not None and not found.reason:
-        reach = stats.t(errors.freedoms).ppf((1 + LEVEL) / 2) * errors.errors
-        low, high = strengths - reach, strengths + reach
-        ranks = rank_intervals(strengths, p_values)
-        method = f"{errors.method}; t with at least {errors.freedom:.3g} degrees of freedom"
+def _standings(found: Fitted, p_values: Floats, segments: int, *remarks: str) -> dict[str, Any]:
+    """Return what Bradley-Terry and Plackett-Luce have in common: the fields of `Standings`."""
+    unknown = np.full(len(found.conditions), math.nan)
+    reach, method = unknown, ""
+    ranks: tuple[tuple[int | None, int | None], ...] = ((None, None),) * len(unknown)
+    if found.two_way is not None and not found.reason:
+        law = stats.t(found.two_way.freedoms)
+        reach = law.ppf((1 + LEVEL) / 2) * found.two_way.errors
+        ranks = rank_intervals(found.strengths, p_values)
+        freedom = f"t with at least {found.two_way.freedom:.3g} degrees of freedom"
+        method = f"{found.two_way.method}; {freedom}"
     bounded = not found.reason and not found.swept
     swept = found.swept and f"{found.swept}; {PENALISED}"
+    columns = np.stack([found.strengths, reach, found.errors_two_way, found.errors], axis=1)
+    if found.reason:
+        columns[:, 0] = math.nan
+    if not bounded:
+        columns[:, 1:] = math.nan
     said = (found.remark, *remarks, swept, ONE_SEGMENT if segments == 1 else "")
-    return Standings(
-        errors=_named(names, found.errors, hide=not bounded),
-        errors_two_way=_named(names, found.errors_two_way, hide=not bounded),
-        low=_named(names, low, hide=not bounded),
-        high=_named(names, high, hide=not bounded),
-        ranks={
-            name: RankInterval(best=best, worst=worst)
-            for name, (best, worst) in zip(names, ranks, strict=False)
-        },
-        omnibus=_omnibus(found),
-        log_likelihood=math.nan if found.reason else found.log_likelihood,
-        n=found.n,
-        participants=found.participants,
-        segments=segments,
-        method=method,
-        remark="; ".join(filter(None, said)),
-        reason=found.reason,
-    )
+    return {
+        "conditions": tuple(
+            Standing(
+                condition=name,
+                estimate=estimate,
+                low=estimate - far,
+                high=estimate + far,
+                standard_error=error,
+                by_participant=one_way,
+                best=best,
+                worst=worst,
+                reason=found.reason or found.swept or found.remark,
+            )
+            for name, (estimate, far, error, one_way), (best, worst) in zip(
+                found.conditions, columns.tolist(), ranks, strict=True
+            )
+        ),
+        "omnibus": _omnibus(found),
+        "log_likelihood": math.nan if found.reason else found.log_likelihood,
+        "n": found.n,
+        "participants": found.participants,
+        "segments": segments,
+        "method": method,
+        "remark": "; ".join(filter(None, said)),
+        "reason": found.reason,
+    }
 
 
 def _omnibus(found: Fitted) -> FTest:
@@ -330,13 +339,6 @@ def _tested(difference: float, found: Fitted, p: float, pair: tuple[int, int]) -
         "df": float(freedom),
         "p_value": p,
         "method": found.two_way.method,
-    }
-
-
-def _named(names: tuple[str, ...], values: Floats, *, hide: bool) -> dict[str, float]:
-    """Return numbers by condition, NaN where they mean nothing."""
-    return {
-        name: math.nan if hide else float(value) for name, value in zip(names, values, strict=True)
     }
 
 

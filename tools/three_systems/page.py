@@ -179,9 +179,10 @@ def _preferences(results: Mapping[str, Any], said: Any) -> Iterator[str]:
     for condition in results["conditions_shown"]:
         row = [f"`{condition}`"]
         for question in questions:
-            found = results["bradley_terry"][question]
+            standings = results["bradley_terry"][question]["conditions"]
+            found = next(one for one in standings if one["condition"] == condition)
             strength, low, high = (
-                _number(found[key][condition], ".2f") for key in ("strengths", "low", "high")
+                _number(found[key], ".2f") for key in ("estimate", "low", "high")
             )
             row += [f"{given[condition][question]:.2f}", f"{strength} [{low}, {high}]"]
         rows.append(row)

@@ -100,14 +100,17 @@ def dot_pictures(
         + "."
         for question, own in dots.items()
     }
-    signs = [
-        Line2D([], [], color=colour, marker=marker, linestyle="none", markersize=4.2, label=word)
-        for word, (colour, marker) in ((w, sign_of(k)) for k, w in enumerate(series))
-    ]
     height = len(rows) * max(0.27, 0.13 * len(series) + 0.1) if series else 0.0
     return panel_pictures(
-        PanelFigure(told=told, draw=draw, rows=rows, height=height, legend=signs), about
+        PanelFigure(told=told, draw=draw, rows=rows, height=height, legend=_legend(series)), about
     )
+
+
+def _legend(words: Sequence[str]) -> list[Line2D]:
+    return [
+        Line2D([], [], color=colour, marker=marker, linestyle="none", markersize=4.4, label=word)
+        for word, (colour, marker) in ((w, sign_of(k)) for k, w in enumerate(words))
+    ]
 
 
 def _name(row: Row, series: Sequence[str], place: int) -> str:
@@ -214,20 +217,9 @@ def agreement_pictures(
         + "."
         for metric in metrics
     }
-    signs = [
-        Line2D(
-            [],
-            [],
-            color=c,
-            marker=m,
-            linestyle="none",
-            markersize=4.5,
-            label=wording.condition(name),
-        )
-        for name, (c, m) in ((name, sign_of(k)) for k, name in enumerate(conditions))
-    ]
+    legend = _legend([wording.condition(name) for name in conditions])
     return panel_pictures(
-        PanelFigure(told=told, draw=draw, height=_HEIGHT, columns=3, legend=signs), about
+        PanelFigure(told=told, draw=draw, height=_HEIGHT, columns=3, legend=legend), about
     )
 
 

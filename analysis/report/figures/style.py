@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from textwrap import wrap
 from typing import Any, Final
 
 import numpy as np
@@ -39,40 +40,14 @@ def fitted(text: str, inches: float, *, size: float, lines: int = 1, bold: bool 
     """
     room = inches * POINTS / size
     found: list[str] = []
-    rest = text.split()
-    while rest and len(found) < lines:
-        taken, rest = _line(rest, room, bold)
-        found.append(taken)
-    if rest:
-        found[-1] = _ended(f"{found[-1]} {rest[0]}", room, bold)
+    for signs in range(len(text), 0, -1):
+        found = wrap(text, signs)
+        if len(found) > lines:
+            rest = " ".join(found[lines - 1 :])[: signs - 1].rstrip()
+            found[lines - 1 :] = [f"{rest}…"]
+        if all(_wide(line, bold) <= room for line in found):
+            break
     return "\n".join(found)
-
-
-def _line(words: list[str], room: float, bold: bool) -> tuple[str, list[str]]:
-    """Return what fits on one line, one sign at least, and the words that are left."""
-    line = words[0]
-    if _wide(line, bold) > room:
-        count = max(1, _signs(line, room, bold))
-        return line[:count], [line[count:], *words[1:]]
-    for place, word in enumerate(words[1:], start=1):
-        if _wide(f"{line} {word}", bold) > room:
-            return line, words[place:]
-        line = f"{line} {word}"
-    return line, []
-
-
-def _ended(line: str, room: float, bold: bool) -> str:
-    return f"{line[: _signs(line, room - _wide('…', bold), bold)].rstrip()}…"
-
-
-def _signs(text: str, room: float, bold: bool) -> int:
-    """Return how many signs from the beginning of the text fit."""
-    wide = 0.0
-    for place, sign in enumerate(text):
-        wide += _wide(sign, bold)
-        if wide > room:
-            return place
-    return len(text)
 
 
 def _wide(text: str, bold: bool) -> float:

@@ -18,7 +18,7 @@ from analysis.report.subject import Subject
 from analysis.report.texts import about, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
 from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
-from analysis.results.clip_correlations import WithinCorrelation
+from analysis.results.metric_scores import WithinCorrelation
 from analysis.results.rank_correlations import (
     FEWEST_FOR_INTERVAL,
     RankCorrelation,

@@ -13,9 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis.measurement.scores import ConditionScore, StudyMetrics
-from analysis.metrics.emotion_accuracy import EmotionConfusion
-from analysis.report import wording
-from analysis.report.content import Cell, Section, Table
+from analysis.report.content import Section, Table
 from analysis.report.sections.metric_table import Systems, TableColumn, metric_table
 from analysis.report.subject import Subject
 from analysis.report.texts import table, template
@@ -176,26 +174,8 @@ def _never_measured(missing: Sequence[ConditionScore]) -> tuple[Table, ...]:
 def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:
     """Yield which emotions each condition's gestures were taken for."""
     for number, found in enumerate(metrics.confusions, start=1):
-        yield Table(
-            caption="Emotions that the gestures of "
-            f"{wording.condition(found.condition)} were taken for by the emotion network "
-            f"{found.network[:12]}: clips, spoken emotion in rows, named one in columns; the right "
-            "one is bold.",
-            header=("spoken", *found.named),
-            rows=tuple(_confusion_rows(found)),
-            name=f"emotion-confusion-{number}",
-        )
-
-
-def _confusion_rows(found: EmotionConfusion) -> Iterator[tuple[Cell, ...]]:
-    for spoken, counts in zip(found.spoken, found.counts, strict=True):
-        yield (
-            Cell(text=spoken),
-            *(
-                Cell(text=str(count), value=count, best=named == spoken)
-                for named, count in zip(found.named, counts, strict=True)
-            ),
-        )
+        rows = zip(found.spoken, found.counts, strict=True)
+        yield table("emotion-confusion", rows, found=found, number=number)
 
 
 def metrics_not_tabled(metrics: StudyMetrics | None) -> tuple[str, ...]:

@@ -8,9 +8,14 @@ import pytest
 
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.clip_correlations import WithinCorrelation, within_conditions
 from analysis.results.drawn_preferences import tallies
-from analysis.results.metric_scores import ITSELF, NOTHING_RECORDED, metric_sides
+from analysis.results.metric_scores import (
+    ITSELF,
+    NOTHING_RECORDED,
+    WithinCorrelation,
+    metric_sides,
+    within_conditions,
+)
 from tests.analysis.results.simulated_studies import AgreeingStudy, metrics_of, names
 
 SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])

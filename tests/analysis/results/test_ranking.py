@@ -27,7 +27,7 @@ def test_ranks_are_summarised_and_worths_follow_the_truth(tmp_path: Path) -> Non
         assert sum(one.rank_percent.values()) == pytest.approx(100)
         assert one.mean_rank.low < one.mean_rank.estimate < one.mean_rank.high
     fitted = found.plackett_luce.of_set(None)["realism"]
-    worths = fitted.worths
+    worths = {one.condition: one.estimate for one in fitted.conditions}
     assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
     assert worths["truth"] > worths["ours"] > worths["static"]
     agreed = found.kendall_w.of_set(None)["realism"]
@@ -67,8 +67,8 @@ def test_the_segments_that_were_ranked_are_a_sample_too(tmp_path: Path) -> None:
     found = results(tmp_path, ranking_table(participants=15))
 
     fitted = found.plackett_luce.of_set(None)["realism"]
-    for name in fitted.worths:
-        assert fitted.low[name] < fitted.worths[name] < fitted.high[name]
+    for one in fitted.conditions:
+        assert one.low < one.estimate < one.high
     assert "4.96 degrees of freedom" in fitted.method
     agreed = found.kendall_w.of_set(None)["realism"]
     assert agreed.low < agreed.estimate < agreed.high

@@ -138,7 +138,9 @@ def test_mean_ranks_first_places_and_worths_stand_in_one_section(
         assert row[6].value == one.first_share.estimate
     worths = ranking_results.plackett_luce.of_set(None)["realism"]
     rows = named_table(ranking_section, "worths").rows
-    assert {row[1].text: row[2].value for row in rows} == worths.worths
+    assert {row[1].text: row[2].value for row in rows} == {
+        one.condition: one.estimate for one in worths.conditions
+    }
     assert "rank " in told(named_picture(ranking_section, "worths"))
 
 
