@@ -17,8 +17,7 @@ from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
 from analysis.planning.words import sentences, with_error
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import INK, LINE, SOFT, sign_of
-from analysis.report.figures.svg import FORMATS, as_file
+from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, sign_of
 from analysis.report.tables import write_frame
 from analysis.report.wording import count
 from analysis.results.report import as_json

@@ -18,7 +18,7 @@ from markupsafe import Markup
 from analysis.measurement.score_tables import score_table
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table
-from analysis.report.figures.svg import FORMATS, as_file
+from analysis.report.figures.style import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import (
     ANCHOR,
@@ -36,13 +36,13 @@ from analysis.report.sections.participants import (
     flow_section,
     looks_section,
     sensitivity_section,
+    strip_section,
     truth_section,
 )
 from analysis.report.sections.played_pairs import played_pairs_section
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
 from analysis.report.sections.rankings import ranking_sections
 from analysis.report.sections.ratings import rating_sections
-from analysis.report.sections.strip import strip_section
 from analysis.report.subject import PlayableMotion, Subject
 from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
 from analysis.report.texts import template

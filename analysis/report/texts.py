@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from itertools import groupby
 from typing import Any, Final, NamedTuple
@@ -232,9 +232,9 @@ def _environment() -> Environment:
     }
     environment.tests["known"] = lambda value: not math.isnan(value)
     environment.filters |= {
-        "share": _share_cell,
-        "number": _number_cell,
-        "p": _p_cell,
+        "share": partial(_cell, wording.share),
+        "number": partial(_cell, wording.number),
+        "p": partial(_cell, wording.p_value),
         "count": _count_cell,
         "interval": _interval_cell,
         "estimate": _estimate_cell,
@@ -244,16 +244,8 @@ def _environment() -> Environment:
     return environment
 
 
-def _share_cell(value: float) -> Cell:
-    return counted(value, wording.share(value))
-
-
-def _number_cell(value: float) -> Cell:
-    return counted(value, wording.number(value))
-
-
-def _p_cell(value: float) -> Cell:
-    return counted(value, wording.p_value(value))
+def _cell(written: Callable[[float], str], value: float) -> Cell:
+    return counted(value, written(value))
 
 
 def _count_cell(value: int | None) -> Cell:

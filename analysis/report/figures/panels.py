@@ -19,8 +19,16 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from analysis.report import wording
 from analysis.report.content import About, Picture
-from analysis.report.figures.style import LABEL_SIZE, MARK, STYLE, TITLE_SIZE, fitted
-from analysis.report.figures.svg import WIDTH, Drawing, picture
+from analysis.report.figures.style import (
+    LABEL_SIZE,
+    MARK,
+    STYLE,
+    TITLE_SIZE,
+    WIDTH,
+    Drawing,
+    fitted,
+    picture,
+)
 
 _ROW_LINE: Final = 0.135
 """Height in inches of a line of a row's name."""

@@ -16,7 +16,7 @@ from analysis.report.content import About, Picture, Section, Table, headline_sec
 from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import FIVE, Scale
-from analysis.report.sections.strengths import (
+from analysis.report.sections.rankings import (
     contrasts_table,
     standings_table,
     strength_pictures,

@@ -11,14 +11,17 @@ from analysis.report.content import About, Picture
 from analysis.report.figures.style import (
     FIVE,
     FOLLOWS_THE_PAGE,
+    FORMATS,
     INK,
     SERIES,
     STYLE,
+    Drawing,
+    as_file,
     on,
+    picture,
     place_colours,
     scale_colours,
 )
-from analysis.report.figures.svg import FORMATS, Drawing, as_file, picture
 
 
 def drawn(name: str = "one") -> Picture:

@@ -19,8 +19,7 @@ from analysis.report.figures import panels
 from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
 from analysis.report.figures.dots import Dot, agreement_pictures, dot_pictures
 from analysis.report.figures.panels import Row
-from analysis.report.figures.style import FIVE, STYLE, Scale
-from analysis.report.figures.svg import Drawing
+from analysis.report.figures.style import FIVE, STYLE, Drawing, Scale
 from analysis.results.against_people import MetricAgainstPeople, Place
 from analysis.stats.clustered_mean import Estimate
 

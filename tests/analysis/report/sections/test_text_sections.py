@@ -14,9 +14,9 @@ from analysis.report.sections.participants import (
     diagnostics_section,
     flow_section,
     looks_section,
+    strip_section,
     truth_section,
 )
-from analysis.report.sections.strip import strip_section
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
 from analysis.results.looks import Look, looks_before
