@@ -4,14 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.rehearsal_recovery import (
-    BEGIN,
-    END,
-    Tally,
-    measure,
-    simulated,
-    template_study,
-)
+from benchmarks.rehearsal_recovery import BEGIN, END, Tally, measure, simulated, template_study
 from studyapp.rehearsal.simulation.population import KINDS, Population, default_population
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "rehearsal.md"

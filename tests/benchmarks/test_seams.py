@@ -61,8 +61,7 @@ def test_the_ratio_is_that_of_accelerations_there_and_elsewhere() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "reason"),
-    [(wandering(50), "1 seams"), (np.zeros((600, 2, 3)), "nothing moves")],
+    ("values", "reason"), [(wandering(50), "1 seams"), (np.zeros((600, 2, 3)), "nothing moves")]
 )
 def test_where_there_is_nothing_to_compare_the_reason_is_said(
     values: np.ndarray, reason: str

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from generators.interface import Generator, SpeechSegment, StudyClips
-from generators.registry import generator_names, needs_model
+from generators.interface import (
+    Generator,
+    SpeechSegment,
+    StudyClips,
+    required_source,
+    seeded_stream,
+    with_length,
+)
+from generators.registry import generator_names, load_generator, needs_model
+from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.segment import EMOTIONS
 from motion.skeleton import JOINT_NAMES
+from tests.motion.random_clips import clip_of
 
 Speak = Callable[..., SpeechSegment]
 Load = Callable[[str], Generator]
+Made = Callable[..., MotionClip]
 
 LARGEST_TURN = {
     "pelvis": 25, "spine": 20, "neck": 35, "head": 40, "collar": 30, "shoulder": 130,
@@ -29,15 +43,10 @@ def generator(request: pytest.FixtureRequest, load: Load) -> Generator:
     return load(request.param)
 
 
-def make(
-    generator: Generator,
-    study: StudyClips,
-    speech: SpeechSegment,
-    *,
-    seed: int = 1,
-    frame_rate: float = 30.0,
-) -> MotionClip:
-    return generator.generate(speech, source=study, seed=seed, frame_rate=frame_rate)
+@pytest.fixture(scope="module")
+def made(generator: Generator, study: StudyClips) -> Made:
+    usual: dict[str, Any] = {"source": study, "seed": 1, "frame_rate": 30.0}
+    return lambda speech, **changes: generator.generate(speech, **(usual | changes))
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +55,8 @@ def speech(study: StudyClips, speak: Speak) -> SpeechSegment:
 
 
 @pytest.fixture(scope="module")
-def clip(generator: Generator, study: StudyClips, speech: SpeechSegment) -> MotionClip:
-    return make(generator, study, speech)
+def clip(made: Made, speech: SpeechSegment) -> MotionClip:
+    return made(speech)
 
 
 def test_it_is_registered_under_its_own_name(load: Load) -> None:
@@ -56,18 +65,18 @@ def test_it_is_registered_under_its_own_name(load: Load) -> None:
 
 @pytest.mark.parametrize(("frame_rate", "seconds"), [(15.0, 2.0), (29.97, 3.217), (60.0, 7.5)])
 def test_the_clip_has_as_many_frames_as_the_speech(
-    generator: Generator, study: StudyClips, speak: Speak, frame_rate: float, seconds: float
+    made: Made, study: StudyClips, speak: Speak, frame_rate: float, seconds: float
 ) -> None:
     speech = speak(study.segments[1].name, seconds)
-    clip = make(generator, study, speech, frame_rate=frame_rate)
+    clip = made(speech, frame_rate=frame_rate)
     assert len(clip) == round(speech.audio.duration * frame_rate)
     assert clip.frame_rate == frame_rate
 
 
 def test_the_same_seed_gives_the_same_bytes(
-    generator: Generator, study: StudyClips, speech: SpeechSegment, clip: MotionClip
+    made: Made, speech: SpeechSegment, clip: MotionClip
 ) -> None:
-    first, second = clip, make(generator, study, speech)
+    first, second = clip, made(speech)
     assert first.poses.tobytes() == second.poses.tobytes()
     assert first.trans.tobytes() == second.trans.tobytes()
     assert (first.arkit is None) == (second.arkit is None)
@@ -77,9 +86,9 @@ def test_the_same_seed_gives_the_same_bytes(
 
 
 def test_another_seed_gives_another_clip_where_chance_plays(
-    generator: Generator, study: StudyClips, speech: SpeechSegment, clip: MotionClip
+    generator: Generator, made: Made, speech: SpeechSegment, clip: MotionClip
 ) -> None:
-    others = (make(generator, study, speech, seed=seed).poses for seed in range(2, 9))
+    others = (made(speech, seed=seed).poses for seed in range(2, 9))
     differ = any(poses.tobytes() != clip.poses.tobytes() for poses in others)
     assert differ == (generator.name != "static")
 
@@ -124,16 +133,53 @@ def test_a_generator_that_needs_a_source_says_so(
         generator.generate(speech, seed=1, frame_rate=30)
 
 
-def test_a_negative_seed_is_refused(
-    generator: Generator, study: StudyClips, speech: SpeechSegment
-) -> None:
+def test_a_negative_seed_is_refused(made: Made, speech: SpeechSegment) -> None:
     with pytest.raises(InputError, match="seed"):
-        make(generator, study, speech, seed=-1)
+        made(speech, seed=-1)
 
 
 @pytest.mark.parametrize("frame_rate", [0.0, -30.0, 0.1])
 def test_a_frame_rate_that_gives_no_frame_is_refused(
-    generator: Generator, study: StudyClips, speech: SpeechSegment, frame_rate: float
+    made: Made, speech: SpeechSegment, frame_rate: float
 ) -> None:
     with pytest.raises(InputError, match=r"frame rate|shorter than one frame"):
-        make(generator, study, speech, frame_rate=frame_rate)
+        made(speech, frame_rate=frame_rate)
+
+
+def counting(frames: int) -> MotionClip:
+    """A clip whose frames can be told apart: trans holds the frame's number."""
+    return clip_of(
+        np.zeros((frames, 55, 3)), np.repeat(np.arange(float(frames))[:, None], 3, axis=1)
+    )
+
+
+@given(st.integers(1, 30), st.integers(1, 100))
+def test_a_clip_is_fitted_to_any_length_without_a_jump(length: int, frames: int) -> None:
+    numbers = with_length(counting(length), frames).trans[:, 0]
+    assert len(numbers) == frames
+    np.testing.assert_array_equal(numbers[:length], np.arange(min(length, frames)))
+    assert (np.abs(np.diff(numbers)) <= 1).all()
+
+
+def test_seeds_of_different_purposes_are_independent() -> None:
+    draws = {
+        purpose: np.random.default_rng(seeded_stream(3, *purpose)).random()
+        for purpose in [("a",), ("b",), ("a", "b"), ("b", "a")]
+    }
+    assert len(set(draws.values())) == 4
+
+
+def test_a_missing_source_is_named_with_its_generator() -> None:
+    with pytest.raises(InputError, match="broken"):
+        required_source(None, "broken")
+
+
+@pytest.mark.parametrize(("samples", "rate"), [(600, 8000), (1500, 48000), (5000, 16000)])
+def test_even_a_blink_of_speech_gets_its_motion(speak: Speak, samples: int, rate: int) -> None:
+    noise = np.random.default_rng(0).normal(0, 0.1, samples).clip(-1, 1)
+    speech = SpeechSegment(
+        segment=speak("a", 1.0, EMOTIONS[2]).segment, audio=Audio(noise.astype(np.float32), rate)
+    )
+    frame_rate = 120.0
+    clip = load_generator("rule_based").generate(speech, seed=0, frame_rate=frame_rate)
+    assert len(clip) == round(samples / rate * frame_rate)

@@ -112,9 +112,7 @@ def pair(
     return whole, Broken().generate(speech, seed=request.param, frame_rate=25, source=study)
 
 
-def test_every_second_is_far_jerkier_than_the_source(
-    pair: tuple[MotionClip, MotionClip],
-) -> None:
+def test_every_second_is_far_jerkier_than_the_source(pair: tuple[MotionClip, MotionClip]) -> None:
     whole, broken = pair
     for start in range(0, len(whole) - 25, 25):
         second = slice(start, start + 25)

@@ -26,12 +26,7 @@ def test_no_message_has_two_full_stops(end: str) -> None:
 
 @pytest.mark.parametrize(
     ("words", "sentence"),
-    [
-        ([], ""),
-        (["a"], "a"),
-        (["a", "b"], "a and b"),
-        (("a", "b", "c"), "a, b and c"),
-    ],
+    [([], ""), (["a"], "a"), (["a", "b"], "a and b"), (("a", "b", "c"), "a, b and c")],
 )
 def test_words_are_listed_as_in_a_sentence(words: list[str], sentence: str) -> None:
     assert listed(words) == sentence

@@ -136,8 +136,7 @@ def test_bad_row_is_named_by_file_and_line(speech: Path, row: str, complaint: st
 
 
 @pytest.mark.parametrize(
-    "header",
-    ["name,wav,start,end\n", HEADER.replace(",", ";"), HEADER.replace("wav", "sound"), ""],
+    "header", ["name,wav,start,end\n", HEADER.replace(",", ";"), HEADER.replace("wav", "sound"), ""]
 )
 def test_wrong_columns_are_refused_with_the_right_ones(speech: Path, header: str) -> None:
     table(speech, "", header)

@@ -11,11 +11,7 @@ import pytest
 from motion.audio import Audio
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from motion.synthesis import (
-    PROSODY_OF_EMOTION,
-    speak,
-    speak_as,
-)
+from motion.synthesis import PROSODY_OF_EMOTION, speak, speak_as
 
 SENTENCE = "I walked along the river this morning, and everybody was already there."
 

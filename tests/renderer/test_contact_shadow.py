@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,12 @@ def standing(clip: MotionClip) -> MotionClip:
     return clip.frames(slice(0, 1))
 
 
-def _under(caster: ShadowCaster, body: BodyModel, clip: MotionClip) -> ContactShadow:
-    return caster.under(body.vertices(clip)[0], caster.ground(clip))
+Cast = Callable[[MotionClip], ContactShadow]
+
+
+@pytest.fixture(scope="module")
+def cast(caster: ShadowCaster, body: BodyModel) -> Cast:
+    return lambda clip: caster.under(body.vertices(clip)[0], caster.ground(clip))
 
 
 def _moved(clip: MotionClip, **joints: tuple[float, float, float]) -> MotionClip:
@@ -46,10 +51,8 @@ def test_the_ground_is_where_the_soles_are(
     assert caster.ground(standing) == pytest.approx(float(body.template[:, 1].min()), abs=1e-3)
 
 
-def test_each_foot_stands_on_its_own_shadow(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
-) -> None:
-    shadow = _under(caster, body, standing)
+def test_each_foot_stands_on_its_own_shadow(cast: Cast, standing: MotionClip) -> None:
+    shadow = cast(standing)
     assert shadow.centres[RIGHT, 0] < 0 < shadow.centres[LEFT, 0]
     assert abs(shadow.centres[TRUNK, 0]) < 0.1
     for foot in (LEFT, RIGHT):
@@ -59,36 +62,30 @@ def test_each_foot_stands_on_its_own_shadow(
 
 
 def test_a_lifted_foot_has_a_fainter_shadow_and_the_other_keeps_its_own(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
+    cast: Cast, standing: MotionClip
 ) -> None:
-    on_both = _under(caster, body, standing)
-    on_one = _under(caster, body, _moved(standing, left_hip=(-0.6, 0, 0), left_knee=(1.0, 0, 0)))
+    on_both = cast(standing)
+    on_one = cast(_moved(standing, left_hip=(-0.6, 0, 0), left_knee=(1.0, 0, 0)))
     assert on_one.darkness[LEFT] < on_both.darkness[LEFT] / 2
     assert on_one.darkness[RIGHT] == pytest.approx(on_both.darkness[RIGHT], rel=0.01)
     assert on_one.darkness[TRUNK] == pytest.approx(on_both.darkness[TRUNK], rel=0.01)
 
 
-def test_a_jump_fades_all_of_it(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
-) -> None:
+def test_a_jump_fades_all_of_it(cast: Cast, standing: MotionClip) -> None:
     jump = replace(standing, trans=standing.trans + np.array([0, 0.4, 0], np.float32))
-    assert (_under(caster, body, jump).darkness < _under(caster, body, standing).darkness / 2).all()
+    assert (cast(jump).darkness < cast(standing).darkness / 2).all()
 
 
 def test_a_foot_under_the_ground_is_no_darker_than_one_on_it(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
+    cast: Cast, standing: MotionClip
 ) -> None:
     sunk = replace(standing, trans=standing.trans - np.array([0, 0.1, 0], np.float32))
-    np.testing.assert_allclose(
-        _under(caster, body, sunk).darkness, _under(caster, body, standing).darkness, atol=0.02
-    )
+    np.testing.assert_allclose(cast(sunk).darkness, cast(standing).darkness, atol=0.02)
 
 
-def test_the_shadow_turns_with_the_foot(
-    caster: ShadowCaster, body: BodyModel, standing: MotionClip
-) -> None:
-    aside = _under(caster, body, _moved(standing, left_hip=(0, 1.2, 0)))
-    forwards = _under(caster, body, standing)
+def test_the_shadow_turns_with_the_foot(cast: Cast, standing: MotionClip) -> None:
+    aside = cast(_moved(standing, left_hip=(0, 1.2, 0)))
+    forwards = cast(standing)
     assert abs(aside.axes[LEFT][0, 0]) > 2 * abs(forwards.axes[LEFT][0, 0])
 
 

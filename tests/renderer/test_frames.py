@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -61,15 +62,7 @@ def test_the_face_looks_as_kept(clip: MotionClip, body_path: Path, tmp_path: Pat
 
 
 def test_a_body_that_does_not_say_what_it_is_made_of_has_one_plain_colour(body: BodyModel) -> None:
-    bare = BodyModel(
-        template=body.template,
-        faces=body.faces,
-        shape_directions=body.shape_directions,
-        expression_directions=body.expression_directions,
-        pose_directions=None,
-        joint_regressor=body.joint_regressor,
-        weights=body.weights,
-    )
+    bare = replace(body, surface={})
     colours = surface_colours(bare)
     expected = np.array(PLAIN) / 255
     np.testing.assert_allclose(colours[:, :3], np.tile(expected, (len(colours), 1)), atol=1e-6)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -44,35 +45,14 @@ def videos(
 ) -> Path:
     """Return a folder with a clip, a pair of it, and the clip with another part of the speech."""
     folder = tmp_path_factory.mktemp("videos")
-    speech = inputs / "speech.wav"
+    frames, clip = folder / "clip.mkv", folder / "clip.mp4"
+    heard: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
     with Stage(body_path, camera, small_look) as stage:
-        write_clip_video(
-            stage,
-            motion=inputs / "clip.npz",
-            speech=speech,
-            start=0.0,
-            end=SECONDS,
-            frozen=(),
-            frames=folder / "clip.mkv",
-            video=folder / "clip.mp4",
-        )
-    write_pair(
-        left=folder / "clip.mkv",
-        right=folder / "clip.mkv",
-        speech=speech,
-        start=0.0,
-        end=SECONDS,
-        video=folder / "pair.mp4",
-        look=small_look,
-    )
-    write_dubbed(
-        picture=folder / "clip.mp4",
-        speech=speech,
-        start=0.5,
-        end=0.5 + SECONDS,
-        seconds=SECONDS,
-        video=folder / "dubbed.mp4",
-    )
+        motion = inputs / "clip.npz"
+        write_clip_video(stage, motion=motion, frozen=(), frames=frames, video=clip, **heard)
+    write_pair(left=frames, right=frames, video=folder / "pair.mp4", look=small_look, **heard)
+    heard |= {"start": 0.5, "end": 0.5 + SECONDS}
+    write_dubbed(picture=clip, seconds=SECONDS, video=folder / "dubbed.mp4", **heard)
     return folder
 
 

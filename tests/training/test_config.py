@@ -1,13 +1,11 @@
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import pytest
 
 from motion.errors import InputError
 from training.config import Decay, TrainingConfig
-from training.run.passes import Pass
 
 GOOD = TrainingConfig(steps=10, batch_size=4, learning_rate=1e-3)
 
@@ -33,10 +31,3 @@ def test_a_number_out_of_range_is_named(name: str, value: object) -> None:
 def test_a_decay_out_of_range_is_named(name: str, factor: float, from_epoch: int) -> None:
     with pytest.raises(InputError, match=f"decay {name}"):
         Decay(factor=factor, from_epoch=from_epoch)
-
-
-def test_settings_are_told_as_json_holds_them() -> None:
-    for passes in ((), (Pass(name="judge", parts=("judge",)),)):
-        facts = replace(GOOD, decay=Decay(factor=0.85, from_epoch=5), passes=passes).facts()
-        assert json.loads(json.dumps(facts)) == facts
-        assert ("passes" in facts) == bool(passes)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from generators.diffsheg.train import features_of
-from motion.audio import read_audio
+from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
+from motion.formats.ted_npz import AXES
 from tests.fingerprint import fingerprint
+from tests.generators.s2ue.small_network import FACE, standing
 from tests.training.data.recordings import (
     DOWN,
     write_beat_motion,
@@ -19,12 +21,14 @@ from tests.training.data.recordings import (
     write_clicks,
     write_smplx,
 )
+from tests.training.takes import take_named
 from training import features
 from training.data.beat import read_beat_bvh
 from training.data.folders import read_takes
-from training.data.take import Feature, Take
+from training.data.take import Feature, Kind, Take
 from training.hearing.hubert import Hubert, stand_in
 from training.hearing.speech_frames import hear_whole
+from training.hearing.word_vectors import StandIn
 from training.spaces.beat import TOLD_JOINTS, body_values
 
 ARM = TOLD_JOINTS.index("RightArm")
@@ -171,3 +175,37 @@ def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
     found = features.heard(15, hubert).compute(take)
     np.testing.assert_array_equal(found, heard.hubert.numpy())
+
+
+def ted_take(folder: Path, **files: Path) -> Take:
+    chance = np.random.default_rng(1)
+    write_wav(
+        folder / "a.wav", Audio(0.1 * chance.standard_normal(32000).astype(np.float32), 16000)
+    )
+    directions = np.tile(standing()[:27].reshape(9, 3) * AXES, (30, 1, 1))
+    np.savez(folder / "a.npz", directions=directions)
+    return take_named("a", folder, motion=folder / "a.npz", **files)
+
+
+def computed(kind: Kind, one: Take, *, faces: bool) -> dict[str, np.ndarray]:
+    told = features.features_of(kind, FACE, StandIn(), 15.0, faces=faces)
+    return {feature.name: feature.compute(one) for feature in told}
+
+
+def test_ted_gesture_is_turned_into_our_axes_and_has_a_still_face(tmp_path: Path) -> None:
+    (tmp_path / "a.lab").write_text("hello there")
+    found = computed("ted", ted_take(tmp_path, transcript=tmp_path / "a.lab"), faces=False)
+    assert {name: one.shape for name, one in found.items()} == {
+        "motion": (30, 27 + 3 * FACE.count),
+        "sound": (30, 84),
+        "spectrum": (30, 128),
+        "words": (30, 300),
+    }
+    np.testing.assert_allclose(found["motion"][7, :27], standing()[:27], atol=1e-5)
+    assert not found["motion"][:, 27:].any()
+    assert len(np.unique(found["words"], axis=0)) == 2
+
+
+def test_a_take_of_beat_without_a_face_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no facial weights.*--ablation without_face"):
+        computed("beat", ted_take(tmp_path), faces=True)

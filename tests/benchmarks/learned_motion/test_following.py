@@ -31,10 +31,7 @@ def swinging(speed: NDArray[np.float64], jaw: NDArray[np.float64] | None = None)
     if jaw is not None:
         arkit[:, JAW] = jaw
     return MotionClip(
-        poses=poses,
-        trans=np.zeros((len(speed), 3), np.float32),
-        frame_rate=RATE,
-        arkit=arkit,
+        poses=poses, trans=np.zeros((len(speed), 3), np.float32), frame_rate=RATE, arkit=arkit
     )
 
 

@@ -9,12 +9,7 @@ import torch
 
 from generators.amuse.config import MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel, MotionPrior
-from generators.amuse.network_file import (
-    MotionNetworks,
-    SpeechNetwork,
-    write_motion,
-    write_speech,
-)
+from generators.amuse.network_file import MotionNetworks, SpeechNetwork, write_motion, write_speech
 from generators.amuse.speech import SpeechModel
 from generators.learned_settings import AmuseSettings
 

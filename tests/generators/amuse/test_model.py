@@ -7,20 +7,11 @@ from dataclasses import replace
 import pytest
 import torch
 
-from generators.amuse.config import MotionConfig
 from generators.amuse.model import Denoiser, MotionModel, MotionPrior
+from tests.generators.amuse.small_networks import MOTION
 from training.diffusion import SCALED_LINEAR
 
-SMALL = MotionConfig(
-    motion_width=12,
-    frames=20,
-    width=16,
-    feed_forward=24,
-    heads=2,
-    layers=3,
-    condition_width=8,
-    longest=40,
-)
+SMALL = replace(MOTION, motion_width=12, frames=20, longest=40)
 
 
 @pytest.fixture(autouse=True)

@@ -8,25 +8,11 @@ from typing import Literal
 import pytest
 import torch
 
-from generators.amuse.config import SpeechConfig
 from generators.amuse.speech import SpeechAutoencoder, SpeechEncoder, SpeechModel
+from tests.generators.amuse.small_networks import SPEECH
 
-SMALL = SpeechConfig(
-    frames=64,
-    bands=32,
-    patch_stride=16,
-    width=24,
-    feed_forward=32,
-    heads=2,
-    layers=2,
-    latent=8,
-    emotions=3,
-    styles=4,
-    decoder_width=16,
-    decoder_hidden=16,
-    decoder_feed_forward=32,
-    fusion_layers=1,
-    decoder_layers=1,
+SMALL = replace(
+    SPEECH, frames=64, bands=32, patch_stride=16, emotions=3, styles=4, decoder_hidden=16
 )
 
 

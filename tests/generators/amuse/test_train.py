@@ -66,10 +66,7 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
 
     def train(
-        steps: int,
-        out: Path,
-        show: Callable[[int, int, str], None] = unseen,
-        **choices: str | None,
+        steps: int, out: Path, show: Callable[[int, int, str], None] = unseen, **choices: str | None
     ) -> TrainedGenerator:
         named = {"speech_model": str(settings.speech_model), **choices}
         request = TrainingRequest(

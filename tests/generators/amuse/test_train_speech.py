@@ -154,8 +154,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
         for take in prepared.takes
     )
     monkeypatch.setattr(
-        "generators.learned.prepare",
-        lambda *given, **options: replace(prepared, takes=strangers),
+        "generators.learned.prepare", lambda *given, **options: replace(prepared, takes=strangers)
     )
     with pytest.raises(InputError, match="no recording for validation is by a speaker"):
         learn(1, tmp_path / "out.safetensors")

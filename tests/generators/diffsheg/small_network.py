@@ -14,15 +14,12 @@ from generators.diffsheg.network_file import MotionNetwork, write_network
 from training.spaces.normalisation import Normalisation
 
 
+def smaller(config: DenoiserConfig) -> DenoiserConfig:
+    return replace(config, width=16, feed_forward=16, heads=2, layers=1, speech_width=8)
+
+
 def small(dataset: str) -> DenoiserConfig:
-    return replace(
-        PRESETS[dataset][dataset].network,
-        width=16,
-        feed_forward=16,
-        heads=2,
-        layers=1,
-        speech_width=8,
-    )
+    return smaller(PRESETS[dataset][dataset].network)
 
 
 def shaken(config: DenoiserConfig, by: float = 0.1, seed: int = 4) -> Denoiser:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,8 @@ from generators.diffsheg.generate import DiffSheg
 from generators.diffsheg.network_file import write_network
 from generators.interface import SpeechSegment
 from generators.learned_settings import DiffShegSettings
+from motion.audio import write_wav
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.generators.diffsheg.small_network import small, small_network, written_network
@@ -24,6 +27,11 @@ from training.spaces.smplx_bodies import show_clip
 from training.speakers import Speakers
 
 Speak = Callable[..., SpeechSegment]
+
+
+def made(settings: DiffShegSettings, speech: SpeechSegment, **changes: object) -> MotionClip:
+    generator = DiffSheg(settings.model_copy(update=changes))
+    return generator.generate(speech, seed=3, frame_rate=15)
 
 
 @pytest.fixture
@@ -70,18 +78,13 @@ def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Spea
 
 
 def test_the_speech_decides_the_motion(model: DiffShegSettings, speak: Speak) -> None:
-    clips = [
-        DiffSheg(model).generate(speak("one", 2.0, "neutral", number), seed=3, frame_rate=15)
-        for number in range(2)
-    ]
+    clips = [made(model, speak("one", 2.0, "neutral", number)) for number in range(2)]
     assert (clips[0].poses != clips[1].poses).any()
 
 
 def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Speak) -> None:
     chosen = {"sampling": "plain", "steps": 10, "overlap": 2}
-    clip = DiffSheg(model.model_copy(update=chosen)).generate(
-        speak("one", 1.0), seed=3, frame_rate=15
-    )
+    clip = made(model, speak("one", 1.0), **chosen)
     assert clip.provenance["sampling"].startswith("10 steps, overlap 2, entry 6")
     assert "jump count 1" in clip.provenance["sampling"]
     windows = [clip.provenance[f"window_{name}"] for name in ("frames", "overlap", "frame_rate")]
@@ -100,12 +103,12 @@ def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
     model: DiffShegSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     speech = speak("one", 5.0)
-    whole = DiffSheg(model).generate(speech, seed=3, frame_rate=15)
+    whole = made(model, speech)
     assert whole.provenance["heard"] == "as a whole"
     monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 2.0)
     window = HearingWindow(past=1, ahead=1.0, at_once=2)
     monkeypatch.setattr("training.hearing.speech_frames.LONG", window)
-    clip = DiffSheg(model).generate(speech, seed=3, frame_rate=15)
+    clip = made(model, speech)
     assert clip.provenance["heard"] == "2 s at once with 1 s before and 1 s ahead"
     assert len(clip) == len(whole)
     assert (clip.poses != whole.poses).any()
@@ -128,15 +131,13 @@ def test_a_network_moves_as_who_speaks_where_nobody_is_named(
 ) -> None:
     speech = speak("one", 1.0)
     clips = [
-        DiffSheg(named).generate(
-            replace(speech, segment=replace(speech.segment, speaker=name)), seed=3, frame_rate=15
-        )
+        made(named, replace(speech, segment=replace(speech.segment, speaker=name)))
         for name in ("ada", "bo")
     ]
     assert [clip.provenance["speaker"] for clip in clips] == ["ada", "bo"]
     assert (clips[0].poses != clips[1].poses).any()
     assert "speaker" not in clips[0].provenance["stand_ins"]
-    stranger = DiffSheg(named).generate(speech, seed=3, frame_rate=15).provenance
+    stranger = made(named, speech).provenance
     assert f"speaker {stranger['speaker']} for who is heard" in stranger["stand_ins"]
 
 
@@ -146,18 +147,14 @@ def test_a_network_that_learned_from_another_hubert_is_refused(
     path = tmp_path / "other.safetensors"
     write_network(path, replace(small_network(), hubert="sha256 of another"))
     with pytest.raises(InputError, match="learned from what sha256 of another heard"):
-        DiffSheg(DiffShegSettings(checkpoint=path)).generate(
-            speak("one", 1.0), seed=3, frame_rate=15
-        )
+        made(DiffShegSettings(checkpoint=path), speak("one", 1.0))
 
 
 def test_a_speaker_whom_the_network_does_not_know_is_refused(
     model: DiffShegSettings, speak: Speak
 ) -> None:
     with pytest.raises(InputError, match="no speaker 31") as refusal:
-        DiffSheg(model.model_copy(update={"speaker": 31})).generate(
-            speak("one", 1.0), seed=3, frame_rate=15
-        )
+        made(model, speak("one", 1.0), speaker=31)
     assert "from 1 to 30" in str(refusal.value.remedy)
 
 
@@ -168,7 +165,7 @@ def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: 
     write_network(tmp_path / "diverged.safetensors", network)
     model = DiffShegSettings(checkpoint=tmp_path / "diverged.safetensors")
     with pytest.raises(InputError, match="not finite"):
-        DiffSheg(model).generate(speak("one", 1.0), seed=3, frame_rate=15)
+        made(model, speak("one", 1.0))
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
@@ -197,3 +194,24 @@ def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
     speech = speak("one", 1.0)
     short = replace(speech, audio=speech.audio.cut(0, 0.02))
     assert len(DiffSheg(model).generate(short, seed=3, frame_rate=60)) == 1
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "diffsheg.md"
+
+
+def test_the_example_of_streaming_moves_while_somebody_speaks(
+    tmp_path: Path,
+    speak: Callable[..., SpeechSegment],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (example,) = re.findall(r"```python\n([^`]*stream_clips[^`]*)```", PAGE.read_text("utf-8"))
+    written_network(tmp_path / "tiny.safetensors")
+    write_wav(tmp_path / "hello.wav", speak("hello", 5.0).audio)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, str(PAGE), "exec"), {})  # noqa: S102 - it is our own page
+    assert capsys.readouterr().out.splitlines() == [
+        "1.9 s: body (28, 55, 3), face (28, 52)",
+        "1.9 s: body (28, 55, 3), face (28, 52)",
+        "1.3 s: body (19, 55, 3), face (19, 52)",
+    ]

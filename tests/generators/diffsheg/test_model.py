@@ -7,10 +7,8 @@ from dataclasses import replace
 import pytest
 import torch
 from torch import Tensor
-from torch.nn import functional
 
 from generators.diffsheg.config import BEAT, FLOWS, PRESETS, DenoiserConfig, Flow
-from generators.diffsheg.layers import Fusion
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import shaken
@@ -69,22 +67,6 @@ def test_a_window_is_answered_alike_alone_and_in_a_batch(guidance: float | None)
     for number in range(3):
         alone = denoiser(*(one[number : number + 1] for one in question))
         assert torch.allclose(alone[0], together[number], atol=1e-5)
-
-
-def test_the_fusion_norms_motion_and_conditions_together() -> None:
-    torch.manual_seed(2)
-    fusion, h, speech, x0_hat = (
-        Fusion(6, 9),
-        torch.randn(2, 5, 6) + 3,
-        10 * torch.randn(2, 5, 7),
-        torch.randn(2, 5, 2) - 1,
-    )
-    with torch.no_grad():
-        for weight in fusion.norm.parameters():
-            weight.add_(torch.randn_like(weight))
-    together = torch.cat([h, speech, x0_hat], dim=-1)
-    expected = fusion.narrow(functional.silu(fusion.widen(fusion.norm(together))))
-    assert torch.allclose(fusion(h, fusion.fuse(speech), x0_hat), expected, atol=1e-5)
 
 
 def _learns(config: DenoiserConfig, branch: str, part: slice) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import FLOWS, PRESETS, Flow, Sampling
+from generators.diffsheg.config import CLEAN, FLOWS, PRESETS, SAMPLINGS, Flow, Sampling
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
@@ -116,14 +117,7 @@ def test_motion_comes_before_the_speech_has_ended() -> None:
             asked.append(number)
             yield spoken(FRAMES)
 
-    settled = stream(
-        pieces(),
-        SAMPLER,
-        frames=FRAMES,
-        width=WIDTH,
-        sampling=SAMPLING,
-        seed=1,
-    )
+    settled = stream(pieces(), SAMPLER, frames=FRAMES, width=WIDTH, sampling=SAMPLING, seed=1)
     assert len(next(settled)) == FRAMES - SAMPLING.overlap
     assert asked == [0]
 
@@ -187,3 +181,27 @@ def test_everything_happens_where_the_network_is() -> None:
     """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
     denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).requires_grad_(False).to("meta")
     assert moved(WindowSampler(denoiser, PERSON, SAMPLING)).device.type == "meta"
+
+
+@pytest.mark.parametrize(
+    ("name", "asked"), [("smooth", 27), ("fast", 27), ("careful", 63), ("plain", 15)]
+)
+def test_a_named_sampling_asks_the_network_as_often_as_documented(name: str, asked: int) -> None:
+    walk = SAMPLINGS[name].later_walk
+    assert sum(there < here for here, there in pairwise(walk)) == asked
+
+
+def test_steps_are_spread_over_the_thousand_of_the_training() -> None:
+    assert Sampling().timesteps[:3] == (0, 40, 80)
+    assert Sampling().timesteps[-1] == 960
+
+
+@given(st.integers(1, 4), st.sampled_from([1, 2, 5, 10, 25, 50]))
+def test_every_walk_goes_step_by_step_to_where_no_noise_is_left(count: int, steps: int) -> None:
+    sampling = Sampling(steps=steps, jump_count=count)
+    walk = sampling.later_walk
+    assert walk[0] == max(walk) == sampling.entry - 1 < steps
+    assert walk[-1] == CLEAN
+    assert CLEAN not in walk[:-1]
+    assert all(abs(here - there) == 1 for here, there in pairwise(walk))
+    assert sampling.first_walk == (*reversed(range(steps)), CLEAN)

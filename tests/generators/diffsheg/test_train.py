@@ -14,14 +14,10 @@ import torch
 from generators.diffsheg.config import ABLATIONS, PRESETS, preset_of
 from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import MotionNetwork, load_network
-from generators.diffsheg.train import (
-    CHOSEN_BY,
-    DiffShegTask,
-    normalisation_of,
-    train_diffsheg,
-)
+from generators.diffsheg.train import CHOSEN_BY, DiffShegTask, normalisation_of, train_diffsheg
 from generators.registry import TrainedGenerator, TrainingRequest, unseen
 from motion.errors import InputError
+from tests.generators.diffsheg.small_network import smaller
 from tests.generators.one_device import require_one_device
 from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
 from training.data.feature_cache import PreparedTakes
@@ -29,15 +25,7 @@ from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.speakers import Speakers
 
-SMALL = replace(
-    PRESETS["tiny"]["beat"].network,
-    width=16,
-    feed_forward=16,
-    heads=2,
-    layers=1,
-    speech_width=8,
-    dropout=0.0,
-)
+SMALL = replace(smaller(PRESETS["tiny"]["beat"].network), dropout=0.0)
 
 Train = Callable[..., TrainedGenerator]
 

@@ -30,11 +30,6 @@ def vowel(formants: tuple[float, float], seconds: float = 1.0) -> np.ndarray:
     return 0.1 * wave
 
 
-def test_silence_keeps_the_mouth_still() -> None:
-    for course in mouth(np.zeros(RATE)).values():
-        assert not course.any()
-
-
 def test_the_jaw_opens_for_the_voice_and_not_for_the_pause() -> None:
     jaw = mouth(np.concatenate([vowel((700, 1200)), np.zeros(RATE), vowel((700, 1200))]))["jawOpen"]
     assert jaw[8:22].min() > 0.1

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import find_peaks
+from scipy.spatial.transform import Rotation
 
 from analysis.metrics.self_penetration import PenetrableBody
 from generators.interface import SpeechSegment
@@ -16,8 +17,9 @@ from motion.audio import Audio, read_audio
 from motion.body.model import read_body
 from motion.clip import MotionClip, arkit_index
 from motion.prosody import prosody
+from motion.resample import resample
 from motion.segment import EMOTIONS, Segment
-from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import FINGERS, REST_JOINTS, forward_kinematics, joint_index
 from renderer.look import default_body
 from tests.motion.random_clips import arkit_of
 
@@ -214,3 +216,30 @@ def test_the_hands_do_not_pass_through_each_other(clips: Clips, emotion: str) ->
         )
         apart = np.linalg.norm(left[:, :, None] - right[:, None], axis=-1)
         assert apart.min() > 0.03
+
+
+FRAME_RATE = 15.0
+RESTS = 0.03
+"""Metres per second below which a wrist is at rest."""
+
+
+def fingers_and_rests(clip: MotionClip) -> tuple[float, float]:
+    """Return how fast a finger joint turns, in degrees per second, and how often a wrist rests."""
+    clip = resample(clip, FRAME_RATE)
+    turns = Rotation.from_rotvec(clip.poses[:, FINGERS].reshape(-1, 3))
+    each = np.arange(len(turns)).reshape(len(clip), -1)
+    steps = (turns[each[:-1].ravel()].inv() * turns[each[1:].ravel()]).magnitude()
+    joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    wrists = joints[:, [joint_index("left_wrist"), joint_index("right_wrist")]]
+    speed = np.linalg.norm(np.diff(wrists, axis=0), axis=2) * FRAME_RATE
+    return float(np.degrees(steps.mean()) * FRAME_RATE), float((speed < RESTS).mean())
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_neutral_hands_move_and_rest_like_recorded_ones(shared_data: Path, seed: int) -> None:
+    audio = read_audio(shared_data / "2_scott_0_103_103.wav").cut(0, 30)
+    segment = Segment(name="a", wav="a.wav", start=0, end=30, speaker="a", emotion="neutral")
+    speech = SpeechSegment(segment=segment, audio=audio)
+    fingers, resting = fingers_and_rests(RuleBased().generate(speech, seed=seed, frame_rate=30))
+    assert 13 < fingers < 24
+    assert resting < 0.23

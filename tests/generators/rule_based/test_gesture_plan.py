@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from generators.interface import SpeechSegment
+from generators.rule_based.body_pose import pose_body
 from generators.rule_based.emotion_style import STYLES
-from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
-from motion.prosody import Prosody
+from generators.rule_based.gesture_plan import HANDS, Gesture, endings, plan_gestures
+from generators.rule_based.hand_pose import BEFORE_THE_WAIST, CLASPED_OVER, CLASPED_UNDER, HELD_OFF
+from generators.rule_based.resting import Rest, plan_rests
+from motion.prosody import Prosody, prosody
 from motion.segment import EMOTIONS
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from tests.generators.rule_based.test_body_pose import still
 
 
 def heard(accents: np.ndarray, prominence: np.ndarray) -> Prosody:
@@ -70,23 +77,62 @@ def test_strokes_keep_the_emotions_distance_and_forms(
         assert allowed
 
 
-def test_a_stroke_begins_on_a_syllable_where_one_is_near() -> None:
-    manner, accents = STYLES["neutral"].gestures, np.arange(1, 9) * 1.2
-    plain = plan_gestures(heard(accents, np.ones(8)), manner, np.random.default_rng(0))
-    near = np.array([gesture.stroke for gesture in plain]) + 0.03 + 0.04
-    syllables = np.sort(np.concatenate([accents, near]))
-    prosody = replace(heard(accents, np.ones(8)), syllables=syllables)
-    snapped = plan_gestures(prosody, manner, np.random.default_rng(0))
-    np.testing.assert_allclose([gesture.stroke for gesture in snapped], near - 0.03)
+Plan = tuple[tuple[Gesture, ...], tuple[Rest, ...]]
+SECONDS = 12.0
 
 
-def test_over_many_seeds_left_right_and_both_hands_gesture() -> None:
-    prosody = heard(np.arange(1, 9, 0.8), np.ones(10))
-    used = {
-        gesture.hands
-        for seed in range(10)
-        for gesture in plan_gestures(
-            prosody, STYLES["neutral"].gestures, np.random.default_rng(seed)
-        )
+def planned(speech_heard: Prosody, emotion: str, seed: int) -> Plan:
+    manner = STYLES[emotion].gestures
+    rng = np.random.default_rng(seed)
+    gestures = plan_gestures(speech_heard, manner, rng)
+    return gestures, plan_rests(manner, gestures, SECONDS, rng)
+
+
+@pytest.fixture(scope="module")
+def speech_heard(speak: Callable[..., SpeechSegment]) -> Prosody:
+    return prosody(speak("a", SECONDS, "neutral", 1).audio, 30)
+
+
+@pytest.fixture(scope="module")
+def plans(speech_heard: Prosody) -> list[Plan]:
+    return [planned(speech_heard, "neutral", seed) for seed in range(40)]
+
+
+def test_hands_are_clasped_or_before_the_waist_or_hang_or_one_of_them_does(
+    plans: list[Plan],
+) -> None:
+    seen = {frozenset(rest.poses.values()) for _, rests in plans for rest in rests}
+    assert seen == {
+        frozenset({CLASPED_OVER, CLASPED_UNDER}),
+        frozenset({BEFORE_THE_WAIST}),
+        frozenset({HELD_OFF}),
+        frozenset({BEFORE_THE_WAIST, HELD_OFF}),
     }
-    assert used == {("left",), ("right",), ("left", "right")}
+
+
+def test_clasped_hands_part_when_the_next_gesture_begins_with_the_one_on_top(
+    plans: list[Plan],
+) -> None:
+    clasps = 0
+    for gestures, rests in plans:
+        begins = [rest.begin for rest in rests]
+        assert [0.0, *begins[1:]] == sorted(begins)
+        for rest, after in zip(rests, [*rests[1:], None], strict=True):
+            upcoming = next((one for one in gestures if one.begin >= rest.begin), None)
+            if not rest.clasped or upcoming is None:
+                continue
+            clasps += 1
+            assert after is not None
+            assert after.begin <= upcoming.begin
+            on_top = next(hand for hand in HANDS if rest.poses[hand] is CLASPED_OVER)
+            assert on_top in upcoming.hands
+    assert clasps > 3
+
+
+def test_clasped_hands_lie_on_each_other() -> None:
+    over, under = (pose.channels()[None] for pose in (CLASPED_OVER, CLASPED_UNDER))
+    poses, trans = pose_body(still(), {"left": under, "right": over})
+    joints, _ = forward_kinematics(poses, trans, REST_JOINTS)
+    palms = [joints[0, joint_index(f"{hand}_middle1")] for hand in HANDS]
+    assert 0.03 < np.linalg.norm(palms[0] - palms[1]) < 0.09
+    assert palms[1][2] > palms[0][2]

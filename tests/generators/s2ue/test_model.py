@@ -12,10 +12,7 @@ from torch import Tensor
 from generators.s2ue.model import Network, Synthesis
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
-from training.layers.convolutions import (
-    ComponentEncoder,
-    components_of,
-)
+from training.layers.convolutions import ComponentEncoder, components_of
 
 VALUES = 27 + 3 * FACE.count
 COMPONENTS = components_of(FACE.actions)

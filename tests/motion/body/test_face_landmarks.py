@@ -57,15 +57,6 @@ def test_a_body_in_smplxs_terms_has_landmarks_that_follow_its_pose_corrections(
     np.testing.assert_allclose(found, whole, atol=1e-6)
 
 
-def test_they_lie_apart_on_the_face_on_both_sides(landmarks: FaceLandmarks) -> None:
-    neutral = landmarks.neutral
-    apart = np.linalg.norm(neutral[:, None] - neutral, axis=2)
-    assert apart[np.triu_indices(len(neutral), 1)].min() >= 0.006
-    assert landmarks.count == len(neutral) >= 40
-    assert np.ptp(neutral[:, 1]) > 0.1
-    assert (neutral[:, 0] > 0.01).sum() >= 10 <= (neutral[:, 0] < -0.01).sum()
-
-
 @pytest.mark.parametrize("name", ["template", "weights", "expression_directions", "arkit_slots"])
 def test_arrays_that_do_not_fit_are_refused(landmarks: FaceLandmarks, name: str) -> None:
     arrays = landmarks.arrays()

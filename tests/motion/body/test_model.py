@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -133,12 +134,6 @@ def test_vertices_are_what_matrices_and_weights_make_of_the_unposed_body(
     np.testing.assert_allclose(body.vertices(clip), expected, atol=1e-4)
 
 
-def test_a_clip_without_betas_has_the_mean_shape(body: BodyModel) -> None:
-    mean, shaped = body.joints(np.zeros(0)), body.joints(np.ones(10))
-    np.testing.assert_array_equal(mean, body.joints(np.zeros(10)))
-    assert np.abs(shaped - mean).max() > 1e-3
-
-
 def _matrix() -> NDArray[np.float32]:
     return np.random.default_rng(5).normal(0, 1, (100, 52)).astype(np.float32)
 
@@ -226,3 +221,23 @@ def test_a_missing_body_and_a_folder_are_told(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "gone.npz"):
         with pytest.raises(InputError, match="there is no such body model"):
             read_body(path)
+
+
+def test_mean_hands_of_a_licensed_file_are_left_then_right(tmp_path: Path) -> None:
+    left, right = np.arange(45.0), -np.arange(45.0)
+    np.savez(tmp_path / "a.npz", hands_meanl=left, hands_meanr=right)
+    hands = read_mean_hands(tmp_path / "a.npz")
+    assert hands is not None
+    np.testing.assert_array_equal(hands.reshape(2, 45), [left, right])
+
+
+@pytest.mark.parametrize("arrays", [{}, {"hands_meanl": np.zeros(45), "hands_meanr": np.zeros(45)}])
+def test_file_without_mean_hands_gives_none(tmp_path: Path, arrays: dict[str, Any]) -> None:
+    np.savez(tmp_path / "a.npz", **arrays)
+    assert read_mean_hands(tmp_path / "a.npz") is None
+
+
+def test_garbled_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.npz").write_text("hello")
+    with pytest.raises(InputError, match=r"a\.npz: .* cannot be read"):
+        read_mean_hands(tmp_path / "a.npz")

@@ -135,13 +135,6 @@ def test_a_row_that_is_no_annotation_is_named(tmp_path: Path, row: str) -> None:
         read_semantic_scores(path)
 
 
-def test_a_file_that_is_missing_or_no_text_is_named(tmp_path: Path) -> None:
-    (tmp_path / "b.txt").write_bytes(b"\xff\xfe\x00")
-    for name in ("a.txt", "b.txt"):
-        with pytest.raises(InputError, match=name):
-            read_semantic_scores(tmp_path / name)
-
-
 def test_frames_get_the_greater_score_of_what_they_lie_in() -> None:
     spans = (
         SemanticSpan(start=0.5, end=1.5, score=0.2),

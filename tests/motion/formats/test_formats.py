@@ -164,14 +164,6 @@ def test_real_recording_is_read_in_the_studys_world(shared_data: Path) -> None:
     assert steps.max() < 0.01
 
 
-def test_other_real_recording_is_turned_to_the_front(shared_data: Path) -> None:
-    clip = read_motion(shared_data / "aitviewer_sample.bvh")
-    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    assert "to face +z" in clip.provenance["notes"]
-    assert positions[:, :, 1].min() > -1.5
-    assert np.abs(clip.trans).max() < 1
-
-
 def test_hands_stay_where_they_were_recorded_if_asked(shared_data: Path) -> None:
     path = shared_data / "2_scott_0_1_1.bvh"
     moved, recorded = (

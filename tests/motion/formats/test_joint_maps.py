@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from motion.formats.bvh import read_bvh
 from motion.formats.joint_maps import (
     JOINT_MAPS,
     REQUIRED_JOINTS,
@@ -94,14 +93,3 @@ def test_own_map_that_does_not_fit_is_refused(
     changed = {joint: name for joint, name in (own | change).items() if name is not None}
     with pytest.raises(InputError, match=complaint):
         check_joint_map(changed, names)
-
-
-@pytest.mark.parametrize(
-    ("file", "rate", "name", "count"),
-    [("2_scott_0_1_1.bvh", 15, "beat", 52), ("aitviewer_sample.bvh", None, "anatomical", 22)],
-)
-def test_real_skeletons_are_known(
-    shared_data: Path, file: str, rate: float | None, name: str, count: int
-) -> None:
-    chosen, joint_map = choose_joint_map(read_bvh(shared_data / file, frame_rate=rate).joint_names)
-    assert (chosen, len(joint_map)) == (name, count)

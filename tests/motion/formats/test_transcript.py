@@ -11,33 +11,13 @@ from motion.audio import Audio
 from motion.errors import InputError
 from motion.formats.transcript import Word, is_word_table, read_transcript, spread_words
 
-GRID = """File type = "ooTextFile"
-Object class = "TextGrid"
-
-xmin = 0
-xmax = 2
-tiers? <exists>
-size = 1
-item []:
-    item [1]:
-        class = "IntervalTier"
-        name = "words"
-        xmin = 0
-        xmax = 2
-        intervals: size = 3
-        intervals [1]:
-            xmin = 0
-            xmax = 0.5
-            text = "Hello,"
-        intervals [2]:
-            xmin = 0.5
-            xmax = 1.0
-            text = ""
-        intervals [3]:
-            xmin = 1.0
-            xmax = 2.0
-            text = "world"
-"""
+SAID = ((0, 0.5, "Hello,"), (0.5, 1.0, ""), (1.0, 2.0, "world"))
+GRID = 'File type = "ooTextFile"\nObject class = "TextGrid"\n\nxmin = 0\nxmax = 2\n'
+GRID += 'tiers? <exists>\nsize = 1\nitem []:\nitem [1]:\nclass = "IntervalTier"\n'
+GRID += 'name = "words"\nxmin = 0\nxmax = 2\nintervals: size = 3\n' + "".join(
+    f'intervals [{number}]:\nxmin = {start}\nxmax = {end}\ntext = "{text}"\n'
+    for number, (start, end, text) in enumerate(SAID, 1)
+)
 
 
 @pytest.fixture
@@ -49,8 +29,7 @@ def audio() -> Audio:
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
-    [("a.TextGrid", GRID), ("a.csv", "word,start,end\nHello,0,0.5\nworld,1,2\n")],
+    ("name", "text"), [("a.TextGrid", GRID), ("a.csv", "word,start,end\nHello,0,0.5\nworld,1,2\n")]
 )
 def test_aligned_words_keep_their_times(tmp_path: Path, audio: Audio, name: str, text: str) -> None:
     (tmp_path / name).write_text(text)

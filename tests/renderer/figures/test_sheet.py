@@ -1,12 +1,18 @@
 from __future__ import annotations
 
-from html.parser import HTMLParser
+import re
+from collections.abc import Sequence
+from html import unescape
+from pathlib import Path
 
+import numpy as np
 import pytest
 
+from motion.errors import InputError
 from motion.segment import Segment
-from renderer.figures.glance import glance_at
+from renderer.figures.glance import MOMENTS, SIDE, Glance, glance_at
 from renderer.figures.sheet import (
+    CELL,
     ROWS_ON_PAGE,
     Cell,
     Sheet,
@@ -47,37 +53,18 @@ def sheet_of(cell: Cell, count: int) -> Sheet:
     )
 
 
-class Reader(HTMLParser):
-    """Notes every address and counts what there is."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.addresses: list[str] = []
-        self.counts: dict[str, int] = {}
-        self.text = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.counts[tag] = self.counts.get(tag, 0) + 1
-        for name, value in attrs:
-            if name in ("src", "href") and value:
-                self.addresses.append(value)
-
-    def handle_data(self, data: str) -> None:
-        self.text += data
-
-
 def test_the_page_shows_every_stimulus_and_says_what_is_missing(cell: Cell) -> None:
-    page = Reader(sheet_page(sheet_of(cell, 3)))
-    assert page.counts["img"] == 3
-    assert page.counts["td"] == 6
+    page = sheet_page(sheet_of(cell, 3))
+    assert len(re.findall("<img[ >]", page)) == 3
+    assert len(re.findall("<td[ >]", page)) == 6
+    text = unescape(re.sub("<[^>]+>", "", page))
     for wanted in ("Who & why", "segment-02", "anger, robin, 2.5 s", '<b>"never"</b>', "reference"):
-        assert wanted in page.text
-    assert page.text.count("no video") == page.text.count("jumps") == 3
+        assert wanted in text
+    assert text.count("no video") == text.count("jumps") == 3
 
 
 def test_the_page_needs_no_other_file_but_the_videos(cell: Cell) -> None:
-    for address in Reader(sheet_page(sheet_of(cell, 3))).addresses:
+    for address in re.findall(r'(?:src|href)="([^"]+)"', sheet_page(sheet_of(cell, 3))):
         assert address.startswith(("data:image/webp;base64,", "../../videos/clips/"))
 
 
@@ -92,3 +79,82 @@ def test_a_clip_without_picture_has_an_empty_frame_there(cell: Cell) -> None:
     (page,) = sheet_pictures(sheet_of(cell, 1))
     colours = {colour for _, colour in page.getcolors(1 << 20) or []}
     assert (0xB0, 0x45, 0x00) in colours
+
+
+SWAYING = [44 + round(12 * np.sin(k / 4)) for k in range(90)]
+
+
+def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
+    return glance_at(write_block_video(tmp_path / "video.mkv", places))
+
+
+def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
+    seen = glance(tmp_path, [*SWAYING])
+    assert seen.remarks == ()
+    assert seen.seconds == pytest.approx(3)
+    assert seen.pictures.shape == (MOMENTS, SIDE, SIDE, 3)
+    assert list(seen.times) == sorted(seen.times)
+    assert len(seen.movement) == 89
+
+
+def _rested(frames: int) -> list[int]:
+    return [*SWAYING[:30], *[SWAYING[30]] * frames, *SWAYING[30:60]]
+
+
+@pytest.mark.parametrize(
+    ("places", "remarks"),
+    [
+        ([44] * 60, ("never moves",)),
+        (_rested(45), ("still from 1.0 to 2.5 s",)),
+        (_rested(20), ()),
+        ([*SWAYING[:40], *[place + 25 for place in SWAYING[40:80]]], ("jumps at 1.3 s",)),
+        ([20 + 45 * (k % 2) for k in range(60)], ("jerks throughout",)),
+    ],
+    ids=["never moves", "freezes", "rests", "jumps", "jerks"],
+)
+def test_what_is_wrong_with_a_motion_is_told_once_with_its_times(
+    tmp_path: Path, places: list[int], remarks: tuple[str, ...]
+) -> None:
+    assert glance(tmp_path, places).remarks == remarks
+
+
+def test_a_missing_figure_is_told(tmp_path: Path) -> None:
+    (first, *_) = glance(tmp_path, [*[None] * 15, *SWAYING[:45]]).remarks[::-1]
+    assert first == "nobody in the picture 25% of the time"
+
+
+def test_a_figure_at_the_edge_is_told(tmp_path: Path) -> None:
+    leaving = [44 + k for k in range(60)]
+    assert glance(tmp_path, leaving).remarks[-1].startswith("out of the picture")
+
+
+def test_presence_is_the_share_of_frames_at_each_place(tmp_path: Path) -> None:
+    presence = glance(tmp_path, [10] * 30 + [80] * 30).presence
+    middle = SIDE * 3 // 4
+    assert presence[middle, round(30 / 128 * SIDE)] == pytest.approx(0.5)
+    assert presence[middle, round(62 / 128 * SIDE)] == 0
+
+
+def test_what_is_no_video_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bad.mp4").write_bytes(b"no video" * 30)
+    with pytest.raises(InputError, match="cannot be read"):
+        glance_at(tmp_path / "bad.mp4")
+    with pytest.raises(InputError, match="cannot be read"):
+        glance_at(tmp_path / "missing.mp4")
+
+
+def test_a_cell_keeps_picture_and_remarks_together(tmp_path: Path) -> None:
+    cell = draw_cell(glance(tmp_path, [44] * 60))
+    again = Cell(cell.data)
+    assert again.remarks == ("never moves",)
+    assert again.picture.size == CELL
+    assert draw_cell(glance(tmp_path, [44] * 60)).data == cell.data
+
+
+def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path) -> None:
+    inked = []
+    for places in ([44] * 60, [*SWAYING[:60]]):
+        curve = np.asarray(draw_cell(glance(tmp_path, places)).picture).astype(int)[-30:-4]
+        inked.append((curve[..., 2] - curve[..., 0] > 60).sum())
+    assert inked[0] == 0
+    assert inked[1] > 500

@@ -45,10 +45,7 @@ def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyMode
     face = np.abs(np.sin(moved)).astype(np.float32)
     shaken = np.random.default_rng(1).normal(0, 0.002, plain.poses.shape)
     clip = MotionClip(
-        poses=plain.poses + shaken.astype(np.float32),
-        trans=plain.trans,
-        frame_rate=30,
-        arkit=face,
+        poses=plain.poses + shaken.astype(np.float32), trans=plain.trans, frame_rate=30, arkit=face
     )
 
     data = track(clip, body)

@@ -10,7 +10,7 @@ from motion.errors import InputError
 from motion.segment import Segment, write_segments
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
-from tools.three_systems.line import Took
+from tools.three_systems.line import Line, Took
 from tools.three_systems.page import BEGIN, END, measured, with_measured
 
 PAGE = Path(__file__).parents[3] / "docs" / "three-systems.md"
@@ -78,3 +78,32 @@ def test_the_words_around_what_was_measured_stay() -> None:
     assert with_measured(page, "new") == f"{before}{BEGIN}\nnew\n{END}{after}"
     with pytest.raises(InputError, match="no place"):
         with_measured("another page", "new")
+
+
+INIT = ("init", "made", "--template", "three-systems")
+
+
+def test_a_command_is_run_once_and_again_where_what_it_depends_on_has_changed(
+    tmp_path: Path,
+) -> None:
+    line = Line(tmp_path)
+    line.run(*INIT, of="first")
+    line.run(*INIT, of="first")
+    (took,) = line.took().values()
+    assert (tmp_path / "made" / "study.toml").exists()
+    assert took.seconds > 0 and took.processor > 0
+    with pytest.raises(InputError, match=r"'motionjury init made .*' failed"):
+        line.run(*INIT, of="second")
+
+
+def test_a_step_that_was_interrupted_is_done_again_and_its_time_is_kept(tmp_path: Path) -> None:
+    line = Line(tmp_path)
+    with pytest.raises(KeyboardInterrupt), line.step("import") as is_due:
+        assert is_due
+        raise KeyboardInterrupt
+    before = line.took()["import"].seconds
+    with line.step("import") as is_due:
+        assert is_due
+    assert line.took()["import"].seconds > before > 0
+    with line.step("import") as is_due:
+        assert not is_due

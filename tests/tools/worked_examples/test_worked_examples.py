@@ -7,12 +7,7 @@ from scipy import stats
 from benchmarks.validity.studies import Design, preferences, true_outcomes
 from tools.worked_examples.amuse_study import CLAIMS, EMOTION, TABLE_A5
 from tools.worked_examples.page import worked_examples
-from tools.worked_examples.rebuilt import (
-    Rebuilt,
-    counts_behind,
-    rebuild,
-    supported,
-)
+from tools.worked_examples.rebuilt import Rebuilt, counts_behind, rebuild, supported
 from tools.worked_examples.spread import Spread, with_spread
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "worked-examples.md"

@@ -14,7 +14,6 @@ from training.hearing.spectra import (
     BANDS,
     COEFFICIENTS,
     RATE,
-    REACH,
     WIDTH,
     WINDOW,
     check_speech,
@@ -68,16 +67,6 @@ def test_bands_are_those_that_librosa_gives_by_default(rate: int) -> None:
     np.testing.assert_allclose(mel_bands(speech, rate), theirs.T[: 2 * rate], rtol=1e-4)
 
 
-@pytest.mark.parametrize("seconds", [0.01, 0.1, 1.0, 3.217, 3.99])
-@pytest.mark.parametrize("frame_rate", [15, 30])
-@pytest.mark.parametrize("rate", [16000, 44100])
-def test_there_are_as_many_rows_as_the_speech_has_frames(
-    seconds: float, frame_rate: int, rate: int
-) -> None:
-    speech = noise(seconds, rate)
-    assert mel_bands(speech, frame_rate).shape == (round(speech.duration * frame_rate), BANDS)
-
-
 def test_another_sampling_rate_puts_a_tone_into_the_same_band_with_the_same_power() -> None:
     tones = [
         Audio(np.sin(2 * np.pi * 440 * np.arange(2 * rate) / rate).astype(np.float32), rate)
@@ -87,17 +76,6 @@ def test_another_sampling_rate_puts_a_tone_into_the_same_band_with_the_same_powe
     for other in others:
         assert other.argmax() == known.argmax()
         assert other.max() == pytest.approx(known.max(), rel=0.01)
-
-
-def test_what_is_heard_further_away_than_the_stated_reach_changes_nothing() -> None:
-    frame_rate, frame = 15, 15
-    speech = noise(2.0, 16000)
-    times = np.arange(len(speech.samples)) / 16000 - frame / frame_rate
-    outside = np.abs(times) > REACH
-    other = np.where(outside, noise(2.0, 16000, seed=2).samples, speech.samples)
-    rows = [mel_bands(Audio(each, 16000), frame_rate) for each in (speech.samples, other)]
-    np.testing.assert_array_equal(rows[0][frame], rows[1][frame])
-    assert (rows[0][frame - 1] != rows[1][frame - 1]).any()
 
 
 @pytest.mark.parametrize("frame_rate", [0, -15, 29.97])

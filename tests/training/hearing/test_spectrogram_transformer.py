@@ -20,6 +20,7 @@ from training.hearing.spectrogram_transformer import (
     listen,
     read_ast_weights,
 )
+from training.layers.transformers import PackedLinear, pack
 
 CONFIG = ast_config(SMALL)
 
@@ -123,3 +124,23 @@ def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     # What is heard is noisy by a tenth at most, and shifted.
     assert float((heard.sum() - target.sum()) / heard.numel()) < 0.1
     assert float(heard.max()) <= 1.1
+
+
+def test_a_packed_transformer_hears_the_same() -> None:
+    config = ASTConfig(
+        hidden_size=32,
+        num_hidden_layers=2,
+        num_attention_heads=4,
+        intermediate_size=48,
+        max_length=64,
+        num_mel_bins=32,
+    )
+    torch.manual_seed(2)
+    model = ASTModel(config).eval().requires_grad_(False)
+    heard = torch.randn(3, 64, 32)
+    with torch.inference_mode():
+        before = model(heard).last_hidden_state
+        pack(model)
+        after = model(heard).last_hidden_state
+    assert torch.allclose(before, after, atol=1e-5)
+    assert any(isinstance(one, PackedLinear) for one in model.modules())

@@ -10,7 +10,6 @@ import torch
 
 from motion.body.face_landmarks import FaceLandmarks
 from training.layers.convolutions import (
-    GraphConvolution,
     bone_graph,
     component_graph,
     components_of,
@@ -18,28 +17,6 @@ from training.layers.convolutions import (
     lips_of,
     over_time,
 )
-
-
-def test_a_node_sees_itself_and_its_neighbours_and_no_others() -> None:
-    edges = np.zeros((4, 4), np.float32)
-    edges[0, 1] = edges[1, 0] = edges[2, 3] = edges[3, 2] = 1
-    torch.manual_seed(1)
-    layer = GraphConvolution(3, 5, edges, 1).eval()
-    values = torch.randn(1, 3, 6, 4)
-    moved = values.clone()
-    moved[..., 1] += 1
-    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1, 2)) > 1e-6
-    assert changed.tolist() == [True, True, False, False]
-
-
-def test_time_is_seen_as_far_as_the_convolution_reaches() -> None:
-    torch.manual_seed(1)
-    layer = GraphConvolution(2, 3, np.zeros((1, 1), np.float32), 5).eval()
-    values = torch.randn(1, 2, 12, 1)
-    moved = values.clone()
-    moved[:, :, 6] += 1
-    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1, 3)) > 1e-6
-    assert changed.nonzero().ravel().tolist() == [4, 5, 6, 7, 8]
 
 
 @pytest.mark.parametrize(("kernel", "dilation"), [(3, 1), (5, 1), (3, 4)])

@@ -42,14 +42,6 @@ def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> Non
     np.testing.assert_allclose(found.reshape(4, -1), expected, rtol=0.02, atol=0.02)
 
 
-def test_until_it_is_told_the_motion_it_takes_values_for_independent_and_normalised() -> None:
-    noisy = torch.randn(3, FRAMES, PART, generator=torch.Generator().manual_seed(3))
-    steps = torch.tensor(STEPS)
-    kept = torch.tensor(LINEAR.alpha_bar[steps], dtype=torch.float32)[:, None, None]
-    found = LinearSkip(FRAMES, PART)(torch.zeros_like(noisy), noisy, steps)
-    torch.testing.assert_close(found, (1 - kept).sqrt() * noisy, rtol=1e-4, atol=1e-5)
-
-
 @pytest.mark.parametrize("frames", [1, 5, 11])
 def test_shorter_windows_keep_slow_motion_too(frames: int) -> None:
     clean = torch.from_numpy(smooth_windows(1)[:, :frames])

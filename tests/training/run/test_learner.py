@@ -1,15 +1,22 @@
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 import torch
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.training.lines import ENTRIES
 from tests.training.plain_lines import PlainLine, PlainNetwork
+from tests.training.toy_takes import toy_takes
 from training.config import Decay, TrainingConfig
+from training.data.windows import Windows
+from training.run.batches import batches_per_epoch, parts_of_step, rows_of_step
 from training.run.group import Group
 from training.run.learner import Learner
+from training.run.task import WindowTask
 
 CONFIG = TrainingConfig(steps=8, batch_size=10, learning_rate=0.02, gradient_clip=0.5)
 
@@ -95,3 +102,66 @@ def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
     torch.testing.assert_close(layer.running_mean, mean)
     torch.testing.assert_close(layer.running_var, variance)
     assert not layer.running_var.equal(learner.tensors()["network.common.1.running_var"])
+
+
+@given(st.integers(1, 60), st.integers(1, 20), st.integers(0, 5))
+def test_an_epoch_goes_through_all_examples_but_an_unfilled_batch(
+    examples: int, size: int, seed: int
+) -> None:
+    count = batches_per_epoch(examples, size)
+    rows = np.concatenate([rows_of_step(step, examples, size, seed) for step in range(count)])
+    assert len(set(rows)) == len(rows) == min(examples, count * size)
+    assert 0 <= rows.min() <= rows.max() < examples
+
+
+def test_each_epoch_has_an_order_of_its_own() -> None:
+    first, second = (rows_of_step(step, 30, 30, 0) for step in (0, 1))
+    assert sorted(first) == sorted(second)
+    assert list(first) != list(second)
+
+
+@given(st.integers(1, 60), st.integers(1, 9), st.integers(1, 4))
+def test_parts_hold_each_example_once_and_are_shared_evenly(
+    examples: int, accumulate: int, processes: int
+) -> None:
+    rows = np.arange(max(examples, processes))
+    parts = parts_of_step(rows, accumulate, processes)
+    assert np.array_equal(np.concatenate(parts), rows)
+    assert len(parts) % processes == 0
+    assert {len(part) for part in parts} <= {len(rows) // len(parts), -(-len(rows) // len(parts))}
+    assert min(len(part) for part in parts) > 0
+    if len(rows) >= accumulate + processes:
+        assert accumulate <= len(parts) < accumulate + processes
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    width: int = 3
+    parts: tuple[tuple[int, ...], ...] = ((0, 1), (2,))
+
+
+@dataclass(frozen=True)
+class _Weights:
+    velocity: float = 1.0
+
+
+@pytest.fixture
+def task() -> WindowTask:
+    takes = toy_takes()
+    return WindowTask(
+        config=_Sizes(),
+        weights=_Weights(),
+        training=Windows(takes, split="train", frames=10, stride=10),
+        held_out=Windows(takes, split="validation", frames=10, stride=10),
+        further={"heard by": "nobody"},
+    )
+
+
+def test_sizes_weights_and_device_make_it_another_one(task: WindowTask) -> None:
+    others = [
+        replace(task, config=_Sizes(parts=((0,), (1, 2)))),
+        replace(task, weights=_Weights(velocity=0.0)),
+        replace(task, further={}),
+        replace(task, device="cuda"),
+    ]
+    assert all(other.settings != task.settings for other in others)

@@ -134,10 +134,7 @@ def test_a_pass_has_its_rhythm_and_its_rate() -> None:
         assert ("judge" in told, "loss" in told) == (step in (1, 4), True)
     assert changed == [False, True, False, False, True, False]
     assert learner.learning_rates(0) == {"learning_rate_maker": 0.02}
-    assert learner.learning_rates(4) == {
-        "learning_rate_maker": 0.02,
-        "learning_rate_judge": 0.005,
-    }
+    assert learner.learning_rates(4) == {"learning_rate_maker": 0.02, "learning_rate_judge": 0.005}
 
 
 def test_what_no_pass_of_a_stage_teaches_is_frozen_with_its_statistics_and_without_chance() -> None:
