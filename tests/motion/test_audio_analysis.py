@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import fcntl
 import os
-import re
 import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -57,18 +56,6 @@ def test_compiled_functions_are_loaded_and_vectorised_ones_made_by_one_process_a
             done.result(timeout=0.5)
         held()
         done.result(timeout=60)
-
-
-def test_nothing_else_in_the_project_imports_librosa() -> None:
-    root = Path(__file__).resolve().parents[2]
-    packages = ("motion", "generators", "renderer", "analysis", "studyapp", "training")
-    importers = [
-        path.name
-        for package in packages
-        for path in (root / package).rglob("*.py")
-        if re.search(r"(import|from) librosa\b", path.read_text(encoding="utf-8"))
-    ]
-    assert importers == ["audio_analysis.py"]
 
 
 def tones(sample_rate: int) -> Audio:

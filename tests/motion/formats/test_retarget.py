@@ -169,16 +169,9 @@ def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
     ],
 )
 def test_axes_of_the_source_only_turn_the_root(turn: Rotation) -> None:
-    frames = 3
-    plain = smplx_skeleton()
-    turns = random_turns(plain, frames, 1)
-    turned = smplx_skeleton(turn=turn.as_matrix())
-    count = len(plain)
-    repeated = Rotation.concatenate([turn] * (frames * count))
-    clips = [
-        retarget(bvh_motion(plain, turns), OWN),
-        retarget(bvh_motion(turned, repeated * turns * repeated.inv()), OWN),
-    ]
+    turns = random_turns(smplx_skeleton(), 3, 1)
+    turned = bvh_motion(smplx_skeleton(turn=turn.as_matrix()), turn * turns * turn.inv())
+    clips = [retarget(bvh_motion(smplx_skeleton(), turns), OWN), retarget(turned, OWN)]
     np.testing.assert_allclose(clips[0].poses[:, 1:], clips[1].poses[:, 1:], atol=1e-5)
     roots = [Rotation.from_rotvec(clip.poses[:, 0]) for clip in clips]
     assert ((turn * roots[0]).inv() * roots[1]).magnitude().max() < 1e-5
@@ -269,15 +262,8 @@ def _renamed(joint_map: JointMap) -> tuple[Skeleton, JointMap]:
 def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None:
     skeleton, named = _renamed(OWN)
     motion = bvh_motion(skeleton, random_turns(skeleton, 3, seed))
-    clip, same = (
-        retarget(motion, named),
-        retarget(
-            bvh_motion(
-                smplx_skeleton(), Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
-            ),
-            OWN,
-        ),
-    )
+    own = Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
+    clip, same = retarget(motion, named), retarget(bvh_motion(smplx_skeleton(), own), OWN)
     turned = [forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)]
     for side in ("left", "right"):
         elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")

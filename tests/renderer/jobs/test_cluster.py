@@ -98,7 +98,7 @@ def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> 
         yield scheduler
 
 
-def test_a_cluster_makes_the_same_files_as_this_machine(
+def test_a_cluster_and_processes_of_this_machine_make_the_same_files(
     cluster_of_two: str, clip_job: ClipJob, inputs: Path
 ) -> None:
     jobs = [
@@ -107,11 +107,12 @@ def test_a_cluster_makes_the_same_files_as_this_machine(
     ]
     there = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     made = {job.name: video_of(job).read_bytes() for job in jobs[:4]}
-    here = run_jobs(jobs[:4], processes=1)
+    here = run_jobs(jobs[:4], processes=2)
     assert [outcome.name for outcome in there] == [job.name for job in jobs]
     assert [outcome.error for outcome in there[:4] + here] == [None] * 8
     assert "no such audio file" in str(there[4].error)
     assert made == {job.name: video_of(job).read_bytes() for job in jobs[:4]}
+    assert made["clip0"] == made["clip1"]
 
 
 def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(

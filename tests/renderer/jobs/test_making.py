@@ -21,7 +21,7 @@ from renderer.jobs.job import ClipJob, DubJob, Job, Outcome, PairJob
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.jobs.making import JobOrder, run_jobs
 from renderer.look import Look
-from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, numbered, pair_of, video_of
+from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, pair_of, video_of
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -102,13 +102,6 @@ def test_a_process_that_dies_while_it_is_idle_costs_no_job(
     ]
     outcomes = run_jobs(jobs, processes=1, on_done=end_the_workers)
     assert [outcome.error for outcome in outcomes] == [None, None]
-
-
-def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) -> None:
-    jobs = [numbered(clip_job, number) for number in range(3)]
-    assert all(outcome.error is None for outcome in run_jobs(jobs, processes=2))
-    contents = {video_of(job).read_bytes() for job in jobs}
-    assert len(contents) == 1
 
 
 def _running_in_group(group: int) -> list[str]:
