@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -92,40 +92,10 @@ def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
         yield finding("speech-repeated", again=again, extra=len(extra))
 
 
-ANALYSED: Final = ("main", "repeat")
-
-Plans = Sequence[Sequence[PlannedTrial]]
-"""The trials of several participants."""
-
-
-def analysed(plans: Plans) -> list[PlannedTrial]:
-    """Return the trials whose answers are analysed."""
-    return [trial for plan in plans for trial in plan if trial.kind in ANALYSED]
-
-
-def counts_of_segments(plans: Plans, segments: Sequence[str]) -> dict[str, int]:
-    """Return how often each segment comes in an analysed trial."""
-    times = Counter(trial.segment.name for trial in analysed(plans))
-    return {segment: times[segment] for segment in segments}
-
-
-def counts_of_pairs(plans: Plans) -> dict[str, dict[tuple[str, ...], int]]:
-    """Return, for each part, how often each set of conditions is shown together."""
-    found: dict[str, Counter[tuple[str, ...]]] = {}
-    for trial in analysed(plans):
-        together = tuple(sorted(trial.conditions))
-        found.setdefault(trial.part, Counter())[together] += 1
-    return {part: dict(times) for part, times in found.items()}
-
-
-TIMES: Final = 1.5
-"""How many times as often as another one something may be shown."""
-
-
 def balance_findings(material: Material) -> Iterator[Finding]:
-    """Count what the planned participants will see, and say where that is uneven."""
-    planned = material.planned
-    if not any(plan for _, plans in planned for plan in plans):
+    """Count how often the planned participants will judge each segment, and say which never."""
+    planned = [plan for _, plans in material.planned for plan in plans]
+    if not any(planned):
         return
     if material.study.follows_votes:
         yield finding(
@@ -134,51 +104,18 @@ def balance_findings(material: Material) -> Iterator[Finding]:
             "counted beforehand",
         )
         return
-    together = [plan for _, plans in planned for plan in plans]
-    segments = counts_of_segments(together, list(material.by_name))
-    yield finding("balance", _balance(material, segments))
-    yield from _count_findings(material, segments)
-
-
-def _balance(material: Material, segments: dict[str, int]) -> str:
-    participants = sum(len(plans) for _, plans in material.planned)
+    judged = Counter(
+        trial.segment.name for plan in planned for trial in plan if trial.kind in ("main", "repeat")
+    )
     most = max(arm.places for arm in material.study.arms)
     of = f" (the first {MOST_PLACES} of each arm)" if most > MOST_PLACES else ""
-    used = [times for times in segments.values() if times]
-    return f"{participants} planned participants{of} judge each segment {_between(used)} times"
-
-
-def _count_findings(material: Material, segments: dict[str, int]) -> Iterator[Finding]:
-    unused = [name for name, times in segments.items() if not times]
-    if unused:
+    low, high = min(judged.values(), default=0), max(judged.values(), default=0)
+    times = f"{low}" if low == high else f"{low} to {high}"
+    yield finding(
+        "balance", f"{len(planned)} planned participants{of} judge each segment {times} times"
+    )
+    if unused := [name for name in material.by_name if not judged[name]]:
         yield finding("segments-unused", segments=_some(unused))
-    used = {name: times for name, times in segments.items() if times}
-    if _uneven(used.values()):
-        least, most = (pick(used, key=used.__getitem__) for pick in (min, max))
-        yield finding(
-            "segments-uneven", most=most, often=used[most], least=least, rarely=used[least]
-        )
-    for arm, plans in material.planned:
-        for part, pairs in counts_of_pairs(plans).items():
-            if _uneven(pairs.values()):
-                rare, often = (pick(pairs, key=pairs.__getitem__) for pick in (min, max))
-                yield finding(
-                    "conditions-uneven",
-                    f"{listed(often)} are shown {pairs[often]} times, {listed(rare)} "
-                    f"{pairs[rare]} times",
-                    where=part or arm.name,
-                )
-
-
-def _uneven(times: Iterable[int]) -> bool:
-    """Tell whether the most frequent is more than `TIMES` as frequent, and not by one or two."""
-    counts = list(times)
-    return bool(counts) and max(counts) > TIMES * min(counts) and max(counts) - min(counts) > 2
-
-
-def _between(counts: list[int]) -> str:
-    low, high = min(counts, default=0), max(counts, default=0)
-    return f"{low}" if low == high else f"{low} to {high}"
 
 
 def _some(names: list[str]) -> str:

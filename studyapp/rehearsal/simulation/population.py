@@ -140,20 +140,6 @@ class Population:
     overlooked: float = 0.02
     reasons: float = 0.3
 
-    def __post_init__(self) -> None:
-        if not 0 < self.weak < self.strong:
-            raise ValueError(f"thresholds {self.weak}, {self.strong} are not 0 < weak < strong")
-        if min(self.participant_sd, self.item_sd, self.side_bias_sd, self.leniency_sd) < 0:
-            raise ValueError("a standard deviation is negative")
-        if self.rating_spread <= 0:
-            raise ValueError(f"rating_spread {self.rating_spread} is not above 0")
-        own = (("overlooked", self.overlooked), ("reasons", self.reasons))
-        for name, share in (*own, *self.kinds.items()):
-            if not 0 <= share <= 1:
-                raise ValueError(f"{name} {share} is no share")
-        if sum(self.kinds.values()) > 1 + 1e-9:
-            raise ValueError(f"the shares of {', '.join(self.kinds)} add up to more than 1")
-
     @property
     def taste_sd(self) -> float:
         """Standard deviation over raters of one condition's quality, in logits."""

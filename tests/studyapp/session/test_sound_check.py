@@ -73,6 +73,8 @@ def test_digits_may_be_typed_with_anything_between_them_and_in_any_width(
 
 def test_other_digits_are_counted_and_exclude_nobody(listener: Participant) -> None:
     spoken = digits(listener)
+    with pytest.raises(UnacceptableError, match="No digits"):
+        hear(listener, "none")
     for tries in range(1, 6):
         assert not hear(listener, wrong(spoken))
         assert listener.look().sound_tries == tries
@@ -80,14 +82,6 @@ def test_other_digits_are_counted_and_exclude_nobody(listener: Participant) -> N
     assert hear(listener, spoken)
     assert hear(listener, wrong(spoken))
     assert listener.stored().sound_tries == 5
-
-
-def test_nothing_typed_is_no_try(listener: Participant) -> None:
-    listener.look()
-
-    with pytest.raises(UnacceptableError, match="No digits"):
-        hear(listener, "none")
-    assert listener.look().sound_tries == 0
 
 
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
@@ -129,25 +123,18 @@ def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
         replace(listener, token=left).look()
 
 
+@pytest.mark.parametrize("tries", [1, 3])
 def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
-    listener: Participant,
+    listener: Participant, tries: int
 ) -> None:
-    hear(listener, wrong(digits(listener)))
+    for _ in range(tries):
+        hear(listener, wrong(digits(listener)))
+    if tries == 3:
+        hear(listener, digits(listener))
     listener.withdraw()
     assert not listener.look().left_unheard
     left = listener.token
     assert listener.enrol().token == left
-
-
-def test_who_heard_it_in_the_end_and_withdraws_has_not_left_unheard(
-    listener: Participant,
-) -> None:
-    for _ in range(3):
-        hear(listener, wrong(digits(listener)))
-    hear(listener, digits(listener))
-    listener.withdraw()
-
-    assert not listener.look().left_unheard
 
 
 def test_questions_wait_for_the_sound_check(open_changed: Open) -> None:
