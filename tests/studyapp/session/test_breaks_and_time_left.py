@@ -82,18 +82,22 @@ def test_many_answers_to_a_page_take_longer_than_its_videos() -> None:
     assert expected_seconds([10.0], 1) == expected_seconds([10.0], 0)
 
 
-def test_before_the_first_answer_the_videos_tell() -> None:
-    short, long = expected_seconds([10.0], 1), expected_seconds([60.0] * 5, 8)
-
-    assert minutes_left([], [short]) == 1
-    assert minutes_left([], [long] * 8 + [short] * 12) == 51
+SHORT, LONG = expected_seconds([10.0], 1), expected_seconds([60.0] * 5, 8)
 
 
-def test_the_participants_own_pace_is_carried_over_to_longer_trials() -> None:
-    assert minutes_left([(50.0, 25.0)], [300.0] * 2) == 20
-
-
-def test_one_long_interruption_changes_nothing() -> None:
-    steady = [(30.0, 30.0), (30.0, 30.0)]
-
-    assert minutes_left([*steady, (3600.0, 30.0)], [30.0] * 4) == minutes_left(steady, [30.0] * 4)
+@pytest.mark.parametrize(
+    ("taken", "ahead", "minutes"),
+    [
+        ([], [SHORT], 1),
+        # Before the first answer, the videos tell; then the participant's own pace.
+        ([], [LONG] * 8 + [SHORT] * 12, 51),
+        ([(50.0, 25.0)], [300.0] * 2, 20),
+        ([(30.0, 30.0)] * 2, [300.0] * 4, 20),
+        # One long interruption changes nothing.
+        ([*[(30.0, 30.0)] * 2, (3600.0, 30.0)], [300.0] * 4, 20),
+    ],
+)
+def test_the_time_left_is_what_videos_and_the_pace_so_far_tell(
+    taken: list[tuple[float, float]], ahead: list[float], minutes: int
+) -> None:
+    assert minutes_left(taken, ahead) == minutes

@@ -1,4 +1,4 @@
-"""The bookkeeping knows no protocol: in each, a participant goes from first trial to code."""
+"""The bookkeeping knows no protocol: answers to orders and to several videos are taken alike."""
 
 from __future__ import annotations
 
@@ -40,36 +40,8 @@ def some_answers(shown: ShownTrial) -> dict[str, str | list[str]]:
     return {ask.field: [str(ask.stimulus if ranked else min(ask.values))] for ask in shown.asks}
 
 
-def take_all(participant: Participant) -> None:
-    while participant.look().trial is not None:
-        shown = participant.watch_all()
-        participant.answer(shown.token, some_answers(shown))
-
-
 def exported(participant: Participant) -> pd.DataFrame:
     return read_once(participant.database, responses_table)
-
-
-@pytest.mark.parametrize(
-    ("protocol", "trials", "answers"),
-    # pairwise: 1 practice, 2 main, 1 repeat, 1 catch, 1 attention; rating: 2 groups and a check
-    # of 3 motions and 2 questions; ranking: 2 of 2 motions; mismatch: 2 fit, 1 realism, a check.
-    [("pairwise", 6, 6), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
-)
-def test_a_participant_reaches_the_code_and_every_answer_is_exported(
-    arrive: Arrive, protocol: str, trials: int, answers: int
-) -> None:
-    participant = arrive(protocol)
-
-    take_all(participant)
-
-    assert participant.look().presentations == trials
-    assert participant.look().completion_code
-    table = exported(participant)
-    assert len(table) == answers
-    assert not table.duplicated(["study_session", "position", "question", "stimulus"]).any()
-    assert set(table["watched"]) == {1.0}
-    assert set(table["version"]) == {1}
 
 
 @pytest.mark.parametrize(
