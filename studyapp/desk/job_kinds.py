@@ -109,7 +109,7 @@ def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     given = form.get("participants", "").strip()
     if not given:
         return ("rehearse",)
-    count = read_count(MOST_PARTICIPANTS, what="participants")(given)
+    count = read_count(given, MOST_PARTICIPANTS, what="participants")
     return ("rehearse", "--participants", str(count))
 
 

@@ -104,7 +104,6 @@ def _wanted(name: str, root: Path) -> WantedStudy:
         conditions = read_conditions(stated, root)
         if conditions is None:
             raise InputError("no condition is named", remedy="Name two or more of them")
-    reference = form.get("reference", "")
     default = _template_study(template, language)
     words = {each.name: form.get(f"question-{each.name}", "") for each in default.questions}
     wanted = WantedStudy(
@@ -112,7 +111,7 @@ def _wanted(name: str, root: Path) -> WantedStudy:
         template=template,
         language=cast(Language, language),
         conditions=conditions,
-        reference=None if conditions is None or reference in ("", "-") else reference,
+        reference=(form.get("reference") or None) if conditions else None,
         catch_videos="catch_videos" in form and conditions is not None,
         trials=_count(form, "trials", MOST_TRIALS),
         participants=_count(form, "participants", MOST_PARTICIPANTS),
@@ -136,7 +135,7 @@ def _wanted(name: str, root: Path) -> WantedStudy:
 
 def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
     given = form.get(key, "")
-    return read_count(most, what=key)(given) if given else None
+    return read_count(given, most, what=key) if given else None
 
 
 def _chosen(given: Mapping[str, str]) -> tuple[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from types import MappingProxyType
@@ -140,8 +140,8 @@ def reference_asked(template: str) -> Asked:
         why = "Every other condition is compared with the reference, each by people of its own."
     else:
         why = (
-            "The reference is shown apart as a yardstick and not ranked: the real recording. '-' "
-            "for none."
+            "The reference is shown apart as a yardstick and not ranked: the real recording. "
+            "Empty for none."
         )
     return Asked("Reference", why)
 
@@ -176,8 +176,7 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     InputError
         If it is not an amount with a currency, or nothing though the channel is a recruiting site.
     """
-    given = "" if text == "-" else text.strip().replace(",", ".")
-    amount, _, currency = given.partition(" ")
+    amount, _, currency = text.strip().replace(",", ".").partition(" ")
     if re.fullmatch(r"\d+(\.\d)?", amount):
         amount = f"{Decimal(amount):.2f}"
     if not re.fullmatch(MONEY, amount):
@@ -195,24 +194,17 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     return Pay(amount=amount, currency=currency.upper())
 
 
-def read_count(most: int, *, what: str) -> Callable[[str], int]:
-    """Return what reads a whole number of `what` from 1 to `most`."""
-
-    def read(text: str) -> int:
-        if not text.isdecimal() or not 1 <= int(text) <= most:
-            raise InputError(
-                f"{text!r} is not a number of {what}",
-                remedy=f"Give a whole number from 1 to {most}",
-            )
-        return int(text)
-
-    return read
+def read_count(text: str, most: int, *, what: str) -> int:
+    """Return a whole number of `what` from 1 to `most`; `InputError` where it is none."""
+    if not text.isdecimal() or not 1 <= int(text) <= most:
+        raise InputError(
+            f"{text!r} is not a number of {what}", remedy=f"Give a whole number from 1 to {most}"
+        )
+    return int(text)
 
 
 def read_line(text: str, longest: int) -> str:
-    """Return what was typed, nothing for a dash; `InputError` where it is too long."""
-    if text == "-":
-        return ""
+    """Return what was typed; `InputError` where it is too long."""
     if len(text) > longest:
         raise InputError(f"that is longer than {longest} characters", remedy="Say it shorter")
     return text
@@ -220,7 +212,7 @@ def read_line(text: str, longest: int) -> str:
 
 def read_address(text: str) -> str:
     """Return a contact; one that reaches nobody is refused, none at all can be filled in later."""
-    if text not in ("", "-") and not reaches_somebody(text):
+    if text and not reaches_somebody(text):
         raise InputError(
             f"{text!r} does not say how to reach anybody",
             remedy="Give an e-mail address, a page or a telephone number; or nothing for now",
