@@ -16,11 +16,10 @@ from typing import Final
 
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats.joint_maps import JointMap
 from motion.formats.joint_positions import is_joint_table
 from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of, plays_at_once
-from studyapp.stimuli.recordings import Take, import_clips, import_take
+from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.stored_speech import import_speech
 from studyapp.study.finished_videos import seconds_of
 from studyapp.study.folder import (
@@ -33,27 +32,6 @@ from studyapp.study.folder import (
 from studyapp.study.study_file import add_condition
 
 TABLE: Final = ".csv"
-
-
-@dataclass(frozen=True, kw_only=True)
-class FolderFacts:
-    """What the files of a folder do not say themselves; see `studyapp.stimuli.recordings.Take`.
-
-    Attributes
-    ----------
-    condition : str or None
-        Of motion and videos that lie in no sub-folder.
-    speaker, emotion : str or None
-        Of speech that no ``segments.csv`` beside it describes.
-    """
-
-    condition: str | None = None
-    speaker: str | None = None
-    emotion: str | None = None
-    segment_seconds: float | None = None
-    frame_rate: float | None = None
-    as_recorded: bool = False
-    joint_map: JointMap | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +50,7 @@ class FolderItem:
     bring_in: Callable[[], list[str]]
 
 
-def folder_items(study: StudyFolder, folder: Path, facts: FolderFacts) -> list[FolderItem]:
+def folder_items(study: StudyFolder, folder: Path, facts: RecordingFacts) -> list[FolderItem]:
     """Return what is in `folder`, in an order in which it can be brought in: speech first.
 
     Raises
@@ -102,7 +80,7 @@ class _Place:
     """One folder of files that belong to one condition."""
 
     def __init__(
-        self, study: StudyFolder, folder: Path, condition: str | None, facts: FolderFacts
+        self, study: StudyFolder, folder: Path, condition: str | None, facts: RecordingFacts
     ) -> None:
         self._study, self._condition, self._facts = study, condition, facts
         self._left = {
@@ -167,28 +145,13 @@ class _Place:
                 where=speech,
                 remedy=f"Give --speaker and --emotion, or a {SEGMENTS_FILE} beside it that says so",
             )
-        take = Take(
-            motion=motion,
-            speech=speech,
-            frame_rate=facts.frame_rate,
-            segment_seconds=facts.segment_seconds,
-            condition=None if motion is None else self._named_condition(motion),
-            speaker=facts.speaker,
-            emotion=facts.emotion,
-            as_recorded=facts.as_recorded,
-            joint_map=facts.joint_map,
-        )
+        told = vars(facts) | {"condition": motion and self._named_condition(motion)}
+        take = Take(**told, motion=motion, speech=speech)
         return import_take(self._study, take)[1]
 
     def _bring_clip(self, motion: Path) -> list[str]:
-        return import_clips(
-            self._study,
-            [motion],
-            condition=self._named_condition(motion),
-            frame_rate=self._facts.frame_rate,
-            as_recorded=self._facts.as_recorded,
-            joint_map=self._facts.joint_map,
-        )
+        condition = self._named_condition(motion)
+        return import_clips(self._study, [motion], condition, self._facts)
 
     def _bring_video(self, video: Path) -> list[str]:
         return import_video(self._study, video, self._named_condition(video))

@@ -8,6 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -38,7 +41,36 @@ TAKE_TOLERANCE: Final = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Take:
+class RecordingFacts:
+    """What files of recordings do not say themselves.
+
+    Attributes
+    ----------
+    condition : str or None
+        What their motion belongs to.
+    speaker, emotion : str or None
+        What their segments are.
+    segment_seconds : float or None
+        Length of the segments that each is cut into; None keeps it whole.
+    frame_rate : float or None
+        Overrides what motion files say of their frame rate.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
+    """
+
+    condition: str | None = None
+    speaker: str | None = None
+    emotion: str | None = None
+    segment_seconds: float | None = None
+    frame_rate: float | None = None
+    as_recorded: bool = False
+    joint_map: JointMap | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take(RecordingFacts):
     """A recording of speech, mostly with motion, and what to make of it.
 
     Attributes
@@ -47,29 +79,12 @@ class Take:
         In any format the project reads; None of speech alone.
     speech : Path
         In any format the project reads.
-    frame_rate : float or None
-        Overrides what the motion file says of its frame rate.
-    segment_seconds : float or None
-        Length of the segments it is cut into; None keeps the take whole.
-    condition : str or None
-        What the motion belongs to.
-    speaker, emotion : str
-        What its segments are.
-    as_recorded : bool
-        Whether hands of a BVH stay where they come to lie inside the body.
-    joint_map : mapping of str to str, optional
-        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
     """
 
     motion: Path | None
     speech: Path
-    frame_rate: float | None
-    segment_seconds: float | None
-    condition: str | None
     speaker: str
     emotion: str
-    as_recorded: bool = False
-    joint_map: JointMap | None = None
 
 
 def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
@@ -128,13 +143,7 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
 
 
 def import_clips(
-    folder: StudyFolder,
-    motions: Sequence[Path],
-    *,
-    condition: str,
-    frame_rate: float | None,
-    as_recorded: bool = False,
-    joint_map: JointMap | None = None,
+    folder: StudyFolder, motions: Sequence[Path], condition: str, facts: RecordingFacts
 ) -> list[str]:
     """Store motion made elsewhere for segments the study already has.
 
@@ -146,12 +155,8 @@ def import_clips(
         Motion files, each named after its segment.
     condition : str
         The condition they belong to; added to the study file where it is new.
-    frame_rate : float or None
-        Overrides what the files say of their frame rate.
-    as_recorded : bool
-        Whether hands of a BVH stay where they come to lie inside the body.
-    joint_map : mapping of str to str, optional
-        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
+    facts : RecordingFacts
+        How they are to be read.
 
     Returns
     -------
@@ -185,13 +190,7 @@ def import_clips(
                 where=path,
                 remedy="Give one motion for each segment",
             )
-        clip, motion_notes = read_recorded(
-            path,
-            frame_rate=frame_rate,
-            joint_map=joint_map,
-            mean_hands=mean_hands,
-            as_recorded=as_recorded,
-        )
+        clip, motion_notes = _read(path, facts, mean_hands)
         check_same_length(clip, segment, path)
         notes += motion_notes
         clips[segment.name] = _placed_cut(clip, 0.0, min(clip.duration, segment.duration))
@@ -207,15 +206,21 @@ def _motion_of(
     """Return a take's motion, how many seconds can be used, and notes; None of speech alone."""
     if take.motion is None:
         return None, audio.duration, []
-    clip, notes = read_recorded(
-        take.motion,
-        frame_rate=take.frame_rate,
-        mean_hands=licensed_hands(folder, study),
-        as_recorded=take.as_recorded,
-        joint_map=take.joint_map,
-    )
+    clip, notes = _read(take.motion, take, licensed_hands(folder, study))
     seconds, note = _common_length(take.motion, audio, clip)
     return clip, seconds, [*notes, *note]
+
+
+def _read(
+    path: Path, facts: RecordingFacts, mean_hands: NDArray[np.float32] | None
+) -> tuple[MotionClip, list[str]]:
+    return read_recorded(
+        path,
+        frame_rate=facts.frame_rate,
+        joint_map=facts.joint_map,
+        mean_hands=mean_hands,
+        as_recorded=facts.as_recorded,
+    )
 
 
 def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:

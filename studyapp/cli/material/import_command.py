@@ -11,8 +11,8 @@ from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import existing_study, joints_option
 from studyapp.cli.output import counted, progress
-from studyapp.stimuli.imported_folder import FolderFacts, folder_items
-from studyapp.stimuli.recordings import Take, import_clips, import_take
+from studyapp.stimuli.imported_folder import folder_items
+from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
 from studyapp.study.folder import StudyFolder
 
@@ -78,18 +78,18 @@ def command(
             raise click.UsageError("--from-video goes with FOLDER and --speaker alone.")
         _import_video(video, folder, speaker)
         return
+    facts = RecordingFacts(
+        condition=condition,
+        speaker=speaker,
+        emotion=emotion,
+        segment_seconds=segment_seconds,
+        frame_rate=fps,
+        as_recorded=as_recorded,
+        joint_map=joint_map,
+    )
     if len(motion) == 1 and motion[0].is_dir():
         if speech is not None:
             raise click.UsageError("The speech of a folder lies in it: leave --speech out.")
-        facts = FolderFacts(
-            condition=condition,
-            speaker=speaker,
-            emotion=emotion,
-            segment_seconds=segment_seconds,
-            frame_rate=fps,
-            as_recorded=as_recorded,
-            joint_map=joint_map,
-        )
         _import_folder(existing_study(folder), motion[0], facts, move=move)
         return
     if move or any(path.is_dir() for path in motion):
@@ -100,29 +100,12 @@ def command(
     if speech is None:
         if segment_seconds is not None or speaker is not None or emotion is not None:
             raise click.UsageError("--segment, --speaker and --emotion describe --speech: give it.")
-        notes = import_clips(
-            study,
-            motion,
-            condition=condition,
-            frame_rate=fps,
-            as_recorded=as_recorded,
-            joint_map=joint_map,
-        )
+        notes = import_clips(study, motion, condition, facts)
         done = f"{counted(len(motion), 'clip')} of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
             raise click.UsageError("--speech goes with one motion file, --speaker and --emotion.")
-        take = Take(
-            motion=motion[0],
-            speech=speech,
-            frame_rate=fps,
-            segment_seconds=segment_seconds,
-            condition=condition,
-            speaker=speaker,
-            emotion=emotion,
-            as_recorded=as_recorded,
-            joint_map=joint_map,
-        )
+        take = Take(**vars(facts), motion=motion[0], speech=speech)
         segments, notes = import_take(study, take)
         done = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
@@ -130,7 +113,7 @@ def command(
     click.echo(f"Imported {done} into {folder}.")
 
 
-def _import_folder(study: StudyFolder, brought: Path, facts: FolderFacts, *, move: bool) -> None:
+def _import_folder(study: StudyFolder, brought: Path, facts: RecordingFacts, *, move: bool) -> None:
     """Bring in one item after another; what is refused keeps nothing else out."""
     items, refused = folder_items(study, brought, facts), 0
     with progress("bringing in", "item") as told:

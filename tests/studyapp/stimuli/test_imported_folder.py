@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import shutil
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +14,8 @@ from click.testing import CliRunner, Result
 from motion.errors import InputError
 from motion.segment import Segment, write_segments
 from studyapp.cli.main import group
-from studyapp.stimuli.imported_folder import FolderFacts, folder_items
+from studyapp.stimuli.imported_folder import folder_items
+from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
 from tests.encoded import Told, write_video
 from tests.studyapp.takes import write_motion, write_speech
@@ -114,35 +114,33 @@ def test_what_is_refused_keeps_nothing_else_out_and_stays(
     assert folder.clip("ours", "alone").is_file()
 
 
+NOT_PLAYED = "take.mp4: the video cannot be played"
+
+
 @pytest.mark.parametrize(
-    ("name", "told", "said"),
+    ("name", "content", "said"),
     [
         ("take.mp4", Told(frames=90), "lasts 3.00 s, its segment 2.00 s"),
         ("nobody.mp4", Told(), "no segment is called 'nobody'"),
         ("take@nobody.mp4", Told(), "no segment is called 'nobody'"),
+        ("take.mp4", b"", NOT_PLAYED),
+        ("take.mp4", b"#EXTM3U\n", NOT_PLAYED),
+        ("take.mp4", b"ffconcat version 1.0\nfile ../alone.wav\n", NOT_PLAYED),
     ],
 )
-def test_a_video_that_shows_no_segment_is_refused(
-    folder: StudyFolder, brought: Path, name: str, told: Told, said: str
+def test_a_video_that_is_none_or_shows_no_segment_is_refused(
+    folder: StudyFolder, brought: Path, name: str, content: Told | bytes, said: str
 ) -> None:
-    shutil.rmtree(brought / "filmed")
-    (brought / "filmed").mkdir()
-    write_video(brought / "filmed" / name, told)
-    done = bring(brought, folder)
-    assert said in done.output
+    (brought / "filmed" / "take.mp4").unlink()
+    video = brought / "filmed" / name
+    if isinstance(content, bytes):
+        video.write_bytes(content)
+    else:
+        write_video(video, content)
+
+    assert said in bring(brought, folder).output
     assert not folder.videos.exists()
     assert "filmed" not in folder.study().conditions
-
-
-@pytest.mark.parametrize("content", [b"", b"#EXTM3U\n", b"ffconcat version 1.0\nfile other.mp4\n"])
-def test_a_video_that_is_none_is_refused(
-    folder: StudyFolder, brought: Path, content: bytes
-) -> None:
-    video = brought / "filmed" / "take.mp4"
-    video.rename(video.with_name("other.mp4"))
-    video.write_bytes(content)
-    done = bring(brought, folder)
-    assert "take.mp4: the video cannot be played" in done.output
 
 
 def test_another_video_or_motion_never_takes_the_place_of_one(
@@ -190,7 +188,7 @@ def test_speech_and_motion_without_what_they_need_say_so(
     folder: StudyFolder, brought: Path, tmp_path: Path
 ) -> None:
     (brought / "ours" / "take.npz").rename(brought / "take.npz")
-    items = folder_items(folder, brought, FolderFacts())
+    items = folder_items(folder, brought, RecordingFacts())
     said = []
     for item in items:
         try:
@@ -201,4 +199,4 @@ def test_speech_and_motion_without_what_they_need_say_so(
     assert any("nothing says of which condition this is" in one for one in said)
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no file to bring in"):
-        folder_items(folder, tmp_path / "empty", FolderFacts())
+        folder_items(folder, tmp_path / "empty", RecordingFacts())

@@ -123,8 +123,14 @@ def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
     rendered: StudyFolder,
 ) -> None:
     before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
+    # As a process that was killed leaves them.
+    drafts = [rendered.videos / name for name in (".frames/.draft.mkv", "pairs/.draft.mp4")]
+    for draft in drafts:
+        draft.parent.mkdir(exist_ok=True)
+        draft.write_bytes(b"half")
     assert render(rendered, processes=1).made == 0
     assert {path: path.stat().st_mtime_ns for path in videos_of(rendered)} == before
+    assert not any(draft.exists() for draft in drafts)
 
     # Exchanged clips leave the framing, which all clips decide together, as it was.
     one, two = (rendered.clip("mismatched", segment.name) for segment in rendered.segments())
@@ -152,9 +158,13 @@ def test_whoever_changes_the_look_makes_every_video_anew(
         assert not {video.key for video in old} & {video.key for video in new}
 
 
-def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
+def test_a_study_is_rendered_by_one_run_at_a_time_and_an_interrupted_one_goes_on(
+    study: StudyFolder,
+) -> None:
     def interrupt(progress: RenderProgress) -> None:
         if progress.videos == 10:
+            with pytest.raises(InputError, match="rendered already"):
+                render(study, processes=1)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -232,33 +242,6 @@ def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
     with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*video.size"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
-
-
-def test_what_a_killed_process_left_half_written_is_swept_away(rendered: StudyFolder) -> None:
-    drafts = [
-        rendered.videos / ".frames" / ".draft.mkv",
-        rendered.videos / "pairs" / ".draft.mp4",
-    ]
-    for draft in drafts:
-        draft.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_bytes(b"half")
-    render(rendered, processes=1)
-    assert not any(draft.exists() for draft in drafts)
-
-
-def test_a_study_is_rendered_by_one_run_at_a_time(study: StudyFolder) -> None:
-    tried: list[str] = []
-
-    def render_again(progress: RenderProgress) -> None:
-        if progress.videos == 0:
-            with pytest.raises(InputError, match="rendered already") as refusal:
-                render(study, processes=1)
-            tried.append(str(refusal.value))
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        render(study, processes=1, on_progress=render_again)
-    assert len(tried) == 1
 
 
 def test_faces_that_the_body_cannot_show_and_speech_that_cannot_be_as_loud_are_told(

@@ -14,10 +14,11 @@ from motion.errors import InputError
 from motion.formats import read_motion, write_clip
 from motion.points.detection import Detection
 from motion.skeleton import REST_JOINTS, joint_index
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.encoder import SOUND_RATE
 from studyapp.cli.main import group
 from studyapp.stimuli import video_takes
 from studyapp.stimuli.video_takes import LEFT_OUT, import_video
+from tests.encoded import Told, write_video
 from tests.motion.random_clips import random_clip
 from training.data.folders import read_takes
 
@@ -29,12 +30,9 @@ RATE = 15
 def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a grey video of eight seconds with sound."""
     path = tmp_path_factory.mktemp("video") / "talk.mp4"
-    sound = Audio(
-        (0.1 * np.sin(np.arange(SECONDS * SOUND_RATE) / 40)).astype(np.float32), SOUND_RATE
-    )
-    with VideoWriter(path, 64, 64, RATE, sound) as writer:
-        for _ in range(SECONDS * RATE):
-            writer.write(video_frame(np.full((64, 64, 3), 90, np.uint8)))
+    tone = np.sin(np.arange(SECONDS * SOUND_RATE) / 40)
+    sound = Audio((0.1 * tone).astype(np.float32), SOUND_RATE)
+    write_video(path, Told(frames=SECONDS * RATE, rate=RATE, sound=sound))
     return path
 
 
@@ -107,23 +105,11 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
     assert files(tmp_path / "takes") == before
 
 
-def without_sound(path: Path, video: Path) -> None:
-    """Write a video without any sound."""
-    import av
-
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("mpeg4", rate=RATE)
-        stream.width = stream.height = 64
-        frame = av.VideoFrame.from_ndarray(np.zeros((64, 64, 3), np.uint8), format="rgb24")
-        for packet in [*stream.encode(frame), *stream.encode()]:
-            container.mux(packet)
-
-
 @pytest.mark.parametrize(
     ("write", "sentence"),
     [
         (lambda path, video: path.write_bytes(b"no video"), "broken.mp4"),
-        (without_sound, "no audio"),
+        (lambda path, video: write_video(path, Told(sound=None)), "no audio"),
         (lambda path, video: path.write_bytes(video.read_bytes()[:4000]), "broken.mp4"),
     ],
 )
