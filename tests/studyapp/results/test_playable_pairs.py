@@ -3,14 +3,17 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
 from bs4 import BeautifulSoup
+from playwright.sync_api import Browser, expect
 
 from renderer.viewer.page import policy_hash
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
+from tests.functional.browsing import IN_A_BROWSER, SOFTWARE_GRAPHICS, launched
 from tests.studyapp.results.conftest import Answered, with_motion
 
 
@@ -24,8 +27,14 @@ def folder(
 
 
 @pytest.fixture(scope="module")
-def page(folder: StudyFolder) -> BeautifulSoup:
-    return opened(report(folder, with_motion=True))
+def path(folder: StudyFolder) -> Path:
+    """Return the report alone, beside no other file."""
+    return Path(shutil.move(report(folder, with_motion=True), folder.root.parent))
+
+
+@pytest.fixture(scope="module")
+def page(path: Path) -> BeautifulSoup:
+    return opened(path)
 
 
 def opened(page: Path) -> BeautifulSoup:
@@ -82,3 +91,26 @@ def test_before_anybody_has_answered_the_report_says_that_there_are_no_pairs(
     page = report(answered("pairwise", people=0), with_motion=True)
 
     assert "Nobody has compared two conditions yet." in page.read_text("utf-8")
+
+
+@pytest.mark.parametrize("browser", [pytest.param(launched, marks=IN_A_BROWSER)])
+def test_a_pair_plays_in_the_report_without_any_other_file(
+    path: Path, browser: Callable[..., AbstractContextManager[Browser]]
+) -> None:
+    asked: list[str] = []
+    complaints: list[str] = []
+    with browser(*SOFTWARE_GRAPHICS) as chromium:
+        page = chromium.new_page()
+        page.on("request", lambda request: asked.append(request.url))
+        page.on(
+            "console",
+            lambda message: complaints.append(message.text) if message.type == "error" else None,
+        )
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(path.as_uri())
+        pair = page.locator(".playable").first
+        pair.get_by_role("button").first.click()
+        expect(pair.get_by_role("slider", name="Time")).to_be_visible()
+        expect(pair.locator("canvas")).to_be_visible()
+    assert asked == [path.as_uri()]
+    assert complaints == []
