@@ -60,9 +60,9 @@ class DiffShegSettings(ModelSettings):
 
     dataset: Literal["beat", "show"] = Field("beat", description="What a release learned: beat.")
     stats: Folder | None = Field(None, description="Means and deviations of a release.")
-    hubert: Folder | None = Field(None, description="HuBERT's weights; else a stand-in hears.")
+    hubert: Folder | None = Field(None, description="HuBERT's weights; without them, a stand-in.")
     speaker: int | str | None = Field(
-        None, description="As which of its speakers it moves: number or name."
+        None, description="As which of its speakers to move: number or name."
     )
     sampling: Literal["smooth", "fast", "careful", "plain"] = Field(
         "smooth", description="How windows are sampled; fast and careful as released: smooth."
@@ -113,16 +113,16 @@ class AmuseSettings(ModelSettings):
         None, description="Emotion that it moves in: one it learned, or a recording."
     )
     style: NameOrFile | None = Field(
-        None, description="As whom it moves: a speaker it learned from, or a recording."
+        None, description="As whom to move: a speaker it learned from, or a recording."
     )
     from_emotion: NameOrFile | None = Field(
-        None, description="Emotion that strength goes from, in place of the speech's own."
+        None, description="Emotion at --strength 0, instead of the speech's own."
     )
     from_style: NameOrFile | None = Field(
-        None, description="Style that strength goes from, in place of the speech's own."
+        None, description="Style at --strength 0, instead of the speech's own."
     )
     strength: float = Field(
-        1.0, ge=0, le=1, description="How far emotion and style go from the speech's own: 1."
+        1.0, ge=0, le=1, description="How far to go from the speech's own emotion and style: 1."
     )
 
     @model_validator(mode="after")
@@ -153,9 +153,9 @@ class S2ueSettings(ModelSettings):
     transcripts: Folder | None = Field(
         None, description="Transcripts, named as the speech: .TextGrid, .csv, .lab or .txt."
     )
-    vectors: File | None = Field(None, description="FastText's vectors; else a stand-in.")
+    vectors: File | None = Field(None, description="FastText's vectors; without them, a stand-in.")
     speaker: int | str | None = Field(
-        None, description=f"As which of its speakers it moves: number, name or {ANYBODY}."
+        None, description=f"As which of its speakers to move: number, name or {ANYBODY}."
     )
     variation: float = Field(
         1.0, ge=0, le=3, description="How far from the speaker's mean it moves: 1."

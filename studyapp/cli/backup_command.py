@@ -20,20 +20,18 @@ from studyapp.study.folder import StudyFolder
 @click.command("backup")
 @optional_study_folder
 @click.argument("out", required=False, type=click.Path(path_type=Path))
-@click.option(
-    "--with-media", is_flag=True, help="Put speech, motion, networks and videos into it too."
-)
+@click.option("--with-media", is_flag=True, help="Include speech, motion, networks and videos.")
 @click.option(
     "--keep",
     type=click.IntRange(1),
-    help="Where OUT is a folder: remove all but the newest so many backups of this study there.",
+    help="If OUT is a folder: keep so many of this study's backups there, the newest ones.",
 )
 @click.option(
     "--check",
     "checked",
     type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="Check that backup, instead of making one; with FOLDER, also whether the media it does "
-    "not hold are there.",
+    help="Check this backup instead of making one; with FOLDER, also whether the media that it "
+    "does not hold are there.",
 )
 def command(
     folder: StudyFolder | None,
@@ -44,9 +42,9 @@ def command(
 ) -> None:
     """Back up the study FOLDER into OUT, a .tar or .tar.gz, while it may be served.
 
-    Answers (SQLite, or what DATABASE_URL names), study file, the key of the pseudonyms and all else
-    that cannot be made again are in it; see 'motionjury restore'. Where OUT is a folder, each
-    backup gets a name of its own there. Nothing is ever overwritten.
+    It holds the answers (SQLite, or the database that DATABASE_URL names), the study file, the key
+    of the pseudonyms and everything else that cannot be made again; see 'motionjury restore'. If
+    OUT is a folder, each backup gets a name of its own there. Nothing is ever overwritten.
     """
     if checked is not None:
         if out is not None or with_media or keep is not None:
@@ -114,7 +112,7 @@ _SHOWN = 3
 def restore_command(archive: Path, folder: Path) -> None:
     """Bring the study in the backup ARCHIVE back into the new or empty FOLDER.
 
-    All of it is checked first. Answers go to responses.db in FOLDER, or to the database that
+    The whole backup is checked first. Answers go to responses.db in FOLDER, or to the database that
     DATABASE_URL names, which must be empty: a backup of either kind fits both. 'motionjury serve'
     then goes on where the study was.
     """

@@ -24,24 +24,24 @@ from studyapp.study.folder import StudyFolder
     "--verbose",
     "everything",
     is_flag=True,
-    help="Tell notes too, and all findings of one kind one by one.",
+    help="Print notes too, and each finding of a kind that is found often.",
 )
 @click.option(
     "--record",
     "recorded_in",
     metavar="FILE",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the findings as JSON into FILE too.",
+    help="Also write the findings into FILE, as JSON.",
 )
 @click.option(
     "--address",
     metavar="URL",
-    help="Where participants will come to; the running study is asked for there.",
+    help="Where participants will find the study; looks whether it answers there.",
 )
 @click.option(
     "--pilot",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="A study folder that people have taken: their pace tells how long this study takes.",
+    help="A study that people have taken: their pace tells how long this one takes.",
 )
 def command(
     folder: StudyFolder,
@@ -51,9 +51,9 @@ def command(
     address: str | None,
     pilot: Path | None,
 ) -> None:
-    """Say everything that can go wrong before the study FOLDER is launched.
+    """Find everything that can go wrong, before the study FOLDER is launched.
 
-    Errors must be fixed; the exit status is 1 with errors alone. Warnings want a decision, notes
+    Errors must be fixed; if there are any, the exit status is 1. Warnings need a decision, notes
     are worth knowing. docs/check.md lists every finding with its remedy.
     """
     with sign_of_life("check") as show:

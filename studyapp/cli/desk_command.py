@@ -26,7 +26,7 @@ from studyapp.web.server import THREADS, WORKERS
     default=THREADS,
     show_default=True,
     type=click.IntRange(1, 512),
-    help="Requests that each worker works on side by side; slow lines need none.",
+    help="Requests that each worker handles at once; slow connections do not count.",
 )
 @public_address(default=None, help="Where a proxy serves the desk; the links shown begin so.")
 @click.option(

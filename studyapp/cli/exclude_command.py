@@ -54,9 +54,9 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
 @click.option(
     "--reason",
     required=True,
-    help="Why. It stands in the log, reports and exports: write nothing that tells who it is.",
+    help="Why. The log, reports and exports show it: write nothing that identifies the person.",
 )
-@click.option("--reinstate", is_flag=True, help="Take somebody in again who was excluded so.")
+@click.option("--reinstate", is_flag=True, help="Include somebody again who was excluded this way.")
 def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool) -> None:
     """Leave PARTICIPANT of the study FOLDER out of the analysis.
 

@@ -27,8 +27,8 @@ from studyapp.study.folder import StudyFolder
     "--folder",
     "shared",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Write a folder for another lab instead: BIDS' behavioural data, and all that repeats "
-    "the report byte for byte.",
+    help="Write a folder for another lab instead: BIDS' behavioural data, and all it takes "
+    "to repeat the report byte for byte.",
 )
 @click.option("--with-videos", is_flag=True, help="With --folder: copy the videos too.")
 @click.option(
@@ -45,11 +45,11 @@ from studyapp.study.folder import StudyFolder
 @click.option(
     "--with-recruiter-ids",
     is_flag=True,
-    help="Write recruiter_ids.csv too: which pseudonym is whom. It names people.",
+    help="Also write recruiter_ids.csv: who is behind each pseudonym. It names people.",
 )
 @click.option(
     "--reason",
-    help="Why you export participants' answers; it stands in the study's log of looks and, where "
+    help="Why you export participants' answers; it is kept in the study's log of looks and, if "
     "you export before the end, in later reports.",
 )
 def command(

@@ -23,18 +23,18 @@ _SCHEME = "s3"
     "--endpoint",
     default="",
     metavar="URL",
-    help="The store's address, where it is not Amazon's: https://s3.example.org",
+    help="The store's address, if it is not Amazon's: https://s3.example.org",
 )
 @click.option("--region", default="", help="The store's region; else that of the environment.")
 @public_address(
     default=None,
-    help="Where the study is served: its pages are let load from the bucket, and it is tried.",
+    help="Where the study is served: lets its pages load from the bucket, and tries that.",
 )
 @click.option(
     "--remove-unused",
     is_flag=True,
-    help="Remove what is in the bucket's FOLDER and is no video of now. A server that was started "
-    "before may still need it.",
+    help="Remove what is in the bucket's FOLDER but is no video of the study any more. A server "
+    "that was started before may still need it.",
 )
 def command(
     folder: StudyFolder,

@@ -92,7 +92,7 @@ def publish(folder: StudyFolder, yes: bool) -> None:
 @command.command("pause")
 @click.pass_obj
 def pause(folder: StudyFolder) -> None:
-    """Let nobody new begin on Prolific; who has begun may finish."""
+    """Let nobody new begin on Prolific; those who have begun may finish."""
     _channel(folder, "prolific")
     move_on_prolific(folder, "PAUSE")
 
@@ -109,7 +109,7 @@ def resume(folder: StudyFolder) -> None:
 @live
 @click.pass_obj
 def stop(folder: StudyFolder, live: bool) -> None:
-    """End recruiting; who has begun may finish."""
+    """End recruiting; those who have begun may finish."""
     if _channel(folder, "prolific", "mturk") == "prolific":
         move_on_prolific(folder, "STOP")
     else:

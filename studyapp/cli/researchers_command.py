@@ -44,7 +44,7 @@ address = public_address(
 def command(context: click.Context, folder: StudyFolder) -> None:
     """Say who may see the pages of the study FOLDER, and let people in.
 
-    Owners do the same on those pages; this is for who is locked out of them.
+    Owners do the same on those pages; this is for somebody who is locked out.
     """
     context.obj = folder
 

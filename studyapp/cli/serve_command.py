@@ -43,7 +43,7 @@ from studyapp.web.server import THREADS, WORKERS, run_server
     default=THREADS,
     show_default=True,
     type=click.IntRange(1, 512),
-    help="Requests that each worker works on side by side; slow lines need none.",
+    help="Requests that each worker handles at once; slow connections do not count.",
 )
 @click.option(
     "--accel-redirect",

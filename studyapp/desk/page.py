@@ -8,7 +8,9 @@ from typing import Any, Final, Literal
 
 from flask.typing import ResponseReturnValue
 
+from motion.errors import InputError
 from studyapp.desk.lab import OpenedStudy
+from studyapp.desk.wording import problem_at_the_desk
 from studyapp.researchers.account import Right, Role
 from studyapp.web.research.page import rendered
 
@@ -65,6 +67,7 @@ class Section:
     told: Callable[[OpenedStudy], Mapping[str, Any]]
 
 
-def page(template: str, /, **values: Any) -> str:
-    """Return the page that ``desk/<template>.html`` makes of `values`."""
-    return rendered(f"desk/{template}.html", duties=DUTIES, **values)
+def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:
+    """Return the page that ``desk/<template>.html`` makes of `values` and of what is wrong."""
+    told = None if problem is None else problem_at_the_desk(problem)
+    return rendered(f"desk/{template}.html", duties=DUTIES, problem=told, **values)

@@ -22,6 +22,7 @@ from studyapp.desk import (
 )
 from studyapp.desk.lab import OpenedStudy, lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
+from studyapp.desk.wording import at_the_desk, problem_at_the_desk
 from studyapp.researchers.account import Right
 from studyapp.web.research import own_account
 from studyapp.web.research.page import PREFIX, keep_visitor, problem_page, researcher
@@ -79,7 +80,8 @@ def desk_pages() -> Blueprint:
     pages.before_request(_guard_studies(rights))
     pages.after_request(keep_visitor)
     pages.context_processor(lambda: {"duties": DUTIES})
-    pages.register_error_handler(InputError, refuse)
+    pages.add_app_template_filter(at_the_desk)
+    pages.register_error_handler(InputError, lambda error: refuse(problem_at_the_desk(error)))
     pages.register_error_handler(HTTPException, fail)
     return pages
 

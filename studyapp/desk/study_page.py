@@ -20,12 +20,14 @@ from studyapp.web.research.page import COOKIE, visitor_cookie
 
 def study_page(study: OpenedStudy) -> ResponseReturnValue:
     """Show how far a study is, and what can be done with it."""
+    served = study.study.served()
+    address = f"{lab().origin}/{study.name}/"
     return page(
         "study",
         study=study,
         title=title_of(study),
         standing=study.study.standing(),
-        address=f"{lab().origin}/{study.name}/",
+        link="" if served is None else served.study.recruitment.link(address),
         shown=[
             (section, section.told(study))
             for section in g.sections

@@ -24,11 +24,6 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
 
-PLACEHOLDERS: Final = (
-    "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
-)
-"""What Prolific fills in for each participant."""
-
 CODE_TYPES: Final = {
     "completed": ("COMPLETED",),
     "screened_out": ("FIXED_SCREENOUT", "OTHER"),
@@ -86,7 +81,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "name": study.title,
         "internal_name": internal_name(study),
         "description": recruited.description or study.title,
-        "external_study_url": address + PLACEHOLDERS,
+        "external_study_url": study.recruitment.link(address),
         "prolific_id_option": "url_parameters",
         "completion_codes": [
             _code(CODE_TYPES["completed"][0], recruited.completed, [{"action": finished}]),

@@ -45,8 +45,8 @@ LANGUAGES: Final[Mapping[str, str]] = MappingProxyType(
 
 CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "link": "whoever has the study's address; each who finishes gets a code of their own",
-        "invitations": "people whom you write to; each gets a link of their own",
+        "link": "anybody who has the study's address; everyone who finishes gets a code",
+        "invitations": "people you write to; each gets a link of their own",
         "prolific": "people from Prolific; drafts, places and pay go through its API",
         "mturk": "workers of Mechanical Turk, if you are a requester there already",
     }
@@ -76,7 +76,7 @@ QUESTIONS: Final[Mapping[str, Asked]] = MappingProxyType(
         "template": Asked("Protocol", "What do participants do? Everything else follows from it."),
         "language": Asked(
             "Language",
-            "What do participants read in? The pages, the questions and the consent text follow.",
+            "In which language are the participants' pages, the questions and the consent text?",
         ),
         "conditions": Asked(
             "Conditions",
@@ -85,9 +85,9 @@ QUESTIONS: Final[Mapping[str, Asked]] = MappingProxyType(
         ),
         "catch_videos": Asked(
             "Will you bring videos of a broken motion",
-            "Catch trials show a visibly broken motion beside a good one, and tell who does not "
-            "watch. Of finished videos none can be made here: they would lie in "
-            "videos/broken/. Without them the study has attention checks instead.",
+            "Catch trials show a visibly broken motion beside a good one, to find who does not "
+            "watch. Nothing here can break finished videos: bring broken ones in "
+            "videos/broken/. Without them, the study has attention checks instead.",
         ),
         "channel": Asked(
             "Recruiting",
@@ -119,8 +119,8 @@ QUESTIONS: Final[Mapping[str, Asked]] = MappingProxyType(
     }
 )
 STAND_INS: Final = (
-    "the template's: rule-based and mismatched motion; of ratings and rankings, still and flawed "
-    "motion too; of three-systems, the three networks too"
+    "motion that is made here: rule-based and mismatched; for ratings and rankings also still and "
+    "flawed motion, for three-systems also the three networks"
 )
 
 
@@ -129,7 +129,7 @@ def participants_asked(template: str) -> Asked:
     each = "for each comparison with the reference" if template == "pairwise" else "in all"
     return Asked(
         "Participants",
-        f"How many take part, {each}? The published studies had as many as stand here; 'motionjury "
+        f"How many take part, {each}? The published study had the number given here; 'motionjury "
         "plan' says how many a difference needs.",
     )
 

@@ -62,7 +62,7 @@ scale = "slider"
 [[questions]]
 name = "fit"
 title = "Fit"
-text = "How well does the motion go along with the speech?"
+text = "How well does the motion fit the speech?"
 scale = "slider"
 reasons = [{ name = "hands", text = "the hands" }, { name = "face", text = "the face" }]
 """
@@ -85,12 +85,12 @@ text = "Which motion looks most like that of a real person?"
 [[questions]]
 name = "expression_synchrony"
 title = "Expression and speech"
-text = "In which video does the face go along with the speech best?"
+text = "In which video does the face fit the speech best?"
 
 [[questions]]
 name = "gesture_synchrony"
 title = "Gestures and speech"
-text = "In which video do the gestures go along with the speech best?"
+text = "In which video do the gestures fit the speech best?"
 
 [[questions]]
 name = "diversity"

@@ -123,7 +123,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
             pseudonym = export(study).loc[3, "participant"]
             exclude(page, str(pseudonym), look_at)
             go_to(page, "Recruitment")
-            page.get_by_label("Places more in each arm").fill("1")
+            page.get_by_label("More places in each arm").fill("1")
             send(page, "Extend", "one was asleep")
             (code,) = crowd.come(["one-more"])
             assert code.result(timeout=SLOW_SECONDS)

@@ -72,16 +72,22 @@ _folder = click.Path(file_okay=False, path_type=Path)
 @click.command("generate", cls=SettingsCommand)
 @optional_study_folder
 @click.option(
-    "--generator", metavar=f"[{'|'.join(generator_names())}]", help="Move to --speech by it."
+    "--generator", metavar=f"[{'|'.join(generator_names())}]", help="What makes the motion."
 )
 @click.option("--speech", type=_file, multiple=True, help="A recording; may be repeated.")
 @click.option("--out", type=_folder, help="Where the clips of --speech go.")
 @click.option(
     "--emotion",
     metavar=f"[{'|'.join(EMOTIONS)}]",
-    help="Of the speech: neutral. A recording, where the generator hears emotions.",
+    help="The speech's emotion: neutral. For amuse, also a recording to take it from.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Chance.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Another seed, other motion.",
+)
 @click.option(
     "--fps",
     type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),

@@ -28,7 +28,7 @@ _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
     "--from-video",
     "video",
     type=_FILE,
-    help="Make FOLDER, or add to it, takes for training from a video of somebody who talks.",
+    help="Make takes for training in FOLDER, from a video of somebody who talks.",
 )
 @click.option("--speech", type=_FILE, help="The take's speech; its segments are new to the study.")
 @click.option("--fps", type=click.FloatRange(0, 1000, min_open=True), help="True frame rate.")
@@ -44,12 +44,12 @@ _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
 @click.option(
     "--move",
     is_flag=True,
-    help="Of a folder: remove each file once it is in the study; what is refused stays.",
+    help="With a folder: remove each file once it is in the study; what is refused stays.",
 )
 @click.option(
     "--as-recorded",
     is_flag=True,
-    help="Leave hands of a BVH where another body had them, even inside trunk or thighs.",
+    help="Leave a BVH's hands where they are, even if they are inside this body.",
 )
 def command(
     motion: tuple[Path, ...],

@@ -77,7 +77,7 @@ def generator_command(name: str) -> click.Command:
         click.Option(
             ["--kind"],
             type=click.Choice(KINDS),
-            help="Layout of --data, where its content does not tell it.",
+            help="Layout of --data, if its content does not tell.",
         ),
         click.Option(["--split"], type=_file, help="A list that says what each take is for."),
         click.Option(
@@ -97,7 +97,7 @@ def generator_command(name: str) -> click.Command:
         click.Option(
             ["--cache"],
             type=_folder,
-            help="Keeps what is computed of the recordings; by default features beside --out.",
+            help="Keeps the recordings' features; by default the folder features beside --out.",
         ),
         *(
             click.Option(
@@ -113,12 +113,12 @@ def generator_command(name: str) -> click.Command:
         click.Option(
             ["--accumulate"],
             type=click.IntRange(1),
-            help="Parts that an update is computed in, where memory holds no whole one.",
+            help="Compute each update in so many parts, if memory is short.",
         ),
         click.Option(
             ["--precision"],
             type=click.Choice(["float32", "bfloat16", "float16"]),
-            help="What layers are computed in that bear less than float32.",
+            help="Of the layers that can do with less than float32.",
         ),
         click.Option(["--seed"], type=click.IntRange(0), default=0, show_default=True),
         click.Option(

@@ -11,6 +11,11 @@ from pydantic import Field
 
 from studyapp.study.settings.sections import Section
 
+PROLIFICS_NAMES: Final = (
+    "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
+)
+"""What Prolific fills in for each participant."""
+
 CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
 """Letters and digits that are not taken for one another."""
 
@@ -243,6 +248,12 @@ class Recruitment(Section):
     def names_participants(self) -> bool:
         """Whether nobody takes part whom the channel does not name."""
         return self.channel != "link"
+
+    def link(self, address: str) -> str:
+        """Return the link that brings participants to `address`; empty where each has their own."""
+        if self.channel in ("invitations", "mturk"):
+            return ""
+        return address + (PROLIFICS_NAMES if self.channel == "prolific" else "")
 
     @property
     def is_proven(self) -> bool:

@@ -307,4 +307,12 @@ def want_more() -> ResponseReturnValue:
 def _page(problem: InputError | None = None, reason: str = "") -> str:
     made = decided(running().database)
     state = made[0].state if made else "open"
-    return page("newcomers", made=made, state=state, problem=problem, reason=reason, most=MOST_MORE)
+    return page(
+        "newcomers",
+        made=made,
+        state=state,
+        problem=problem,
+        reason=reason,
+        most=MOST_MORE,
+        link=running().study.recruitment.link(running().origin + url_for("entrance.arrive")),
+    )

@@ -12,12 +12,14 @@ from flask import Flask
 
 from studyapp.desk.app import create_desk, open_desk
 from studyapp.desk.lab import ACCOUNTS, Lab
+from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
 Researcher = Callable[..., ResearchBrowser]
+Joined = Callable[[Role], ResearchBrowser]
 
 
 @pytest.fixture(autouse=True)
@@ -35,6 +37,14 @@ def lab(tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path) -> Iterat
     lab = open_desk(folder)
     with closing(lab.database):
         yield lab
+
+
+@pytest.fixture
+def tiny(lab: Lab) -> LabStudy:
+    """Return the desk's study."""
+    found = lab.study("tiny")
+    assert found is not None
+    return found
 
 
 @pytest.fixture
@@ -64,3 +74,17 @@ def ada(researcher: Researcher) -> ResearchBrowser:
     browser = researcher("Ada")
     browser.post("/research/studies/tiny/take-over")
     return browser
+
+
+@pytest.fixture
+def joined(tiny: LabStudy, lab: Lab, researcher: Researcher) -> Joined:
+    """Return a function that has somebody join the study in a role, and gives their browser."""
+
+    def browser_of(role: Role) -> ResearchBrowser:
+        browser = researcher(f"Some {role}", "viewer")
+        token = invite(tiny.database, lab.clock, role=role, by="Ada")
+        where = f"/research/studies/tiny/join/{token}"
+        assert browser.post(where, name=f"Some {role}").status_code == 303
+        return browser
+
+    return browser_of

@@ -18,12 +18,6 @@ TINY = "/research/studies/tiny/"
 INSIDE = "/tiny/research/"
 
 
-def study_of(lab: Lab) -> LabStudy:
-    found = lab.study("tiny")
-    assert found is not None
-    return found
-
-
 def owner_of_tiny(researcher: Researcher) -> ResearchBrowser:
     """Return the browser of the desk's owner, who has taken the study over."""
     ada = researcher("Ada")
@@ -31,8 +25,8 @@ def owner_of_tiny(researcher: Researcher) -> ResearchBrowser:
     return ada
 
 
-def invited(lab: Lab, role: str = "viewer") -> str:
-    return invite(study_of(lab).database, lab.clock, role=role, by="Ada")  # type: ignore[arg-type]
+def invited(lab: Lab, tiny: LabStudy) -> str:
+    return invite(tiny.database, lab.clock, role="viewer", by="Ada")
 
 
 def test_nobody_sees_anything_before_logging_in(desk: Flask) -> None:
@@ -43,14 +37,14 @@ def test_nobody_sees_anything_before_logging_in(desk: Flask) -> None:
 
 
 def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk(
-    lab: Lab, researcher: Researcher
+    tiny: LabStudy, researcher: Researcher
 ) -> None:
     viewer = researcher("Mary", "viewer")
     assert viewer.post(f"{TINY}take-over").status_code == 403
     owner_of_tiny(researcher)
     grace = researcher("Grace")
     assert grace.post(f"{TINY}take-over").status_code == 409
-    assert [each.name for each in accounts(study_of(lab).database)] == ["Ada"]
+    assert [each.name for each in accounts(tiny.database)] == ["Ada"]
 
 
 def test_who_belongs_to_a_study_opens_it_without_another_password(researcher: Researcher) -> None:
@@ -70,19 +64,19 @@ def test_an_owner_of_the_desk_sees_no_study_of_others(researcher: Researcher) ->
     assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
 
 
-def test_a_name_is_no_proof(lab: Lab, researcher: Researcher) -> None:
+def test_a_name_is_no_proof(lab: Lab, tiny: LabStudy, researcher: Researcher) -> None:
     owner_of_tiny(researcher)
-    join(study_of(lab).database, lab.clock, invited(lab), name="Mary", password=PASSWORD)
+    join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
     mary = researcher("Mary", "viewer")
     mary.get(TINY, 404)
 
 
 def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
-    lab: Lab, researcher: Researcher
+    lab: Lab, tiny: LabStudy, researcher: Researcher
 ) -> None:
     owner_of_tiny(researcher)
     mary = researcher("Mary", "viewer")
-    link = f"{INSIDE}join/{invited(lab)}"
+    link = f"{INSIDE}join/{invited(lab, tiny)}"
     answer = mary.client.get(link, follow_redirects=True)
     assert answer.request.path.startswith(f"{TINY}join/")
     assert mary.post(answer.request.path, name="Mary").status_code == 303
@@ -90,9 +84,11 @@ def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
     assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
 
 
-def test_an_account_in_a_study_is_brought_by_its_password(lab: Lab, researcher: Researcher) -> None:
+def test_an_account_in_a_study_is_brought_by_its_password(
+    lab: Lab, tiny: LabStudy, researcher: Researcher
+) -> None:
     owner_of_tiny(researcher)
-    join(study_of(lab).database, lab.clock, invited(lab), name="Old Mary", password=PASSWORD)
+    join(tiny.database, lab.clock, invited(lab, tiny), name="Old Mary", password=PASSWORD)
     mary = researcher("Mary", "viewer")
     fields = {"study": "tiny", "name": "Old Mary"}
     wrong = mary.post("/research/own-account-there", **fields, password="something else")  # noqa: S106
@@ -123,23 +119,23 @@ def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
 
 
 def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
-    lab: Lab, researcher: Researcher
+    lab: Lab, tiny: LabStudy, researcher: Researcher
 ) -> None:
     owner_of_tiny(researcher)
     mary = researcher("Mary", "viewer")
-    mary.post(f"{TINY}join/{invited(lab)}", name="Mary")
+    mary.post(f"{TINY}join/{invited(lab, tiny)}", name="Mary")
     mary.post(f"{TINY}open")
-    (number,) = (each.id for each in accounts(study_of(lab).database) if each.name == "Mary")
-    shut_out(study_of(lab).database, lab.clock, number, by="Ada")
+    (number,) = (each.id for each in accounts(tiny.database) if each.name == "Mary")
+    shut_out(tiny.database, lab.clock, number, by="Ada")
     assert mary.client.get(INSIDE).status_code == 303
     mary.get(TINY, 404)
 
 
 def test_a_studys_own_login_is_closed_at_a_desk(
-    desk: Flask, lab: Lab, researcher: Researcher
+    desk: Flask, lab: Lab, tiny: LabStudy, researcher: Researcher
 ) -> None:
     owner_of_tiny(researcher)
-    join(study_of(lab).database, lab.clock, invited(lab), name="Mary", password=PASSWORD)
+    join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
     mary = ResearchBrowser(desk)
     fields = {"form_code": mary.code(), "name": "Mary", "password": PASSWORD}
     for method in ("get", "post"):

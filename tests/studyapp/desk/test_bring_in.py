@@ -11,8 +11,7 @@ import pytest
 from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.jobs import job_standings
 from studyapp.desk.lab import Lab
-from studyapp.researchers.links import invite
-from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.desk.conftest import Joined, Researcher
 from tests.studyapp.takes import write_motion
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -99,13 +98,9 @@ def test_the_import_brings_in_what_it_can_and_leaves_the_rest_with_the_reason(
 
 
 def test_a_viewer_brings_nothing_in(
-    lab: Lab, ada: ResearchBrowser, researcher: Researcher, motion: bytes
+    ada: ResearchBrowser, joined: Joined, researcher: Researcher, motion: bytes
 ) -> None:
-    study = lab.study("tiny")
-    assert study is not None
-    token = invite(study.database, lab.clock, role="viewer", by="Ada")
-    mary = researcher("Mary")
-    mary.post(f"{TINY}join/{token}", name="Mary")
+    mary = joined("viewer")
     mary.get(PAGE, 403)
     assert send(mary, motion, offset=0, size=len(motion))[0] == 403
     assert mary.post(f"{TINY}jobs/import").status_code == 403

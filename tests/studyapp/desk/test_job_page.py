@@ -4,37 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.jobs import Job
-from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.account import Role
 from studyapp.researchers.audit import logged_changes, looks
-from studyapp.researchers.links import invite
 from tests.studyapp.answered_study import answer_study
-from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
 TINY = "/research/studies/tiny/"
 JOBS = f"{TINY}jobs/"
-
-
-@pytest.fixture
-def tiny(lab: Lab) -> LabStudy:
-    found = lab.study("tiny")
-    assert found is not None
-    return found
-
-
-def joined(tiny: LabStudy, lab: Lab, researcher: Researcher, role: Role) -> ResearchBrowser:
-    """Return the browser of somebody who belongs to the study in a role."""
-    browser = researcher(f"Some {role}", "viewer")
-    token = invite(tiny.database, lab.clock, role=role, by="Ada")
-    assert browser.post(f"{TINY}join/{token}", name=f"Some {role}").status_code == 303
-    return browser
 
 
 def downloaded(browser: ResearchBrowser, address: str) -> bytes:
@@ -88,9 +68,9 @@ def test_a_job_is_run_watched_and_logged(tiny: LabStudy, ada: ResearchBrowser) -
 
 
 def test_while_a_job_runs_no_other_can_be_begun_and_anybody_who_steers_stops_it(
-    tiny: LabStudy, lab: Lab, ada: ResearchBrowser, researcher: Researcher
+    tiny: LabStudy, ada: ResearchBrowser, joined: Joined
 ) -> None:
-    analyst = joined(tiny, lab, researcher, "analyst")
+    analyst = joined("analyst")
     begin(tiny.folder.jobs, *SLOW, kind="rehearse")
     page = ada.get(TINY)
     assert "started by Ada" in page.text
@@ -106,10 +86,10 @@ def test_while_a_job_runs_no_other_can_be_begun_and_anybody_who_steers_stops_it(
 
 
 def test_viewers_see_jobs_and_run_none(
-    tiny: LabStudy, lab: Lab, ada: ResearchBrowser, researcher: Researcher
+    tiny: LabStudy, ada: ResearchBrowser, joined: Joined
 ) -> None:
     made_before(tiny)
-    viewer = joined(tiny, lab, researcher, "viewer")
+    viewer = joined("viewer")
     page = viewer.get(TINY)
     assert "Rehearse" in page.text
     assert "Take home" not in page.text

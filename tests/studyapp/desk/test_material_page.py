@@ -10,11 +10,11 @@ import pytest
 
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab
+from studyapp.desk.studies import LabStudy
 from studyapp.researchers.audit import logged_changes
-from studyapp.researchers.links import invite
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
-from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.takes import write_motion
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -88,13 +88,9 @@ def test_what_is_wrong_with_a_pair_is_told_of_both_sides(
 
 
 def test_a_viewer_plays_a_video_and_removes_nothing(
-    lab: Lab, folder: StudyFolder, ada: ResearchBrowser, researcher: Researcher
+    folder: StudyFolder, ada: ResearchBrowser, joined: Joined
 ) -> None:
-    study = lab.study("tiny")
-    assert study is not None
-    token = invite(study.database, lab.clock, role="viewer", by="Ada")
-    mary = researcher("Mary")
-    mary.post(f"{TINY}join/{token}", name="Mary")
+    mary = joined("viewer")
     page = mary.get(f"{MATERIAL}/rule_based/take-0")
     (video,) = page.soup.select("video")
     answer = mary.client.get(str(video["src"]), headers={"Range": "bytes=0-99"})
@@ -144,16 +140,14 @@ def test_there_is_nothing_beside_the_studys_own_clips(
 
 
 def test_a_file_is_removed_for_good_once_somebody_says_so(
-    lab: Lab, folder: StudyFolder, ada: ResearchBrowser
+    tiny: LabStudy, folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     path = folder.clip("mismatched", "take-1")
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove").status_code == 409
     assert path.is_file()
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove", sure="on").status_code == 303
     assert not path.exists()
-    study = lab.study("tiny")
-    assert study is not None
-    newest = logged_changes(study.database)[0]
+    newest = logged_changes(tiny.database)[0]
     assert (newest.event, newest.detail) == (
         "file removed",
         "motion/mismatched/take-1.npz",

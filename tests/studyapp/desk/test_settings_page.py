@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from studyapp.desk.lab import Lab
+from studyapp.desk.studies import LabStudy
 from studyapp.researchers.audit import logged_changes
-from studyapp.researchers.links import invite
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from tests.studyapp.desk.conftest import Researcher
+from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -28,16 +28,14 @@ def seen(page: PageReader) -> str:
     return str(page.soup.select_one("[name=seen]")["value"])  # type: ignore[index]
 
 
-def test_what_is_saved_is_what_was_typed(lab: Lab, ada: ResearchBrowser, file: Path) -> None:
+def test_what_is_saved_is_what_was_typed(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
     page = ada.get(SETTINGS)
     text = file.read_text("utf-8").replace("Gestures and speech", "Gestures – once more")
     answer = ada.post(SETTINGS, text=text.replace("\n", "\r\n"), seen=seen(page))
     assert answer.status_code == 303
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
-    study = lab.study("tiny")
-    assert study is not None
-    newest = logged_changes(study.database)[0]
+    newest = logged_changes(tiny.database)[0]
     assert (newest.researcher, newest.event, newest.detail) == (
         "Ada",
         "study file edited",
@@ -73,13 +71,11 @@ def test_what_somebody_else_saved_meanwhile_is_shown_and_stays(
 
 
 def test_what_changes_the_design_under_participants_becomes_a_new_version(
-    lab: Lab, ada: ResearchBrowser, file: Path
+    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
-    study = lab.study("tiny")
-    assert study is not None
-    served = study.served()
+    served = tiny.served()
     assert served is not None
-    enrol(study.database, served, Arrival(visit="somebody"), lab.clock)
+    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = before.replace("fit the rhythm of the speech better", "follow the speech better")
     fields = {"text": text, "seen": seen(page)}
@@ -88,33 +84,25 @@ def test_what_changes_the_design_under_participants_becomes_a_new_version(
     assert "questions may not change under them" in answer.text
     assert file.read_text("utf-8") == before
     assert ada.post(SETTINGS, **fields, new_version="").status_code == 303
-    now = study.served()
+    now = tiny.served()
     assert now is not None
     assert now.study.questions[0].text.endswith("follow the speech better?")
-    assert study.problem is None
+    assert tiny.problem is None
 
 
 def test_how_many_take_part_may_change_under_participants(
-    lab: Lab, ada: ResearchBrowser, file: Path
+    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
-    study = lab.study("tiny")
-    assert study is not None
-    served = study.served()
+    served = tiny.served()
     assert served is not None
-    enrol(study.database, served, Arrival(visit="somebody"), lab.clock)
+    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
     assert ada.post(SETTINGS, text=text, seen=seen(ada.get(SETTINGS))).status_code == 303
-    assert study.standing().wanted == 6
+    assert tiny.standing().wanted == 6
 
 
-def test_a_viewer_of_the_study_edits_nothing(
-    lab: Lab, ada: ResearchBrowser, researcher: Researcher
-) -> None:
-    study = lab.study("tiny")
-    assert study is not None
-    token = invite(study.database, lab.clock, role="viewer", by="Ada")
-    mary = researcher("Mary")
-    mary.post(f"{TINY}join/{token}", name="Mary")
+def test_a_viewer_of_the_study_edits_nothing(ada: ResearchBrowser, joined: Joined) -> None:
+    mary = joined("viewer")
     mary.get(TINY)
     mary.get(SETTINGS, 403)
     assert mary.post(SETTINGS, text="", seen="").status_code == 403

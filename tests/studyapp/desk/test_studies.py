@@ -6,8 +6,6 @@ import json
 import subprocess
 import sys
 
-import pytest
-
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.session.arrivals import Arrival
@@ -16,13 +14,6 @@ from tests.redefining import redefine
 from tests.studyapp.test_server import HEAVY
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
-
-
-@pytest.fixture
-def tiny(lab: Lab) -> LabStudy:
-    found = lab.study("tiny")
-    assert found is not None
-    return found
 
 
 def asked(study: LabStudy) -> str:

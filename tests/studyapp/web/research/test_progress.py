@@ -29,7 +29,7 @@ def people(app: Flask, clock: SetClock) -> None:
     other.look()
 
 
-def test_the_line_of_truth_leads_to_what_it_counts(log_in: LogIn) -> None:
+def test_what_is_counted_leads_to_those_counted(log_in: LogIn) -> None:
     people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
 
@@ -37,8 +37,8 @@ def test_the_line_of_truth_leads_to_what_it_counts(log_in: LogIn) -> None:
 
     truth = page.words(".truth")
     assert truth == (
-        "1 of 4 places done, 1 active, 0 stale, 2 open; "
-        "too few have finished lately to tell when it is done."
+        "1 of 4 places done 1 active 0 stale 2 open "
+        "Too few have finished lately to tell when it is done"
     )
     links = [str(link["href"]) for link in page.soup.select("#live a")]
     assert len(links) > 6
@@ -130,7 +130,7 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     page = viewer.get("/research/rehearsal/")
 
     assert "simulated" in page.one(".ribbon").get_text()
-    assert "0 of 4 places done, 1 active" in page.words(".truth")
+    assert "0 of 4 places done 1 active" in page.words(".truth")
     assert {str(link["href"]).split("?")[0] for link in page.soup.select("#live a")} == {
         "/research/rehearsal/study-sessions"
     }
@@ -164,7 +164,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     assert status("state", state="closed", reason="enough") == 303
 
     assert "closed to new participants" in analyst.get("/research/").text
-    assert "0 of 6 places done, 1 active" in analyst.get("/research/").words(".truth")
+    assert "0 of 6 places done 1 active" in analyst.get("/research/").words(".truth")
     assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
     made = [(one.state, one.more_places, one.researcher) for one in decided(log_in.stored)]
     states = [("closed", 2), ("open", 2), ("open", 0), ("paused", 0)]
