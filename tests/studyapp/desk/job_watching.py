@@ -31,6 +31,14 @@ def wait_for(jobs: Path, *states: State, kind: str = "try") -> JobStanding:
     return found
 
 
+def wait_until_under_way(jobs: Path, kind: str = "try") -> None:
+    """Wait until the job's command has said how far it is."""
+    deadline = time.monotonic() + PATIENCE
+    while (found := job_standings(jobs)[kind]).progress is None:
+        assert time.monotonic() < deadline, found
+        time.sleep(0.05)
+
+
 def wait_until_ended(jobs: Path, kind: str = "try") -> JobStanding:
     """Wait until nothing of the job runs any more."""
     return wait_for(jobs, "done", "failed", "stopped", "interrupted", kind=kind)

@@ -15,7 +15,14 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.desk.jobs import job_log, job_standings, stop_job
-from tests.studyapp.desk.job_watching import PATIENCE, SLOW, begin, wait_for, wait_until_ended
+from tests.studyapp.desk.job_watching import (
+    PATIENCE,
+    SLOW,
+    begin,
+    wait_for,
+    wait_until_ended,
+    wait_until_under_way,
+)
 from tests.studyapp.test_server import HEAVY
 
 
@@ -79,6 +86,7 @@ def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(
         [sys.executable, "-c", code, str(jobs)], capture_output=True, text=True, check=True
     )
     assert told.stdout == "running\n"
+    wait_until_under_way(jobs)
     stop_job(jobs, "try", by="Grace")
     assert job_standings(jobs)["try"].state in ("stopping", "stopped")
     standing = wait_until_ended(jobs)
