@@ -9,7 +9,7 @@ import base64
 import io
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -80,6 +80,8 @@ class Sheet:
         Rows.
     cells : mapping of (segment, condition) to SheetCell
         By name.
+    motion : mapping of str to str
+        Address, from the HTML page, of a page on which a segment's motion can be turned around.
     """
 
     title: str
@@ -88,10 +90,11 @@ class Sheet:
     roles: Mapping[str, str]
     segments: tuple[Segment, ...]
     cells: Mapping[tuple[str, str], SheetCell]
+    motion: Mapping[str, str] = field(default_factory=dict)
 
 
 def sheet_page(sheet: Sheet) -> str:
-    """Return the sheet as one HTML page that needs no other file but the videos it links to."""
+    """Return the sheet as one HTML page that needs no other file but those that it links to."""
     templates = Environment(
         loader=PackageLoader("renderer", "figures"),
         undefined=StrictUndefined,

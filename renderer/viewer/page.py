@@ -117,13 +117,15 @@ class MotionFigures:
     ----------
     look : Look
         The avatar, the matrix that faces may need for it, and what the camera sees at first.
+    avatar : str
+        Where the avatar is found already; empty for one that is embedded.
     """
 
-    def __init__(self, look: Look) -> None:
+    def __init__(self, look: Look, *, avatar: str = "") -> None:
         self._body = viewed_body(look)
         self._look = look
         self._embedded: dict[str, str] = {}
-        self._avatar = self._embed(packed_avatar(look.avatar))
+        self._avatar = avatar or self._embed(packed_avatar(look.avatar))
 
     def figure(self, scene: Scene, *, at_once: bool = False) -> Markup:
         """Return the element in which a scene plays.
@@ -192,10 +194,33 @@ def policy_hash(script: str) -> str:
     return f"sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}"
 
 
+AVATAR_SCRIPT: Final = "avatar.js"
+"""Of pages that share it: makes the element that would else hold the avatar in each of them."""
+
+
+def write_shared_files(folder: Path, look: Look) -> None:
+    """Write what pages in `folder` share: the viewer and the avatar of `look`."""
+    for name in (*SCRIPTS, STYLE):
+        write_text(folder / name, (FILES / name).read_text("utf-8"))
+    properties = {
+        "type": "application/octet-stream",
+        "id": AVATAR_SCRIPT,
+        "textContent": base64.b64encode(packed_avatar(look.avatar)).decode(),
+    }
+    made = f'Object.assign(document.createElement("script"), {json.dumps(properties)})'
+    write_text(folder / AVATAR_SCRIPT, f"document.head.append({made});\n")
+
+
 def write_motion_page(
-    path: Path, title: str, scenes: Sequence[Scene], look: Look, *, notes: Sequence[str] = ()
+    path: Path,
+    title: str,
+    scenes: Sequence[Scene],
+    look: Look,
+    *,
+    notes: Sequence[str] = (),
+    shares: bool = False,
 ) -> None:
-    """Write a page that shows scenes, one below the other, and needs no other file.
+    """Write a page that shows scenes, one below the other, and needs no server.
 
     Parameters
     ----------
@@ -209,9 +234,12 @@ def write_motion_page(
         As for `MotionFigures`.
     notes : sequence of str
         Sentences below.
+    shares : bool
+        Whether it needs the files beside it that `write_shared_files` writes, rather than none.
     """
-    figures = MotionFigures(look)
+    figures = MotionFigures(look, avatar=f"#{AVATAR_SCRIPT}" if shares else "")
     drawn = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]
+    own = () if shares else scripts()
     environment = Environment(
         loader=PackageLoader("renderer.viewer", "."), autoescape=True, undefined=StrictUndefined
     )
@@ -222,7 +250,8 @@ def write_motion_page(
             figures=drawn,
             notes=notes,
             sources=figures.sources(),
-            scripts={policy_hash(script): Markup(script) for script in scripts()},  # noqa: S704
+            beside=(AVATAR_SCRIPT, *SCRIPTS) if shares else (),
+            scripts={policy_hash(script): Markup(script) for script in own},  # noqa: S704
             style=Markup(style()),  # noqa: S704 - our own file, as the scripts are
         ),
     )

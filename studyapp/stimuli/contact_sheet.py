@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +14,7 @@ from motion.segment import Segment
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
 from renderer.look import BACKGROUND, CELL_VERSION
+from studyapp.stimuli.motion_pages import MotionPages
 from studyapp.stimuli.shown_motion import background_of
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ShownVideo, shown_videos
@@ -50,6 +52,8 @@ def write_contact_sheet(
     wanted = [(segment.name, name) for segment in segments for name in conditions]
     clips = shown_videos(folder, study, shown)
     place = folder.videos / "sheet"
+    moving = MotionPages(folder, study, clips)
+    steps = len(wanted) + len(segments)
     entries: dict[tuple[str, str], SheetCell] = {}
     with ThreadPoolExecutor(threads) as pool:
         made = pool.map(
@@ -58,7 +62,13 @@ def write_contact_sheet(
         )
         for number, (key, entry) in enumerate(zip(wanted, made, strict=True), 1):
             entries[key] = entry
-            on_done(number, len(wanted))
+            on_done(number, steps)
+    motion: dict[str, str] = {}
+    for number, segment in enumerate(segments, len(wanted) + 1):
+        written_page = moving.write(place / "motion", segment, conditions)
+        if written_page is not None:
+            motion[segment.name] = written_page.relative_to(place).as_posix()
+        on_done(number, steps)
     called = study.display_names
     sheet = Sheet(
         title=study.title,
@@ -67,6 +77,7 @@ def write_contact_sheet(
         roles={called[name]: role for name, role in study.roles.items()},
         segments=segments,
         cells={(segment, called[name]): entry for (segment, name), entry in entries.items()},
+        motion=motion,
     )
     page = place / "index.html"
     write_text(page, sheet_page(sheet))
@@ -77,7 +88,9 @@ def write_contact_sheet(
             picture.save(draft, "PNG")
         written.add(path)
     kept = {_kept(place, video) for video in clips.values()}
-    for path in (*place.glob("sheet-*.png"), *(place / ".cells").glob("*.webp")):
+    kept |= {place / address for address in motion.values()}
+    drawn = (place.glob("sheet-*.png"), (place / ".cells").glob("*.webp"))
+    for path in chain(*drawn, (place / "motion").glob("*.html")):
         if path not in written | kept:
             path.unlink()
     return page

@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from renderer.clip_video import Stage, still
 from renderer.framing import frame_clips
 from renderer.look import BACKGROUND, Look, default_body
 from renderer.shown_clip import as_shown
-from renderer.viewer.page import Scene, write_motion_page
+from renderer.viewer.page import Scene, write_motion_page, write_shared_files
 from tests.functional.browsing import (
     IN_A_BROWSER,
     SOFTWARE_GRAPHICS,
@@ -25,6 +26,7 @@ from tests.functional.browsing import (
     wait_until,
     watched_page,
 )
+from tests.functional.looking import SCHEMES, barriers, photograph
 
 pytestmark = IN_A_BROWSER
 
@@ -143,6 +145,23 @@ def test_clips_play_side_by_side_on_the_clock_of_the_speech(
         left, right = (body_in(side) for side in (image[:, :half], image[:, half : 2 * half]))
         assert left.any()
         assert shared(left, right) < 0.99
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_pages_that_share_viewer_and_avatar_play_without_a_server(
+    browser: Browser, shown: MotionClip, tmp_path: Path, scheme: Literal["dark", "light"]
+) -> None:
+    scenes = [Scene(name="it", clips={"ours": shown}), Scene(name="more", clips={"theirs": shown})]
+    write_shared_files(tmp_path, FULL_BODY)
+    write_motion_page(tmp_path / "page.html", "Motion", scenes, FULL_BODY, shares=True)
+    with watched_page(browser, tmp_path.as_uri()) as page:
+        page.emulate_media(color_scheme=scheme)
+        page.goto((tmp_path / "page.html").as_uri())
+        page.get_by_role("button", name="Play more").click()
+        expect(page.locator(".labels")).to_have_text("theirs")
+        assert body_in(picture(page)).any()
+        photograph(page, f"motion-page-{scheme}", resized=False)
+        assert barriers(page) == []
 
 
 def test_a_browser_without_graphics_says_so(

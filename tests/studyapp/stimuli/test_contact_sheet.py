@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from bs4 import BeautifulSoup
 from PIL import Image
 
 from studyapp.stimuli.contact_sheet import write_contact_sheet
@@ -15,6 +16,7 @@ from tests.finished_study import (
     write_short_video,
 )
 from tests.renderer.figures.small_videos import write_block_video
+from tests.studyapp.takes import write_motion
 from tests.tiny_study import SECONDS
 
 CONDITIONS = ("rule_based", "mismatched", "broken")
@@ -58,7 +60,7 @@ def test_the_sheet_shows_each_segment_in_each_condition(study: StudyFolder) -> N
         *(segment.name for segment in study.segments()),
     ):
         assert name in text
-    assert steps[-1] == (12, 12)
+    assert steps[-1] == (16, 16)
     clip = read_stimuli(study.stimuli).clips[0]
     assert f'href="../../{clip.file}"' in text
     assert (page.parent / "../.." / clip.file).resolve() == (study.root / clip.file).resolve()
@@ -102,6 +104,48 @@ def test_missing_and_broken_videos_have_an_empty_cell_that_says_so(study: StudyF
     assert text.count("<img") == 10
     assert "there is no video" in text
     assert "the video cannot be read" in text
+
+
+def motion_links(page: Path) -> dict[str, str]:
+    """Return where the sheet leads to from each segment that has motion."""
+    soup = BeautifulSoup(page.read_text("utf-8"), "html.parser")
+    return {
+        row.select("b")[0].text: str(link["href"])
+        for row in soup.select("tbody th")
+        for link in row.select("a")
+    }
+
+
+def test_motion_is_turned_around_beside_the_sheet_and_packed_again_where_it_changed(
+    study: StudyFolder,
+) -> None:
+    for segment, condition in (
+        ("take-0", "rule_based"),
+        ("take-0", "broken"),
+        ("take-2", "broken"),
+    ):
+        write_motion(study.clip(condition, segment), SECONDS)
+    page = write_contact_sheet(study, threads=1)
+    before = motion_links(page)
+    assert list(before) == ["take-0", "take-2"]
+    turned = (page.parent / before["take-0"]).read_text("utf-8")
+    assert "Play rule based, broken" in turned
+    assert len(turned) < 100_000
+    place = page.parent / "motion"
+    beside = {"avatar.js", "three.min.js", "viewer.js", "viewer.css"}
+    assert {path.name for path in place.iterdir() if path.suffix != ".html"} == beside
+
+    stimuli = read_stimuli(study.stimuli)
+    clips = [
+        clip.model_copy(update={"key": "new"}) if clip.segment == "take-2" else clip
+        for clip in stimuli.clips
+    ]
+    write_stimuli(study.stimuli, stimuli.model_copy(update={"clips": tuple(clips)}))
+    after = motion_links(write_contact_sheet(study, threads=1))
+
+    assert after["take-0"] == before["take-0"]
+    assert after["take-2"] != before["take-2"]
+    assert {f"motion/{path.name}" for path in place.glob("*.html")} == set(after.values())
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
