@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import pickle
-import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -154,34 +150,6 @@ def test_another_video_or_motion_never_takes_the_place_of_one(
     assert "has another video for segment take already" in said
     assert "condition 'ours' has motion, no finished videos" in said
     assert "condition 'filmed' has finished videos, no motion" in said
-
-
-def test_what_would_run_code_is_never_loaded(folder: StudyFolder, brought: Path) -> None:
-    class Trap:
-        def __reduce__(self) -> tuple[Callable[[str], object], tuple[str]]:
-            return (Path.touch, (str(brought / "ran"),))  # type: ignore[return-value]
-
-    np.savez(brought / "ours" / "take.npz", poses=np.array([Trap()], dtype=object))
-    with (brought / "ours" / "alone.npy").open("wb") as file:
-        np.save(file, np.array([Trap()], dtype=object), allow_pickle=True)
-    (brought / "ours" / "alone.npz").write_bytes(pickle.dumps(Trap()))
-    assert bring(brought, folder).exit_code == 1
-    assert not (brought / "ran").exists()
-
-
-def test_an_archive_that_unpacks_to_too_much_is_refused(
-    folder: StudyFolder, brought: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("motion.formats.archives.LARGEST", 2**20)
-    for name, key in (("take", "poses"), ("alone", "joints")):
-        with zipfile.ZipFile(
-            brought / "ours" / f"{name}.npz", "w", zipfile.ZIP_DEFLATED
-        ) as archive, archive.open(f"{key}.npy", "w") as member:  # fmt: skip
-            header = {"descr": "<f4", "fortran_order": False, "shape": (2**20, 1)}
-            np.lib.format.write_array_header_1_0(member, header)
-            member.write(bytes(2**22))
-    said = bring(brought, folder).output
-    assert said.count("the archive unpacks to 4 MiB, more than 1") == 2
 
 
 def test_speech_and_motion_without_what_they_need_say_so(

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from collections import Counter
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,19 +22,6 @@ def test_quotas_add_up_and_differ_by_at_most_one_unless_an_emotion_has_given_all
     assert sum(quotas.values()) == min(total, sum(available.values()))
     for emotion, there in available.items():
         assert min(largest - 1, there) <= quotas[emotion] <= there
-
-
-def test_what_cannot_be_shared_evenly_goes_round() -> None:
-    available = {"anger": 5, "fear": 5, "neutral": 5}
-
-    extra = [
-        emotion
-        for number in range(6)
-        for emotion, count in even_quotas(available, 7, number).items()
-        if count == 3
-    ]
-
-    assert Counter(extra) == {"anger": 2, "fear": 2, "neutral": 2}
 
 
 AMUSE = {"trials": 24, "practice": 3}

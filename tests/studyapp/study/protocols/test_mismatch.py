@@ -3,11 +3,9 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.study_file import new_study
@@ -89,18 +87,3 @@ def test_another_speech_is_as_long_as_the_motion_where_there_is_one(seconds: lis
             short.append(shown.segment)
 
     assert bool(study.notes(segments)) == bool(short)
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"fit": 0, "realism": 0, "questions": [question("q")]}, "there is no task"),
-        ({"conditions": {"ours": {}}}, "there is only one"),
-        ({"realism": 0, "questions": [question("q")], "catch": {"trials": 1}}, "realism"),
-        ({"questions": [question("q", parts=["fit"])]}, "no question is asked in 'realism'"),
-        ({"questions": [question("q", levels=4)]}, "levels"),
-    ],
-)
-def test_what_does_not_fit_is_named(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        make("mismatch", **changes)

@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.protocols.ranking import RankingStudy
@@ -89,28 +88,3 @@ def test_ties_are_accepted_only_where_the_study_says_so(
     said = tolerant.problem(trial, ranks(*given_ranks))
     assert with_ties in str(said)
     assert (said is not None) == bool(with_ties)
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"reference": "ours"}, "the reference is not ranked"),
-        ({"reference": "nobody"}, "'nobody' is not a condition"),
-        ({"blocks": [{**BLOCKS[0], "longest": 3}]}, "shortest is above longest"),
-        ({"blocks": [{**BLOCKS[0], "conditions": ["ours"]}]}, "conditions"),
-        ({"catch": {"trials": 1, "against": "real"}}, "the reference is shown apart"),
-    ],
-)
-def test_what_does_not_fit_is_named(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        make("ranking", **changes)
-
-
-def test_a_block_with_too_few_segments_is_told() -> None:
-    study = make("ranking", blocks=BLOCKS)
-
-    assert study.notes([*lasting(60, 8), *lasting(10, 11)]) == (
-        "block short has 11 segments for its 12 trials, and shows each of them once",
-    )
-    (note,) = make("ranking", reference=None).notes(lasting(60, 8))
-    assert "no reference is shown" in note

@@ -7,13 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.errors import InputError
 from motion.segment import EMOTIONS
 from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.study_file import new_study
 from tests.studyapp.made_study import make_segments
-from tests.studyapp.study.protocols.made_protocols import KEYS, LABELS, make, question
+from tests.studyapp.study.protocols.made_protocols import LABELS, make, question
 
 
 def scale(name: str, **more: Any) -> RatingQuestion:
@@ -70,33 +69,3 @@ def test_scales_run_from_the_worst_to_the_best(
 ) -> None:
     assert named.values == values
     assert {value: named.step(value) for value in steps} == steps
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"questions": [question("q")]}, "needs its five labels"),
-        ({"questions": [question("q", labels=LABELS[:4])]}, "five different ones"),
-        ({"questions": [question("q", labels=LABELS, scale="mean_opinion")]}, "labels of its own"),
-        ({"questions": [question("q", labels=LABELS, parts=["two"])]}, "unknown part 'two'"),
-        ({"questions": [question("q", labels=LABELS, parts=["four"])]}, "asked in 'three'"),
-        (
-            {"sets": [{"name": "a", "conditions": ["ours", "nobody"]}]},
-            "'nobody' is not a condition",
-        ),
-        ({"sets": [{"name": "a", "conditions": ["ours", "ours"]}]}, "named twice"),
-        ({"sets": KEYS["rating"]["sets"][:1] * 2}, "the same name"),
-        ({"sets": []}, "sets"),
-        ({"reference": "ours"}, "reference: unknown key"),
-    ],
-)
-def test_what_does_not_fit_is_named(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        make("rating", **changes)
-
-
-def test_too_few_segments_are_told() -> None:
-    study = make("rating")
-
-    assert study.notes(make_segments(["anger"] * 7)) == ()
-    assert "6 segments are fewer than the 7 groups" in study.notes(make_segments(["fear"] * 6))[0]

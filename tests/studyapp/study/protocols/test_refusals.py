@@ -1,0 +1,75 @@
+"""What does not fit a protocol is named, and what there is too little speech for is told."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from motion.errors import InputError
+from tests.studyapp.made_study import make_segments
+from tests.studyapp.study.protocols.made_protocols import KEYS, LABELS, make, question
+
+FIT = question("q")
+LONG = {"name": "long", "conditions": ["ours", "theirs"], "trials": 8, "shortest": 30}
+LASTING = {**LONG, "name": "short", "shortest": 0, "longest": 30, "trials": 12}
+
+
+def labelled(**more: Any) -> dict[str, Any]:
+    return {"questions": [question("q", **{"labels": LABELS, **more})]}
+
+
+def a_set(*conditions: str) -> dict[str, Any]:
+    return {"sets": [{"name": "a", "conditions": conditions}]}
+
+
+@pytest.mark.parametrize(
+    ("protocol", "changes", "said"),
+    [
+        ("all_pairs", {"participants_per_comparison": 5}, "has no meaning"),
+        ("pairwise", {"participants": 5}, "participants has no meaning"),
+        ("pairwise", {"conditions": {"ours": {"videos": True}, "b": {}}}, "cannot be composed"),
+        ("rating", {"questions": [FIT]}, "needs its five labels"),
+        ("rating", labelled(labels=LABELS[:4]), "five different ones"),
+        ("rating", labelled(scale="mean_opinion"), "labels of its own"),
+        ("rating", labelled(parts=["two"]), "unknown part 'two'"),
+        ("rating", labelled(parts=["four"]), "asked in 'three'"),
+        ("rating", a_set("ours", "nobody"), "'nobody' is not a condition"),
+        ("rating", a_set("ours", "ours"), "named twice"),
+        ("rating", {"sets": KEYS["rating"]["sets"][:1] * 2}, "the same name"),
+        ("rating", {"sets": []}, "sets"),
+        ("rating", {"reference": "ours"}, "reference: unknown key"),
+        ("ranking", {"reference": "ours"}, "the reference is not ranked"),
+        ("ranking", {"reference": "nobody"}, "'nobody' is not a condition"),
+        ("ranking", {"blocks": [{**LONG, "longest": 3}]}, "shortest is above longest"),
+        ("ranking", {"blocks": [{**LONG, "conditions": ["ours"]}]}, "conditions"),
+        ("ranking", {"catch": {"trials": 1, "against": "real"}}, "the reference is shown apart"),
+        ("mismatch", {"fit": 0, "realism": 0, "questions": [FIT]}, "there is no task"),
+        ("mismatch", {"conditions": {"ours": {}}}, "there is only one"),
+        ("mismatch", {"realism": 0, "questions": [FIT], "catch": {"trials": 1}}, "realism"),
+        ("mismatch", {"questions": [question("q", parts=["fit"])]}, "is asked in 'realism'"),
+        ("mismatch", {"questions": [question("q", levels=4)]}, "levels"),
+    ],
+)
+def test_what_does_not_fit_is_named(protocol: str, changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        make(protocol, **changes)
+
+
+@pytest.mark.parametrize(
+    ("protocol", "changes", "segments", "said"),
+    [
+        ("rating", {}, 7, []),
+        ("rating", {}, 6, ["6 segments are fewer than the 7 groups"]),
+        ("ranking", {"blocks": [LASTING]}, 12, []),
+        ("ranking", {"blocks": [LASTING]}, 11, ["block short has 11 segments for its 12 trials"]),
+        ("ranking", {"reference": None}, 12, ["no reference is shown"]),
+    ],
+)
+def test_too_little_speech_and_no_yardstick_are_told(
+    protocol: str, changes: dict[str, Any], segments: int, said: list[str]
+) -> None:
+    notes = make(protocol, **changes).notes(make_segments(["anger"] * segments))
+
+    assert [words in note for words, note in zip(said, notes, strict=True)] == [True] * len(said)
