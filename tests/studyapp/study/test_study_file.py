@@ -21,7 +21,7 @@ def test_each_template_is_a_valid_study_with_comments(tmp_path: Path, template: 
     assert all(c.trials == 0 or c.trials > c.max_failed for c in (made.catch, made.attention))
 
 
-def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
+def test_what_is_wanted_ends_up_in_the_file(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     new_study(path, name="scott", title="T", reference="static", trials=6)
     study = read_study(path)
@@ -29,18 +29,11 @@ def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
     assert (study.name, study.title, study.reference, study.trials) == ("scott", "T", "static", 6)
     assert study.conditions["static"].generator == "static"
     assert study.conditions["mismatched"].source == "static"
-
-
-def test_a_reference_that_no_generator_makes_is_expected_as_files(tmp_path: Path) -> None:
     for name in ("ground_truth", "diffsheg"):
-        study = new_study(tmp_path / f"{name}.toml", name="s", reference=name)
-        assert study.conditions[name].generator is None
-
-
-def test_few_trials_leave_room_for_more_than_practice(tmp_path: Path) -> None:
-    study = new_study(tmp_path / "study.toml", name="s", trials=2)
-    assert isinstance(study, PairwiseStudy)
-    assert study.practice == 1
+        # What no generator makes is expected as files; few trials leave room beside practice.
+        study = new_study(tmp_path / f"{name}.toml", name="s", reference=name, trials=2)
+        assert isinstance(study, PairwiseStudy)
+        assert (study.conditions[name].generator, study.practice) == (None, 1)
 
 
 def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
