@@ -82,6 +82,11 @@ _AVATARS: Final = (
         description="neutral figure of one colour, without a face",
         has_face=False,
     ),
+    Avatar(
+        name="skeleton",
+        description="bones and joints alone, the left side orange and the right one blue",
+        has_face=False,
+    ),
 )
 
 AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType({each.name: each for each in _AVATARS})

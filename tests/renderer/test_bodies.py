@@ -13,12 +13,14 @@ from scipy.spatial import cKDTree
 from motion.body.model import BodyModel, read_body
 from motion.clip import ARKIT_NAMES, MotionClip, arkit_index
 from motion.errors import InputError
-from motion.skeleton import joint_index
+from motion.skeleton import FACE_JOINTS, JOINT_NAMES, joint_index
+from renderer.figures.skeleton_lines import joints_of
 from renderer.look import AVATARS, BODIES, avatar_named, default_body
-from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
+from tools.avatars.sample_poses import FIST, SAMPLE_POSES, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
 FACES = [name for name, avatar in AVATARS.items() if avatar.has_face]
+FACELESS = [name for name in AVATARS if name not in FACES]
 
 
 @pytest.fixture(scope="module", params=list(AVATARS))
@@ -31,6 +33,11 @@ def body(path: Path) -> BodyModel:
     return read_body(path)
 
 
+@pytest.fixture(scope="module", params=[*FACES, "mannequin"])
+def fleshed(request: pytest.FixtureRequest) -> BodyModel:
+    return read_body(default_body(request.param))
+
+
 @pytest.fixture(scope="module", params=FACES)
 def person(request: pytest.FixtureRequest) -> BodyModel:
     return read_body(default_body(request.param))
@@ -38,7 +45,7 @@ def person(request: pytest.FixtureRequest) -> BodyModel:
 
 def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
     names = list(body.surface["material_names"])
-    return np.isin(body.surface["material"], [names.index(material) for material in materials])
+    return np.isin(body.surface["material"], [names.index(m) for m in materials if m in names])
 
 
 def test_it_has_no_more_triangles_than_it_may(body: BodyModel) -> None:
@@ -62,7 +69,7 @@ def test_every_vertex_has_a_colour(body: BodyModel) -> None:
 
 
 def test_left_and_right_are_mirror_images(body: BodyModel) -> None:
-    limbs = _of(body, "skin", "shoes", "trousers", "sclera")
+    limbs = _of(body, "skin", "shoes", "trousers", "sclera", "left bone", "right bone")
     near, _ = cKDTree(body.template * [-1, 1, 1]).query(body.template[limbs])
     assert np.median(near) < 0.004
     assert np.percentile(near, 95) < 0.015
@@ -80,7 +87,8 @@ def test_stock_smplx_loads_it_and_gives_the_template_back(path: Path) -> None:
     np.testing.assert_allclose(vertices, stored["v_template"], atol=1e-5)
 
 
-def test_a_fist_closes_against_the_palm(body: BodyModel) -> None:
+def test_a_fist_closes_against_the_palm(fleshed: BodyModel) -> None:
+    body = fleshed
     clip = sample_clip(SamplePose(curled={"left": FIST, "right": FIST}))
     open_hand = sample_clip(SamplePose())
     weights = body.weights.toarray()
@@ -96,7 +104,8 @@ def test_a_fist_closes_against_the_palm(body: BodyModel) -> None:
             assert gaps[0] < 0.012 < gaps[1]
 
 
-def test_a_fist_has_no_spikes(body: BodyModel) -> None:
+def test_a_fist_has_no_spikes(fleshed: BodyModel) -> None:
+    body = fleshed
     at = body.vertices(sample_clip(SamplePose(curled={"left": FIST, "right": FIST})))[0]
     hands = _of(body, "skin", "nails")[body.faces].all(axis=1)
     corners = body.faces[hands]
@@ -155,13 +164,24 @@ def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel) -> None:
         np.testing.assert_allclose(centres[0] * [-1, 1, 1], centres[1], atol=0.004, err_msg=left)
 
 
-def test_a_mannequin_has_no_face_to_move() -> None:
-    body = read_body(default_body("mannequin"))
+@pytest.mark.parametrize("name", FACELESS)
+def test_who_has_no_face_has_nothing_of_it_to_move(name: str) -> None:
+    body = read_body(default_body(name))
     assert not body.has_arkit_slots
     assert body.expression_directions.shape[2] == 0
     assert not _of(body, "sclera", "lips", "brow", "hair", "mouth").any()
     jaw = body.weights[:, [joint_index("jaw")]].toarray()
     assert jaw.max() == 0
+
+
+@pytest.mark.parametrize("pose", SAMPLE_POSES)
+def test_a_skeleton_has_a_ball_round_each_joint_in_every_pose(pose: str) -> None:
+    body, clip = read_body(default_body("skeleton")), sample_clip(SAMPLE_POSES[pose])
+    shown = [k for k, name in enumerate(JOINT_NAMES) if name not in (*FACE_JOINTS, "head")]
+    joints = joints_of(clip, body)[0, shown]
+    near = np.asarray(cKDTree(body.vertices(clip)[0]).query(joints)[0])
+    assert near.min() > 0.005
+    assert near.max() < 0.03
 
 
 def test_each_avatar_has_its_body_in_the_package_and_no_other_is_there() -> None:

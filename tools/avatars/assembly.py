@@ -25,6 +25,7 @@ from tools.avatars.mannequin import mannequin
 from tools.avatars.pieces import MATERIALS, Piece
 from tools.avatars.recipes import Recipe
 from tools.avatars.sitter import Sitter
+from tools.avatars.skeleton import skeleton
 from tools.avatars.smplx_rig import (
     joint_weights,
     rest_joints_in_stance,
@@ -59,6 +60,8 @@ def pieces_of(recipe: Recipe, sitter: Sitter) -> list[Piece]:
     top = TOPS[recipe.top]
     hem = float(sitter.joint("left_hip")[1]) + _HEM_ABOVE_HIPS
     cloth = fabric(sitter)
+    if recipe.name == "skeleton":
+        return skeleton(sitter)
     if not AVATARS[recipe.name].has_face:
         return mannequin(sitter, cloth)
     return [

@@ -15,7 +15,7 @@ Indices = NDArray[np.int64]
 MATERIALS: Final = (
     "skin", "lips", "mouth", "teeth", "tongue", "sclera", "iris", "limbus", "pupil", "brow",
     "lash", "hair", "beard", "nails", "sweater", "trim", "shirt", "collar", "jacket", "lapels",
-    "buttons", "trousers", "shoes", "soles", "glasses",
+    "buttons", "trousers", "shoes", "soles", "glasses", "bone", "left bone", "right bone",
 )  # fmt: skip
 """What a vertex is made of; an avatar gives a colour to each that it has."""
 

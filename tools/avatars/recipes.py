@@ -164,4 +164,14 @@ RECIPES: Final = (
             "trousers", "shoes", "teeth", "tongue", "mouth", "sclera", "pupil", "lash", "soles",
         ), "#a8a49f"),
     ),
+    Recipe(
+        name="skeleton",
+        height=1.74,
+        phenotype={
+            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
+            "proportions": 0.6,
+        },
+        # The sides have the colours that a skeleton laid over a figure gives them.
+        palette={"bone": "#74747c", "left bone": "#d55e00", "right bone": "#0072b2"},
+    ),
 )  # fmt: skip

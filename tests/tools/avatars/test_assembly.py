@@ -13,12 +13,13 @@ from tools.avatars.sheet import COLUMNS, avatar_sheet
 
 
 @pytest.mark.slow
-def test_the_shipped_body_is_what_its_recipe_makes() -> None:
-    made = build_body(next(recipe for recipe in RECIPES if recipe.name == "mannequin"))
-    with np.load(default_body("mannequin"), allow_pickle=False) as shipped:
+@pytest.mark.parametrize("name", ["mannequin", "skeleton"])
+def test_the_shipped_body_is_what_its_recipe_makes(name: str) -> None:
+    made = build_body(next(recipe for recipe in RECIPES if recipe.name == name))
+    with np.load(default_body(name), allow_pickle=False) as shipped:
         assert set(shipped.files) == set(made)
-        for name in set(made) - {"credits", "material_names"}:
-            np.testing.assert_allclose(made[name], shipped[name], atol=1e-5, err_msg=name)
+        for key in set(made) - {"credits", "material_names"}:
+            np.testing.assert_allclose(made[key], shipped[key], atol=1e-5, err_msg=key)
 
 
 def test_every_avatar_has_a_recipe() -> None:
