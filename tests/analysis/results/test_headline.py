@@ -1,67 +1,71 @@
+"""Headline numbers, so far and without exclusions, are those that a report gives."""
+
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, watched_less
 from analysis.answers.participants import LeftOut, leave_out, table_rules
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.results.agreement import agreed_so_far
-from analysis.results.headline import headline_numbers
-from analysis.results.report import analyse_table
-from tests.analysis.results.made_tables import TABLES
+from analysis.results.headline import Sensitivity, headline_numbers, sensitivity
+from analysis.results.report import TableReport, analyse_table
+from tests.analysis.results.made_tables import TABLES, ranking_table
 
 PROTOCOLS = sorted(TABLES)
+PLANNED = watched_less(0.9)
+AFTERWARDS = answered_too_fast(3, 0.5).as_exploratory()
 
 
-def given(protocol: str, folder: Path, table: pd.DataFrame) -> tuple[AnswerTable, LeftOut]:
+def given(
+    protocol: str, folder: Path, table: pd.DataFrame, *rules: ExclusionRule
+) -> tuple[AnswerTable, LeftOut]:
     path = folder / "answers.csv"
     table.to_csv(path, index=False)
     answers = read_answers(path, LAYOUTS[protocol])
-    return answers, leave_out(answers, table_rules(answers))
+    return answers, leave_out(answers, rules or table_rules(answers))
 
 
-def reported(protocol: str, folder: Path) -> Any:
-    return analyse_table(folder / "answers.csv", protocol).results
-
-
-def headline(protocol: str, results: Any) -> list[tuple[object, ...]]:
+def headline(report: TableReport) -> list[tuple[object, ...]]:
     """Return the report's own numbers: of whom, estimate, interval, answers."""
-    if protocol == "pairwise":
-        shares = [(one.a, one.b, one.win_share) for one in results.comparisons]
-    elif protocol == "mismatch":
-        shares = [(one.condition, "", one.win_share) for one in results.conditions]
-    elif protocol == "ranking":
-        shares = [(one.condition, "", one.mean_rank) for one in results.conditions]
-    else:
-        shares = [(one.condition, "", one) for one in results.conditions]
+    results: Any = report.results
+    match report.protocol:
+        case "pairwise":
+            shares = [(one.a, one.b, one.win_share) for one in results.comparisons]
+        case "mismatch":
+            shares = [(one.condition, "", one.win_share) for one in results.conditions]
+        case "ranking":
+            shares = [(one.condition, "", one.mean_rank) for one in results.conditions]
+        case _:
+            shares = [(one.condition, "", one) for one in results.conditions]
     return [(a, b, one.estimate, one.low, one.high, one.n) for a, b, one in shares]
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Path) -> None:
     table, left_out = given(protocol, tmp_path, TABLES[protocol]())
-    results = reported(protocol, tmp_path)
+    report = analyse_table(tmp_path / "answers.csv", protocol)
+    results: Any = report.results
 
     numbers = headline_numbers(table, left_out.analysed)
     [agreed] = agreed_so_far(table, left_out)
 
-    assert [(one.a, one.b, one.estimate, one.low, one.high, one.n) for one in numbers] == headline(
-        protocol, results
-    )
-    if protocol == "ranking":
-        [whole] = results.kendall_w.found.values()
-        assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
-        assert (agreed.n, agreed.participants, agreed.retest) == (72, 12, None)
-        return
-    [whole], [again] = results.agreement.found.values(), results.test_retest.found.values()
+    found = [(one.a, one.b, one.estimate, one.low, one.high, one.n) for one in numbers]
+    assert found == headline(report)
+    is_ranking = protocol == "ranking"
+    [whole] = (results.kendall_w if is_ranking else results.agreement).found.values()
     assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
-    assert agreed.retest is not None
-    assert repr(agreed.retest) == repr(again)
+    if is_ranking:
+        assert (agreed.n, agreed.participants, agreed.retest) == (72, 12, None)
+    else:
+        assert repr([agreed.retest]) == repr([*results.test_retest.found.values()])
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
@@ -77,20 +81,16 @@ def test_agreement_does_not_tell_which_way_people_answer(protocol: str, tmp_path
     assert [getattr(other, name) for name in numbers] == pytest.approx(
         [getattr(one, name) for name in numbers]
     )
-    assert str(replace(one, estimate=0, low=0, high=0, retest=None)) == str(
-        replace(other, estimate=0, low=0, high=0, retest=None)
-    )
+    bare, turned = (replace(each, estimate=0, low=0, high=0, retest=None) for each in (one, other))
+    assert bare == turned
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_too_few_answers_give_no_interval_and_say_why(protocol: str, tmp_path: Path) -> None:
-    alone = TABLES[protocol](participants=1)
+    table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=1))
 
-    table, left_out = given(protocol, tmp_path, alone)
-
-    assert all(
-        one.reason == "one participant" for one in headline_numbers(table, left_out.analysed)
-    )
+    numbers = headline_numbers(table, left_out.analysed)
+    assert {one.reason for one in numbers} == {"one participant"}
     [agreed] = agreed_so_far(table, left_out)
     assert agreed.estimate != agreed.estimate and agreed.reason
 
@@ -102,3 +102,58 @@ def test_without_anybody_who_is_analysed_there_is_nothing(protocol: str, tmp_pat
 
     assert agreed_so_far(table, nobody) == ()
     assert headline_numbers(table, nobody.analysed) == ()
+
+
+def with_and_without(
+    folder: Path, protocol: str, *rules: ExclusionRule, table: pd.DataFrame | None = None
+) -> tuple[Sensitivity, ...]:
+    """Return the numbers of a table where p01 watches too little and p02 answers too fast."""
+    made = TABLES[protocol](participants=6, segments=4) if table is None else table
+    who = made["participant"]
+    flawed = made.assign(
+        watched=np.where(who == "p01", 0.5, 1), response_seconds=np.where(who == "p02", 1.0, 9.0)
+    )
+    return sensitivity(*given(protocol, folder, flawed, *rules))
+
+
+def test_nothing_depends_on_exclusions_where_there_are_none(tmp_path: Path) -> None:
+    assert with_and_without(tmp_path, "rating") == ()
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_headline_number_is_given_of_all_three_groups(tmp_path: Path, protocol: str) -> None:
+    each = with_and_without(tmp_path, protocol, PLANNED, AFTERWARDS)
+    assert each
+    for one in each:
+        assert not one.is_as_planned
+        assert [g.participants for g in (one.analysed, one.as_planned, one.everyone)] == [4, 5, 6]
+        assert one.analysed.low < one.analysed.estimate < one.analysed.high
+
+
+def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: Path) -> None:
+    assert all(one.is_as_planned for one in with_and_without(tmp_path, "ranking", PLANNED))
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_they_are_the_numbers_of_reports_with_and_without_the_rule(
+    tmp_path: Path, protocol: str
+) -> None:
+    each = with_and_without(tmp_path, protocol, PLANNED)
+    with_rule = analyse_table(tmp_path / "answers.csv", protocol, exclude=[PLANNED])
+    without = analyse_table(tmp_path / "answers.csv", protocol)
+    for name, report in (("analysed", with_rule), ("everyone", without)):
+        found = [getattr(one, name).estimate for one in each]
+        assert found == pytest.approx([row[2] for row in headline(report)])
+    assert without.sensitivity == ()
+    assert len(with_rule.sensitivity) == len(each)
+
+
+def test_a_condition_that_only_excluded_participants_met_has_a_reason(tmp_path: Path) -> None:
+    table = ranking_table(participants=3, segments=3)
+    only = table["participant"] == "p01"
+    table = table[only | (table["condition"] != "static")]
+    last = with_and_without(tmp_path, "ranking", PLANNED, table=table)[-1]
+    assert last.conditions == ("static",)
+    assert last.analysed.n == 0
+    assert last.analysed.reason == "nobody who answered this is analysed"
+    assert last.everyone.n == 3

@@ -74,20 +74,6 @@ def test_the_same_seed_gives_the_same_interval() -> None:
     assert krippendorff_alpha(*data, seed=3) != krippendorff_alpha(*data, seed=4)
 
 
-@pytest.mark.parametrize(
-    ("table", "reason"),
-    [
-        (np.zeros((2, 0)), "no item was answered about by two participants"),
-        ([[1, np.nan], [np.nan, 2]], "no item was answered about by two participants"),
-        ([[3, 3], [3, 3]], "all answers alike"),
-    ],
-)
-def test_no_alpha_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
-    found = krippendorff_alpha(*answers(table))
-    assert found.reason == reason
-    assert math.isnan(found.estimate)
-
-
 def test_one_item_has_an_alpha_but_no_interval() -> None:
     found = krippendorff_alpha(*answers([[1], [2], [1]]))
     assert found.estimate == pytest.approx(0)

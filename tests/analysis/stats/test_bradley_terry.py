@@ -113,22 +113,6 @@ def test_repeating_all_answers_of_everybody_leaves_clustered_errors_alone() -> N
     assert (bradley_terry(twice).errors_by_model < 0.8 * bradley_terry(votes).errors_by_model).all()
 
 
-@pytest.mark.parametrize(
-    ("left", "right", "outcome", "reason"),
-    [
-        (["a", "c"], ["b", "d"], [0, 0], "never compared"),
-        ([], [], [], "no answers"),
-    ],
-)
-def test_strengths_that_do_not_exist_have_a_reason(
-    left: list[str], right: list[str], outcome: list[int], reason: str
-) -> None:
-    found = bradley_terry(votes_of(left, right, outcome, ["P"] * len(left)))
-
-    assert reason in found.reason
-    assert np.isnan(found.strengths).all()
-
-
 def test_a_condition_beside_itself_is_refused() -> None:
     with pytest.raises(InputError, match="with itself"):
         votes_of(["a"], ["a"], [1], ["P"])

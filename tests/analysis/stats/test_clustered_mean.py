@@ -157,13 +157,6 @@ def test_a_very_busy_participant_no_longer_makes_false_findings() -> None:
     assert found / 300 < 0.065
 
 
-def test_no_answers_give_no_number_at_all() -> None:
-    found = clustered_mean(np.zeros(0), np.zeros(0, str), np.zeros(0, str))
-    assert found.reason == "no answers"
-    assert math.isnan(found.estimate)
-    assert (found.n, found.participants, found.segments) == (0, 0, 0)
-
-
 tables = st.integers(2, 6).flatmap(
     lambda width: st.lists(
         st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=width, max_size=width),

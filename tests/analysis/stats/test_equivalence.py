@@ -62,27 +62,3 @@ def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
 def test_a_margin_that_is_not_above_zero_is_refused(margin: float) -> None:
     with pytest.raises(InputError, match="the margin of equivalence is"):
         equivalence(0.0, 0.1, margin)
-
-
-@pytest.mark.parametrize(
-    ("estimate", "error", "df", "reason"),
-    [
-        (math.nan, 0.1, 5, "the difference is unknown"),
-        (0.1, math.nan, 5, "the difference has no standard error"),
-        (0.1, 0.0, 5, "the difference has no standard error"),
-        (0.1, 0.1, 0, "the error has no degrees of freedom"),
-    ],
-)
-def test_no_test_comes_with_its_reason(
-    estimate: float, error: float, df: float, reason: str
-) -> None:
-    found = equivalence(estimate, error, 0.3, df=df)
-    assert (found.reason, found.verdict) == (reason, "unknown")
-    assert math.isnan(found.p_value)
-
-
-def test_too_few_or_equal_participants_come_with_their_reason() -> None:
-    assert equivalence_of_means(np.array([0.1]), 0.3).reason == "fewer than two participants"
-    assert equivalence_of_means(np.zeros(0), 0.3).reason == "fewer than two participants"
-    alike = equivalence_of_means(np.array([0.1, 0.3 - 0.2, 0.1]), 0.3)
-    assert alike.reason == "all participants differ alike"

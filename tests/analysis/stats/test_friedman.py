@@ -73,21 +73,6 @@ def test_blocks_of_participants_find_less_that_is_not_there_than_single_rankings
     assert np.mean(np.array(means) < 0.05) < np.mean(np.array(pooled) < 0.05)
 
 
-@pytest.mark.parametrize(
-    ("table", "reason"),
-    [
-        ([[1], [2]], "fewer than two conditions"),
-        ([[1, 2, 3]], "fewer than two participants with all conditions"),
-        (np.zeros((0, 3)), "fewer than two participants with all conditions"),
-        ([[2, 2], [1, 1]], "nobody tells conditions apart"),
-    ],
-)
-def test_no_test_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
-    found = friedman(blocks(table))
-    assert found.reason == reason
-    assert math.isnan(found.p_value)
-
-
 @with_reference
 def test_they_agree_with_r_on_participant_means() -> None:
     ratings, reference = reference_ratings()

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
@@ -79,25 +77,6 @@ def test_judges_who_differ_by_a_constant_only_give_no_error() -> None:
     found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
     assert found.residual_variance == 0
     assert found.single.low <= found.single.estimate <= found.single.high
-
-
-@pytest.mark.parametrize(
-    ("table", "reason"),
-    [
-        (np.zeros((0, 3)), "no answers"),
-        ([[1, 2, 3]], "one item"),
-        ([[1], [2], [3]], "one participant"),
-        ([[3, 3], [3, 3]], "all answers alike"),
-        (
-            [[1, np.nan, 2], [np.nan, 3, np.nan]],
-            "too few participants share items to tell them apart",
-        ),
-    ],
-)
-def test_no_correlation_comes_with_its_reason(table: ArrayLike, reason: str) -> None:
-    found = of(table)
-    assert found.reason == reason
-    assert math.isnan(found.single.estimate)
 
 
 def test_two_answers_of_one_participant_about_an_item_are_refused() -> None:

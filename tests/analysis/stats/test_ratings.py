@@ -90,27 +90,6 @@ def test_ratings_given_twice_count_as_their_mean() -> None:
     assert twice == once
 
 
-@pytest.mark.parametrize(
-    ("values", "which", "who", "what", "reason"),
-    [
-        ([], [], [], [], "no answers"),
-        ([3, 4], [0, 0], [0, 1], [0, 1], "one of the conditions has no ratings"),
-        ([3, 4, 5, 2], [0, 1, 0, 1], [0, 0, 0, 0], [0, 0, 1, 1], "one participant"),
-        ([3, 4, 2, 3], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 1], "differ alike"),
-    ],
-)
-def test_where_there_is_no_interval_it_says_why(
-    values: list[int], which: list[int], who: list[int], what: list[int], reason: str
-) -> None:
-    conditions, people, segments = (np.array(part, int) for part in (which, who, what))
-    cells = rated_cells(np.array(values, float), conditions, people, segments, count=2)
-
-    found = mean_difference(cells, 0, 1)
-
-    assert reason in found.reason
-    assert math.isnan(found.p_value)
-
-
 def of(ratings: pd.DataFrame, first: str, second: str) -> Estimate:
     both = ratings[ratings["condition"].isin([first, second])]
     return cliffs_delta(
@@ -149,24 +128,6 @@ def test_turning_the_pair_round_mirrors_the_interval() -> None:
 def test_the_interval_holds_where_participants_and_segments_differ() -> None:
     estimates = [of(made_ratings(effects=(0, 0, 0), seed=k), "ours", "other") for k in range(60)]
     assert np.mean([d.low <= 0 <= d.high for d in estimates]) > 0.92
-
-
-@pytest.mark.parametrize(
-    ("values", "first", "people", "reason"),
-    [
-        ([1, 2], [True, True], [0, 1], "one of the conditions has no ratings"),
-        ([1, 2, 2, 1], [True, False, True, False], [0, 0, 0, 0], "one participant"),
-        ([4, 5, 1, 2], [True, True, False, False], [0, 1, 0, 1], "the ratings do not overlap"),
-        ([3, 3, 3, 3], [True, True, False, False], [0, 1, 0, 1], "all ratings alike"),
-    ],
-)
-def test_no_interval_comes_with_its_reason(
-    values: list[int], first: list[bool], people: list[int], reason: str
-) -> None:
-    segments = np.arange(len(values))
-    found = cliffs_delta(np.array(values), np.array(first), np.array(people), segments)
-    assert found.reason == reason
-    assert math.isnan(found.low)
 
 
 def test_ratings_that_do_not_overlap_still_have_an_estimate() -> None:

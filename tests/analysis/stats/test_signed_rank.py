@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 import pytest
@@ -67,15 +66,6 @@ def test_rounding_of_means_breaks_no_tie() -> None:
     assert signed_rank(means) == signed_rank(np.round(means, 6))
 
 
-@pytest.mark.parametrize(
-    ("values", "reason"), [([], "no values"), ([0.0, 0.0, 0.0], "all values are zero")]
-)
-def test_no_test_comes_with_its_reason(values: list[float], reason: str) -> None:
-    found = signed_rank(np.array(values))
-    assert found.reason == reason
-    assert math.isnan(found.p_value)
-
-
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=12))
 def test_the_counted_distribution_is_one_and_symmetric(weights: list[int]) -> None:
     chances = sign_distribution(np.array(weights))
@@ -112,10 +102,3 @@ def test_six_above_and_one_below_worked_by_hand() -> None:
 
 def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:
     assert sign_test(np.array([0.1 + 0.2 - 0.3, -1.0])).estimate == 0
-
-
-@pytest.mark.parametrize(("values", "reason"), [([], "no values"), ([0.0], "all values are zero")])
-def test_no_sign_test_comes_with_its_reason(values: list[float], reason: str) -> None:
-    found = sign_test(np.array(values))
-    assert found.reason == reason
-    assert math.isnan(found.p_value)

@@ -4,9 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.exclusion_rules import watched_less
 from analysis.report.content import Section
 from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
 from analysis.report.sections.participants import (
@@ -14,12 +16,14 @@ from analysis.report.sections.participants import (
     diagnostics_section,
     flow_section,
     looks_section,
+    sensitivity_section,
     strip_section,
     truth_section,
 )
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
 from analysis.results.looks import Look, looks_before
+from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
@@ -215,3 +219,56 @@ def test_names_cannot_become_markup() -> None:
     section = strip_section(subject_with_stills("<b>ours</b>"))
     assert section is not None
     assert "<b>" not in section.pictures[0].svg
+
+
+def with_and_without(folder: Path, protocol: str, *, below: float = 0.9) -> Section | None:
+    """Return the section on a table where p01 watched half, which an exploratory rule minds."""
+    table = TABLES[protocol](participants=5, segments=4)
+    table["watched"] = np.where(table["participant"] == "p01", 0.5, 1)
+    report = report_of(table, protocol, folder, exclude=[watched_less(below)])
+    return sensitivity_section(report, subject_of(report))
+
+
+@pytest.mark.parametrize("protocol", list(TABLES))
+def test_all_three_groups_stand_side_by_side_where_a_rule_is_exploratory(
+    tmp_path: Path, protocol: str
+) -> None:
+    found = with_and_without(tmp_path, protocol)
+    assert found is not None
+    [table] = found.tables
+    assert [name for name, _ in table.groups[1:]] == ["analysed", "as planned", "nobody excluded"]
+    for row in table.rows:
+        assert len(row) == len(table.header)
+        assert [row[place].text for place in (2, 4, 6)] == ["4", "5", "5"]
+        assert row[4:6] == row[6:8]
+
+
+def test_there_is_no_section_where_nobody_is_left_out(tmp_path: Path) -> None:
+    assert with_and_without(tmp_path, "rating", below=0.1) is None
+
+
+def test_as_planned_is_not_shown_where_it_is_what_is_analysed(tmp_path: Path) -> None:
+    table = TABLES["ranking"](participants=5, segments=4)
+    report = report_of(table.assign(excluded=table["participant"] == "p01"), "ranking", tmp_path)
+    found = sensitivity_section(report, subject_of(report))
+    assert found is not None
+    assert [name for name, _ in found.tables[0].groups[1:]] == ["analysed", "nobody excluded"]
+
+
+@pytest.mark.parametrize("reference", ["ours", "other"])
+def test_pairs_are_seen_from_the_reference_as_in_the_headline(
+    tmp_path: Path, reference: str
+) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=8)
+    table["excluded"] = table["participant"] == table["participant"].iloc[0]
+    report = report_of(table, "pairwise", tmp_path)
+
+    found = sensitivity_section(report, subject_of(report, reference=reference))
+
+    assert found is not None
+    [[_, pair, _, share, *_]] = found.tables[0].rows
+    assert isinstance(report.results, PairwiseResults)
+    [comparison] = report.results.comparisons
+    toward = comparison.win_share.estimate
+    assert pair.text.startswith(reference)
+    assert share.value == pytest.approx(toward if comparison.a == reference else 1 - toward)
