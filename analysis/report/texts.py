@@ -17,7 +17,7 @@ from importlib.resources import files
 from itertools import groupby
 from typing import Any, Final, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, Undefined, UndefinedError
 
 from analysis.report import wording
 from analysis.report.content import About, Cell, Table, cells, counted
@@ -194,7 +194,10 @@ def _squeezed(texts: Iterable[str]) -> list[str]:
 
 
 def _value(expression: str, facts: dict[str, Any]) -> Any:
-    return _expression(expression)(**facts)
+    found = _expression(expression)(**facts)
+    if isinstance(found, Undefined):
+        raise UndefinedError(f"{expression} gives nothing")
+    return found
 
 
 @cache

@@ -140,9 +140,9 @@ def place_of(one: Place) -> str:
     return f"{heading(one.question)}, {' against '.join(map(condition, one.names))}"
 
 
-def interval(found: Estimate, written: Callable[[float], str] = share) -> str:
+def interval(found: Interval, written: Callable[[float], str] = share) -> str:
     """Return an estimate's interval, '[.55, .71]'; '' where there is none."""
-    if found.reason or math.isnan(found.low):
+    if not found.has_interval:
         return ""
     return between(written(found.low), written(found.high))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +15,7 @@ from analysis.report.content import About, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import BLUE, LINE, PAPER, Scale, fitted, sign_of, write_beside
 from analysis.results.against_people import MetricAgainstPeople, Place
+from analysis.stats.clustered_mean import Interval
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +45,28 @@ class Dot:
     hint: str = ""
     descriptive: bool = False
     whole: bool = False
+
+
+def dot_of(
+    found: Interval | None,
+    written: Callable[[float], str],
+    *,
+    more: str = "",
+    below: str = "",
+    missing: str = "not known",
+) -> Dot:
+    """Return the mark of an estimate; all of it in words ends in `more`, or is `missing`."""
+    if found is None or math.isnan(found.estimate):
+        return Dot(words="–", hint=missing)
+    inside = wording.interval(found, written) or f"no interval: {found.reason}"
+    return Dot(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        words=written(found.estimate),
+        below=below,
+        hint=f"{written(found.estimate)} {inside}{more}",
+    )
 
 
 def dot_pictures(

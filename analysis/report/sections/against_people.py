@@ -9,7 +9,7 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table
-from analysis.report.figures.dots import MOST, Dot, agreement_pictures, dot_pictures
+from analysis.report.figures.dots import MOST, Dot, agreement_pictures, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.metric import PAPER_OF, PAPER_TABLES, is_detail
@@ -18,13 +18,12 @@ from analysis.report.subject import Subject
 from analysis.report.texts import about, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
 from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
-from analysis.results.metric_scores import WithinCorrelation
 from analysis.results.rank_correlations import (
     FEWEST_FOR_INTERVAL,
-    RankCorrelation,
     SamplingRange,
 )
 from analysis.results.report import TableReport
+from analysis.stats.clustered_mean import Interval
 from motion.errors import listed
 
 
@@ -188,25 +187,18 @@ def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
             )
 
 
-def _dot(found: RankCorrelation | WithinCorrelation | None) -> Dot:
-    if found is None or math.isnan(found.estimate):
-        return Dot(hint="–")
-    return Dot(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        hint=_correlation_words(found),
-        descriptive=math.isnan(found.low),
-    )
+def _dot(found: Interval | None) -> Dot:
+    made = dot_of(found, _correlation, missing="–")
+    return replace(made, words="", descriptive=math.isnan(made.low))
 
 
-def _correlation_words(found: RankCorrelation | WithinCorrelation) -> str:
+def _correlation_words(found: Interval) -> str:
     """Return a correlation with its interval where it has one, '.52 [.11, .79]'."""
     inside = "" if math.isnan(found.low) else f" {_interval_words(found)}"
     return f"{_correlation(found.estimate)}{inside}"
 
 
-def _interval_words(found: RankCorrelation | WithinCorrelation) -> str:
+def _interval_words(found: Interval) -> str:
     return between(_correlation(found.low), _correlation(found.high))
 
 
@@ -222,7 +214,7 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
     why = [k.reason for _, m in rows for k in (m.kendall, m.spearman, m.within) if k.reason]
     reasons = {reason: number for number, reason in enumerate(dict.fromkeys(why), start=1)}
 
-    def ends(found: RankCorrelation | WithinCorrelation) -> str:
+    def ends(found: Interval) -> str:
         if not math.isnan(found.estimate) and not math.isnan(found.low):
             return _interval_words(found)
         number = f"({reasons[found.reason]})" if found.reason else ""

@@ -9,13 +9,13 @@ from typing import Final, NamedTuple
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section
-from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.preferences import reference_of
 from analysis.report.subject import Subject
 from analysis.report.texts import about, paragraphs, table
-from analysis.report.wording import interval, number
+from analysis.report.wording import number
 from analysis.results.grouping import Place
 from analysis.results.heterogeneity import (
     FEW,
@@ -188,30 +188,25 @@ def _forest(found: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
     names = _levels(of)
     measure = _MEASURES[of[0].found.measure]
     return dot_pictures(
-        {one.heading: _dots(one, names, measure) for one in of},
+        {one.heading: _dots(one, names, measure.written) for one in of},
         [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
         replace(measure.scale, line=of[0].found.null),
         about("by", end=f"-{by}", mark=mark, by=by, says=measure.says, few=FEW),
     )
 
 
-def _dots(of: Effect, names: Sequence[str], measure: _Measure) -> list[Dot]:
+def _dots(of: Effect, names: Sequence[str], written: Callable[[float], str]) -> list[Dot]:
     by_name = {level.level: level for level in of.found.levels}
-    dots = [_dot(by_name.get(name), measure) for name in names]
-    return [*dots, _dot(of.whole, measure, whole=True)]
+    levels = [by_name.get(name) for name in names]
+    return [
+        replace(
+            dot_of(one, written, more=_segments(one), missing="no answers"),
+            descriptive=isinstance(one, Level) and one.descriptive,
+            whole=place == len(levels),
+        )
+        for place, one in enumerate([*levels, of.whole])
+    ]
 
 
-def _dot(found: Estimate | None, measure: _Measure, *, whole: bool = False) -> Dot:
-    if found is None or not found.n:
-        return Dot(words="–", hint="no answers", whole=whole)
-    written = measure.written(found.estimate)
-    inside = interval(found, measure.written) or f"no interval: {found.reason}"
-    return Dot(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        words=written,
-        hint=f"{written} {inside}, {wording.count(found.segments, 'segment')}",
-        descriptive=isinstance(found, Level) and found.descriptive,
-        whole=whole,
-    )
+def _segments(found: Estimate | None) -> str:
+    return "" if found is None else f", {wording.count(found.segments, 'segment')}"

@@ -9,14 +9,13 @@ from typing import Final
 from analysis.report import wording
 from analysis.report.content import About, Picture, Section, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
-from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale, place_colours
 from analysis.report.subject import Subject
 from analysis.report.texts import about, table
 from analysis.report.wording import (
     SIGNIFICANCE,
-    between,
     number,
     ordinal,
     ranks,
@@ -182,18 +181,9 @@ def strongest_first(found: Mapping[str, Standings], names: Iterable[str]) -> lis
 
 
 def _dot(found: Standing | None) -> Dot:
-    if found is None or math.isnan(found.estimate):
-        return Dot(words="–", hint="not known")
     rank = ranks(found)
-    inside = f" {between(number(found.low), number(found.high))}" if found.has_interval else ""
-    return Dot(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        words=number(found.estimate),
-        below=f"rank {rank}" if rank != "–" else "",
-        hint=f"{number(found.estimate)}{inside}, rank {rank}",
-    )
+    below = f"rank {rank}" if rank != "–" else ""
+    return dot_of(found, number, below=below, more=f", rank {rank}")
 
 
 def standings_table(found: Mapping[str, Standings], kind: str) -> Table:

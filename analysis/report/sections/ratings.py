@@ -11,12 +11,12 @@ from matplotlib.lines import Line2D
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
-from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, sign_of
 from analysis.report.subject import Subject
 from analysis.report.texts import about, table
-from analysis.report.wording import between, number, suffix, why_no_figure
+from analysis.report.wording import number, suffix, why_no_figure
 from analysis.results.rating import RatedCondition, RatingContrast, RatingResults
 
 MOST_PAIRS: Final = 15
@@ -224,16 +224,9 @@ def _contrast_pictures(
 
 
 def _difference(contrast: RatingContrast | None) -> Dot:
-    if contrast is None or math.isnan(contrast.difference.estimate):
-        return Dot(words="–", hint="not known")
-    found = contrast.difference
-    inside = "" if math.isnan(found.low) else f" {between(number(found.low), number(found.high))}"
-    p = wording.p_value(found.p_holm)
-    return Dot(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        words=number(found.estimate),
-        below="no test" if p == "–" else wording.p_is(found.p_holm),
-        hint=f"{number(found.estimate)}{inside}, p (Holm) {p}",
-    )
+    if contrast is None:
+        return dot_of(None, number)
+    p = contrast.difference.p_holm
+    below = "no test" if math.isnan(p) else wording.p_is(p)
+    more = f", p (Holm) {wording.p_value(p)}"
+    return dot_of(contrast.difference, number, below=below, more=more)

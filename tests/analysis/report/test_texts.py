@@ -1,0 +1,48 @@
+"""What templates hold is used, and what they do not know is an error."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from jinja2 import UndefinedError
+
+from analysis.report.texts import paragraphs, table
+
+REPORT = Path("analysis/report")
+SOURCES = "\n".join(
+    path.read_text("utf-8")
+    for path in (*REPORT.rglob("*.py"), *Path("analysis/planning").glob("*.py"))
+)
+
+
+@pytest.mark.parametrize("name", ["tables", "figures"])
+def test_every_table_and_every_figure_that_is_described_is_made(name: str) -> None:
+    described = tomllib.loads((REPORT / "templates" / f"{name}.toml").read_text("utf-8"))
+    assert [key for key in described if f'"{key}"' not in SOURCES] == []
+
+
+@pytest.mark.parametrize("file", sorted((REPORT / "templates/words").glob("*.txt")), ids=str)
+def test_every_macro_is_said_by_a_section_or_by_another_macro(file: Path) -> None:
+    text = file.read_text("utf-8")
+    macros = re.findall(r"{% macro (\w+)\(", text)
+    assert [
+        macro
+        for macro in macros
+        if f'"{file.stem}.{macro}"' not in SOURCES and text.count(f"{macro}(") < 2
+    ] == []
+
+
+def test_a_name_that_a_template_does_not_know_is_an_error() -> None:
+    with pytest.raises(UndefinedError):
+        paragraphs("plan.assumed", together=[])
+    with pytest.raises(UndefinedError):
+        table("exclusions", [()])
+
+
+def test_a_line_break_in_a_name_ends_no_paragraph() -> None:
+    said = paragraphs("participants.stills", segment="s1", said="one\n\ntwo", missing=[])
+    assert len(said) == 1
+    assert said[0].endswith("It says: “one two”")
