@@ -17,7 +17,7 @@ from importlib.resources import files
 from itertools import groupby
 from typing import Any, Final, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Undefined, UndefinedError
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template, Undefined, UndefinedError
 
 from analysis.report import wording
 from analysis.report.content import About, Cell, Table, cells, counted
@@ -140,7 +140,7 @@ def about(kind: str, *, end: str = "", mark: str = "", **facts: object) -> About
 
 def _notes(notes: Sequence[str], facts: dict[str, Any]) -> dict[str, None]:
     """Return every line of the notes once, in order."""
-    made = (_environment().from_string(note).render(facts).split("\n") for note in notes)
+    made = (_template(note).render(facts).split("\n") for note in notes)
     return dict.fromkeys(line for lines in made for line in _squeezed(lines))
 
 
@@ -184,7 +184,7 @@ def _beside_each_other(found: Table) -> Table:
 def _filled(text: str, facts: dict[str, Any]) -> str:
     if "{" not in text:
         return text
-    [found] = _squeezed([_environment().from_string(text).render(facts)]) or [""]
+    [found] = _squeezed([_template(text).render(facts)]) or [""]
     return found
 
 
@@ -198,6 +198,11 @@ def _value(expression: str, facts: dict[str, Any]) -> Any:
     if isinstance(found, Undefined):
         raise UndefinedError(f"{expression} gives nothing")
     return found
+
+
+@cache
+def _template(text: str) -> Template:
+    return _environment().from_string(text)
 
 
 @cache

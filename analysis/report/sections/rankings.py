@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import About, Picture, Section, Table, headline_section
@@ -24,7 +23,6 @@ from analysis.report.wording import (
 )
 from analysis.results.ranking import RankedCondition, RankingResults
 from analysis.results.strengths import Standing, Standings, StrengthContrast
-from analysis.stats.clustered_mean import LEVEL
 
 
 def ranking_sections(results: RankingResults, subject: Subject) -> tuple[Section, ...]:
@@ -128,24 +126,6 @@ def _all_tied(conditions: Sequence[RankedCondition]) -> str:
     return ""
 
 
-_STANDINGS: Final = {
-    "strengths": (
-        "strength",
-        "bradley_terry.csv",
-        "Bradley–Terry strengths over all comparisons (Davidson's ties, left-side term), in logits "
-        f"that add up to zero, and the ranks that each condition may have at {LEVEL:.0%}. After "
-        "exclusions.",
-    ),
-    "worths": (
-        "worth",
-        "plackett_luce.csv",
-        "Plackett–Luce worths of the rankings after exclusions (ties included), on a log scale on "
-        f"which they add up to zero, and the ranks that each condition may have at {LEVEL:.0%}.",
-    ),
-}
-"""What one value is called, the file with all that is known of them, and the table's caption."""
-
-
 def strength_pictures(
     found: Mapping[str, Standings], axis: str, told: About
 ) -> tuple[Picture, ...]:
@@ -196,13 +176,12 @@ def standings_table(found: Mapping[str, Standings], kind: str) -> Table:
     kind : {'strengths', 'worths'}
         Which of them.
     """
-    what, data, caption = _STANDINGS[kind]
     rows = [
         (question, one)
         for question, fitted in found.items()
         for one in sorted(fitted.conditions, key=lambda c: (math.isnan(c.estimate), -c.estimate))
     ]
-    return table("standings", rows, what=(what, kind), data=data, caption=caption, fitted=found)
+    return table(kind, rows, fitted=found)
 
 
 def contrasts_table(
