@@ -22,8 +22,9 @@ def shares(results: dict[str, Any]) -> dict[tuple[str, ...], float]:
         share = one["win_share"]["estimate"]
         found[a, b, one["question"]] = share if a == one["a"] else 1 - share
     for question, fitted in results["bradley_terry"].items():
-        for name, strength in fitted["strengths"].items():
-            found[name, question] = -1.0 if strength is None else strength
+        for one in fitted["conditions"]:
+            strength = one["estimate"]
+            found[one["condition"], question] = -1.0 if strength is None else strength
     return found
 
 

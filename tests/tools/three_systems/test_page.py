@@ -24,7 +24,13 @@ def results_of(conditions: list[str], questions: list[str]) -> dict[str, Any]:
         "questions": questions,
         "conditions_shown": conditions,
         "bradley_terry": {
-            question: {"strengths": values, "low": values, "high": values} for question in questions
+            question: {
+                "conditions": [
+                    {"condition": name, "estimate": value, "low": value, "high": value}
+                    for name, value in values.items()
+                ]
+            }
+            for question in questions
         },
         "metrics": {
             "conditions": [
