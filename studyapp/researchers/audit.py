@@ -37,40 +37,21 @@ ERASED: Final = "(erased)"
 
 WORDS: Final[Mapping[Event, str]] = MappingProxyType(
     {
-        Event.FORGOTTEN: "participant forgotten",
-        Event.EXCLUDED: "participant excluded",
-        Event.REINSTATED: "participant reinstated",
         Event.RESTORED: "restored from a backup",
-        Event.OPERATION_CHANGED: "operation changed",
         Event.NEWCOMERS_LET_IN: "opened to new participants",
         Event.NEWCOMERS_PAUSED: "recruitment paused",
         Event.NEWCOMERS_CLOSED: "closed to new participants",
-        Event.EXTENDED: "extended",
-        Event.LOOKED_AT: "results looked at",
-        Event.REPORTED: "results reported",
-        Event.EXPORTED: "answers exported",
-        Event.UNBLINDED: "results unblinded",
-        Event.LOGGED_IN: "logged in",
-        Event.PASSWORD_CHANGED: "password changed",
         Event.PASSWORD_OFFERED: "new password offered",
-        Event.INVITED: "invited",
-        Event.LINK_TAKEN_BACK: "link taken back",
-        Event.JOINED: "joined",
-        Event.ROLE_CHANGED: "role changed",
         Event.SHUT_OUT: "access removed",
         Event.LET_IN_AGAIN: "access restored",
         Event.SECOND_FACTOR_ON: "second factor turned on",
         Event.SECOND_FACTOR_OFF: "second factor turned off",
-        Event.SECOND_FACTOR_RESET: "second factor reset",
-        Event.NEW_VERSION: "new version",
         Event.DEFINITION_EDITED: "study file edited",
         Event.JOB_BEGUN: "job started",
-        Event.JOB_STOPPED: "job stopped",
-        Event.DOWNLOADED: "downloaded",
         Event.MATERIAL_REMOVED: "file removed",
     }
 )
-"""How events are told to people."""
+"""How events are told to people whose own names say it less well."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +117,8 @@ def log_change(
 
 def told_event(line: AuditLine) -> str:
     """Return what was done, in words."""
-    return WORDS[Event(line.event)]
+    event = Event(line.event)
+    return WORDS.get(event, event.replace("_", " "))
 
 
 def told_detail(line: AuditLine) -> str:
