@@ -40,16 +40,12 @@ OwnStudy = Callable[[str], StudyFolder]
 
 
 BOTH_DATABASES = (
-    "custody",
     "database/test_copies",
     "database/test_engine",
-    "monitoring",
-    "recruitment",
-    "researchers",
-    "results/export",
+    "researchers/test_both_databases",
     "session",
 )
-"""Rooms whose tests are repeated on both databases: what is done with the tables."""
+"""Where all tests are repeated on both databases; elsewhere those with the mark `BOTH` are."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

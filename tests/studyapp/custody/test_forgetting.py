@@ -22,6 +22,7 @@ from studyapp.session.arrivals import Arrival, note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -31,9 +32,6 @@ from tests.support.throwaway_postgresql import ThrowawayPostgresql
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
 SITTING = "sitting-of-this-person"
 KEY = PseudonymKey(bytes(range(32)))
-
-SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-"""For what is the same on both databases."""
 
 
 @pytest.fixture
@@ -86,6 +84,7 @@ def stored_text(database: Database) -> str:
         )
 
 
+@BOTH
 def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
     before = rows(person.database)
     second = other(person)
@@ -108,7 +107,6 @@ def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
     assert set(read_once(person.database, form_answers_table)["study_session"]) == {1}
 
 
-@SQLITE
 def test_every_column_of_a_study_session_is_emptied_or_of_the_study(person: Participant) -> None:
     forget(person.database, PERSON, KEY, person.clock)
 
@@ -125,7 +123,6 @@ def test_every_column_of_a_study_session_is_emptied_or_of_the_study(person: Part
     assert left.consented_at == left.withdrawn_at == person.clock.now()
 
 
-@SQLITE
 def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participant) -> None:
     with person.database.writing() as session:
         log_change(
@@ -150,7 +147,6 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
     assert (lines[-3].researcher, lines[-3].reason) == ("ada", "(erased) wrote to us")
 
 
-@SQLITE
 def test_the_place_can_be_taken_again_by_the_same_person_too(person: Participant) -> None:
     for name in ("second", "third", "fourth"):
         other(person, name)
@@ -164,7 +160,6 @@ def test_the_place_can_be_taken_again_by_the_same_person_too(person: Participant
     assert again.look().state == "started"
 
 
-@SQLITE
 def test_a_finished_participant_is_found_by_the_completion_code(person: Participant) -> None:
     while person.look().trial is not None:
         person.take_trial()
@@ -179,7 +174,6 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
     assert code not in stored_text(person.database)
 
 
-@SQLITE
 def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
@@ -193,6 +187,7 @@ def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> No
     assert "another" in stored_text(person.database)
 
 
+@BOTH
 def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -238,6 +233,7 @@ def files_of(database: Database, request: pytest.FixtureRequest) -> bytes:
     return b"".join(path.read_bytes() for path in tables if path.is_file())
 
 
+@BOTH
 def test_nothing_of_them_is_left_in_the_databases_files(
     person: Participant, request: pytest.FixtureRequest
 ) -> None:
@@ -262,6 +258,7 @@ def test_nothing_of_them_is_left_in_the_databases_files(
     serving.close()
 
 
+@BOTH
 def test_who_reads_an_earlier_state_is_said_to_be_in_the_way(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:

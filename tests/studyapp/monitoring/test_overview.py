@@ -17,9 +17,8 @@ from studyapp.session.ending import FEWEST_LEFT_OUT, withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.watch_evidence import Playback
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.taking_part_steps import Participant, SetClock
-
-SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
 
 def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
@@ -47,6 +46,7 @@ def found(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
     return overview(opened, served, clock.now())
 
 
+@BOTH
 def test_everything_that_happened_is_counted_once(found: Overview) -> None:
     places = found.places
     assert (places.done, places.active, places.stale, places.open) == (1, 1, 0, 2)
@@ -72,7 +72,7 @@ def test_everything_that_happened_is_counted_once(found: Overview) -> None:
     assert found.forecast.at is None
 
 
-@SQLITE
+@BOTH
 def test_lists_hold_as_many_as_the_numbers_that_lead_to_them(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -95,7 +95,6 @@ def test_lists_hold_as_many_as_the_numbers_that_lead_to_them(
     assert count(arm="no such arm") == count(earlier=True) == 0
 
 
-@SQLITE
 def test_study_sessions_of_another_design_are_counted_apart(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -109,7 +108,6 @@ def test_study_sessions_of_another_design_are_counted_apart(
     assert (found.places.done, found.dropouts.of, found.progress.emotions) == (0, 0, ())
 
 
-@SQLITE
 def test_a_study_that_nobody_has_come_to_has_an_overview(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -156,7 +154,6 @@ def test_opposite_answers_look_the_same(separate: Callable[[str, str], Overview]
     assert one == other
 
 
-@SQLITE
 def test_who_left_out_too_many_videos_is_named_with_how_many(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -174,7 +171,6 @@ def test_who_left_out_too_many_videos_is_named_with_how_many(
     ]
 
 
-@SQLITE
 def test_one_study_session_tells_its_events_in_order(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:

@@ -12,6 +12,7 @@ from studyapp.recruitment.invitations import (
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol, enrolled
 from studyapp.session.served_study import ServedStudy
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -27,6 +28,7 @@ def test_what_is_stored_of_an_invitation_is_no_link(opened: Database, clock: Set
     assert invited(opened, next(iter(stored))) is None
 
 
+@BOTH
 def test_an_invitation_is_one_study_session_however_often_it_is_used(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:

@@ -20,6 +20,7 @@ from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 CODES = Prolific(completed="KX7QM2PWTR", screened_out="HB4NVJ9ZCD", failed_attention="WU3FGRE8KA")
@@ -93,6 +94,7 @@ def test_who_came_without_a_submissions_name_is_paid_for_the_only_one() -> None:
     assert states("one", "two") == ["elsewhere", "elsewhere"]
 
 
+@BOTH
 def test_everybody_sent_by_name_is_known_with_where_they_stand(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:

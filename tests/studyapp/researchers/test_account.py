@@ -7,8 +7,6 @@ from studyapp.researchers.account import change_role, let_in_again, shut_out
 from studyapp.researchers.audit import logged_changes
 from tests.studyapp.researchers.conftest import Door
 
-pytestmark = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-
 
 def test_the_last_owner_can_neither_leave_nor_become_something_else(door: Door) -> None:
     charles = door.join("Charles", "analyst")

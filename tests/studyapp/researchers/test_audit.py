@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-
 from studyapp.database.engine import Database
 from studyapp.researchers.audit import StudyState, logged_changes, looks, note_look
 from studyapp.results.stored_answers import stored_answers
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import SetClock
 
-BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
 STATE = StudyState(finished=12, planned=25, answers=300)
 
 

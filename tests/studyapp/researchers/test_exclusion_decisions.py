@@ -21,11 +21,9 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
-
-SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
 
 
 def exclude(database: Database, clock: SetClock, number: int, reason: str = "asleep") -> None:
@@ -79,7 +77,6 @@ def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetC
     assert kept["excluded_after_look"].tolist() == [False, False, False]
 
 
-@SQLITE
 def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
     three: Database, clock: SetClock
 ) -> None:
@@ -96,7 +93,6 @@ def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
     assert after_look.tolist() == [False, False, True]
 
 
-@SQLITE
 def test_what_cannot_be_decided_changes_nothing(
     participant: Participant, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -123,7 +119,6 @@ def test_what_cannot_be_decided_changes_nothing(
     assert len(decided(database, 1)) == 1
 
 
-@SQLITE
 @pytest.mark.parametrize("leaves", ["withdrawn", "forgotten"])
 def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
     participant: Participant, served: ServedStudy, clock: SetClock, leaves: str

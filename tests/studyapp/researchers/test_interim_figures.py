@@ -27,10 +27,10 @@ from studyapp.results.looks import agreement_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
-BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
 REST = RESTS["results"].total_seconds()
 Ask = Callable[[], Kept]
 

@@ -17,8 +17,6 @@ from studyapp.researchers.links import (
 from tests.studyapp.researchers.conftest import NEW, Door
 from tests.studyapp.taking_part_steps import SetClock
 
-pytestmark = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-
 
 def test_a_newer_link_for_the_first_owner_replaces_the_older(
     database: Database, clock: SetClock

@@ -20,7 +20,6 @@ from studyapp.researchers.logins import IDLE, LONGEST, change_password
 from tests.studyapp.researchers.conftest import Door
 from tests.studyapp.researchers_at_hand import HERE, PASSWORD
 
-pytestmark = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 ELSEWHERE = "192.0.2.9"
 
 

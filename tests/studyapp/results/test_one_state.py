@@ -49,8 +49,14 @@ def live(folder: StudyFolder, _out: Path) -> object:
     return agreement_so_far(folder)
 
 
-@pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
-@pytest.mark.parametrize("reader", [reported, exported, shared, live])
+@pytest.mark.parametrize(
+    ("reader", "database_url"),
+    [
+        *((reader, "sqlite") for reader in (reported, exported, shared, live)),
+        (exported, "postgresql"),
+    ],
+    indirect=["database_url"],
+)
 def test_somebody_who_withdraws_meanwhile_is_in_all_of_it_or_in_nothing(
     tiny_study: Path,
     tmp_path: Path,

@@ -11,6 +11,7 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, Response
 from studyapp.web.running import attach, running
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 
@@ -63,7 +64,7 @@ def test_what_is_refused_is_noted_by_its_kind(
     ]
 
 
-@pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+@BOTH
 def test_the_character_nul_is_refused_wherever_it_stands(
     app: Flask, opened: Database, participant: Participant
 ) -> None:

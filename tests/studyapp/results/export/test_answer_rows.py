@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
@@ -21,6 +22,7 @@ def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant
     assert set(expected_condition) == {"rule_based"}
 
 
+@BOTH
 def test_the_participant_flow_counts_every_study_session(participant: Participant) -> None:
     participant.take_trial()
     participant.leave_out()

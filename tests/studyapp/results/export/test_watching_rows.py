@@ -10,10 +10,12 @@ from studyapp.results.export.rows import refusals_table, watching_table
 from studyapp.session.ending import withdraw
 from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
 from studyapp.session.watch_evidence import Playback
+from tests.studyapp.both_databases import BOTH
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
+@BOTH
 def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=30)
