@@ -8,20 +8,11 @@ import click
 
 from motion.errors import InputError
 from studyapp.cli.arguments import named_study_folder
-from studyapp.cli.recruiting_sites import (
-    approve_on_mturk,
-    approve_on_prolific,
-    change_places_on_prolific,
-    create_on_mturk,
-    create_on_prolific,
-    move_on_prolific,
-    publish_on_prolific,
-    request_returns,
-    show_mturk,
-    show_prolific,
-    stop_on_mturk,
-)
+from studyapp.cli.output import echo_table, echo_verdicts
+from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
+from studyapp.recruitment.prolific import CENTS, hourly
+from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
 from studyapp.recruitment.record import draw_codes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Channel
@@ -38,6 +29,8 @@ live = click.option(
 )
 
 MOST_INVITATIONS = 10_000
+LEAST_HOURLY = 6.0
+"""What Prolific asks researchers to pay for an hour, in pounds."""
 
 
 @click.group("recruit")
@@ -75,9 +68,9 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
     A draft costs nothing and nobody sees it before 'publish'. A HIT is offered at once.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
-        create_on_prolific(folder, address, yes=yes)
+        _create_on_prolific(folder, address, yes=yes)
     else:
-        create_on_mturk(folder, address, live=live, yes=yes)
+        _create_on_mturk(folder, address, live=live, yes=yes)
 
 
 @command.command("publish")
@@ -86,23 +79,33 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
 def publish(folder: StudyFolder, yes: bool) -> None:
     """Offer the study to Prolific's participants; the money is set aside from then on."""
     _channel(folder, "prolific")
-    publish_on_prolific(folder, yes=yes)
+    identity = prolific.study_id(folder)
+    with _client() as client:
+        study = client.study(identity)
+        places, reward = study.total_available_places or 0, study.reward or 0
+        click.echo(
+            f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} without "
+            "Prolific's fee."
+        )
+        if not yes:
+            click.echo("Nothing was published; with --yes it is.")
+            return
+        study = client.move(identity, "PUBLISH")
+    click.echo(f"The study is {study.status.lower()} on Prolific.")
 
 
 @command.command("pause")
 @click.pass_obj
 def pause(folder: StudyFolder) -> None:
     """Let nobody new begin on Prolific; those who have begun may finish."""
-    _channel(folder, "prolific")
-    move_on_prolific(folder, "PAUSE")
+    _move(folder, "PAUSE")
 
 
 @command.command("resume")
 @click.pass_obj
 def resume(folder: StudyFolder) -> None:
     """Offer a paused study on Prolific again."""
-    _channel(folder, "prolific")
-    move_on_prolific(folder, "START")
+    _move(folder, "START")
 
 
 @command.command("stop")
@@ -111,9 +114,13 @@ def resume(folder: StudyFolder) -> None:
 def stop(folder: StudyFolder, live: bool) -> None:
     """End recruiting; those who have begun may finish."""
     if _channel(folder, "prolific", "mturk") == "prolific":
-        move_on_prolific(folder, "STOP")
-    else:
-        stop_on_mturk(folder, live=live)
+        _move(folder, "STOP")
+        return
+    hits = mturk.hits_of(folder, live=live)
+    client = mturk.connect(live=live)
+    for hit in hits:
+        client.stop(hit)
+        click.echo(f"HIT {hit} is offered no more.")
 
 
 @command.command("places")
@@ -122,7 +129,11 @@ def stop(folder: StudyFolder, live: bool) -> None:
 def places(folder: StudyFolder, count: int) -> None:
     """Let COUNT participants in all take part on Prolific; there can only be more than before."""
     _channel(folder, "prolific")
-    change_places_on_prolific(folder, count)
+    identity = prolific.study_id(folder)
+    with _client() as client:
+        study = client.change_places(identity, count)
+    click.echo(f"The study has {study.total_available_places} places on Prolific.")
+    click.echo("How many it has here is in study.toml.")
 
 
 @command.command("status")
@@ -131,9 +142,9 @@ def places(folder: StudyFolder, count: int) -> None:
 def status(folder: StudyFolder, live: bool) -> None:
     """Show how recruiting goes, there and here."""
     if _channel(folder, "prolific", "mturk", "invitations") == "prolific":
-        show_prolific(folder)
+        _show_prolific(folder)
     elif folder.study().recruitment.channel == "mturk":
-        show_mturk(folder, live=live)
+        _show_mturk(folder, live=live)
     else:
         _show_invitations(folder)
 
@@ -154,9 +165,9 @@ def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -
     The rule is recruitment.unpaid_failed_checks in study.toml. Nobody is ever rejected from here.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
-        approve_on_prolific(folder, also=also, yes=yes)
+        _approve_on_prolific(folder, also=also, yes=yes)
     else:
-        approve_on_mturk(folder, live=live, yes=yes)
+        _approve_on_mturk(folder, live=live, yes=yes)
 
 
 @command.command("return")
@@ -166,7 +177,17 @@ def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -
 def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> None:
     """Ask participants to return their SUBMISSIONS on Prolific, which are then not paid."""
     _channel(folder, "prolific")
-    request_returns(folder, submissions, reason)
+    with _client() as client:
+        known = {each.id: each for each in client.submissions(prolific.study_id(folder))}
+        for submission in dict.fromkeys(submissions):
+            found = known.get(submission)
+            if found is None:
+                click.echo(f"{submission}: is none of this study's submissions")
+            elif found.return_requested:
+                click.echo(f"{submission}: was asked for before")
+            else:
+                client.request_return(submission, reason)
+                click.echo(f"{submission}: asked to return it")
 
 
 @command.command("invite")
@@ -218,3 +239,125 @@ def _show_invitations(folder: StudyFolder) -> None:
     click.echo(
         f"{found.made} invitations: {found.begun} have begun, {found.completed} have finished."
     )
+
+
+def _move(folder: StudyFolder, action: Action) -> None:
+    """Start, pause or stop the study on Prolific."""
+    _channel(folder, "prolific")
+    identity = prolific.study_id(folder)
+    with _client() as client:
+        study = client.move(identity, action)
+    click.echo(f"The study is {study.status.lower()} on Prolific.")
+
+
+def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None:
+    """Say what would be sent, and with `yes` make the draft."""
+    draft = prolific.draft_of(folder, address)
+    places, reward = draft["total_available_places"], draft["reward"]
+    minutes = draft["estimated_completion_time"]
+    click.echo(f"{draft['name']}: {places} places, {minutes} minutes, {reward / CENTS:.2f} each")
+    click.echo(
+        f"That is {hourly(reward, minutes):.2f} for an hour, and {places * reward / CENTS:.2f} for "
+        "all, without Prolific's fee."
+    )
+    if hourly(reward, minutes) < LEAST_HOURLY:
+        click.echo(f"Prolific may refuse less than {LEAST_HOURLY:.2f} pounds for an hour.")
+    click.echo(f"Participants come to {draft['external_study_url']}")
+    if not yes:
+        click.echo("Nothing was sent; with --yes it is.")
+        return
+    with _client() as client:
+        study, made = prolific.create(folder, client, address)
+    state = "Made the draft" if made else "There already is the study"
+    click.echo(f"{state} {study.id} on Prolific ({study.status}). Publish it with 'publish'.")
+
+
+def _show_prolific(folder: StudyFolder) -> None:
+    """Show places, and submissions there beside participants here."""
+    with _client() as client:
+        found = prolific.status(folder, client)
+    study = found.study
+    click.echo(
+        f"Prolific: {study.status.lower()}, {study.places_taken or 0} of "
+        f"{study.total_available_places or 0} places taken"
+    )
+    echo_table(
+        ("there", "here", "how many"),
+        [
+            (there.lower(), here.replace("_", " "), str(count))
+            for (there, here), count in sorted(found.there_and_here.items())
+        ],
+    )
+    if found.missing_there:
+        click.echo(
+            f"Here, but not there: {len(found.missing_there)} "
+            "(they may have come from another study on Prolific)"
+        )
+
+
+def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: bool) -> None:
+    """Show who is to be paid, and with `yes` pay them and those of `also`."""
+    with _client() as client:
+        found = prolific.status(folder, client)
+        echo_verdicts(
+            "submission", [(each.submission.id, each.judged) for each in found.submissions]
+        )
+        if not yes:
+            click.echo("Nothing was paid; with --yes it is.")
+            return
+        click.echo(f"Approved {prolific.approve(client, found, also)} submissions.")
+
+
+def _client() -> ProlificClient:
+    return ProlificClient(prolific_token())
+
+
+def _create_on_mturk(folder: StudyFolder, address: str, *, live: bool, yes: bool) -> None:
+    """Say what would be offered, and with `yes` offer it."""
+    where = "for real money" if live else "in the sandbox, where nobody is paid"
+    request = mturk.request_of(folder, address, live=live)
+    workers, reward = request["MaxAssignments"], request["Reward"]
+    total = workers * folder.study().recruitment.mturk.dollars
+    click.echo(
+        f"{request['Title']}: {workers} workers at ${reward} each, ${total} for all, without fees; "
+        f"{where}"
+    )
+    if not yes:
+        click.echo("Nothing was offered; with --yes it is.")
+        return
+    hit = mturk.create(folder, mturk.connect(live=live), address, live=live)
+    click.echo(f"Made HIT {hit.id}; workers see it now.")
+
+
+def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
+    """Show how far every HIT is."""
+    hits = mturk.hits_of(folder, live=live)
+    client = mturk.connect(live=live)
+    found = [client.hit(hit) for hit in hits]
+    echo_table(
+        ("HIT", "state", "wanted", "free", "under way", "reviewed"),
+        [
+            (
+                hit.id,
+                hit.status,
+                *(str(n) for n in (hit.wanted, hit.available, hit.pending, hit.completed)),
+            )
+            for hit in found
+        ],
+    )
+    echo_verdicts(
+        "assignment",
+        [(each.assignment.id, each.judged) for each in mturk.judged(folder, client, live=live)],
+    )
+
+
+def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
+    """Show who is to be paid, and with `yes` pay them."""
+    mturk.hits_of(folder, live=live)
+    client = mturk.connect(live=live)
+    found = mturk.judged(folder, client, live=live)
+    echo_verdicts("assignment", [(each.assignment.id, each.judged) for each in found])
+    if not yes:
+        click.echo("Nothing was paid; with --yes it is.")
+        return
+    click.echo(f"Approved {mturk.approve(client, found)} assignments.")

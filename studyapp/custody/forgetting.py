@@ -109,9 +109,7 @@ def remembered(database: Database, name: str, key: PseudonymKey | None) -> tuple
         )
 
 
-def forget(
-    database: Database, name: str, key: PseudonymKey | None, clock: Clock, *, by: str = ""
-) -> int:
+def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock) -> int:
     """Erase the participant called `name`, in one transaction.
 
     Answers, trials, watch evidence, form answers, refusals, tokens, codes and the recruiter's
@@ -127,8 +125,6 @@ def forget(
     ----------
     name, key
         See `remembered`.
-    by : str
-        The researcher's name; empty for the command line.
 
     Returns
     -------
@@ -139,10 +135,10 @@ def forget(
         now = clock.now()
         found = _called(session, name, key, to_change=True)
         for study_session, _ in found:
-            erase(session, study_session, key, now, by=by)
+            erase(session, study_session, key, now)
         screened_out = _erase_screen_outs(session, [name])
         if screened_out and not found:
-            log_change(session, now, Event.FORGOTTEN, by=by, detail="was screened out")
+            log_change(session, now, Event.FORGOTTEN, by="", detail="was screened out")
         return len(found) + screened_out
 
 
@@ -221,8 +217,6 @@ def erase(
     study_session: StudySession,
     key: PseudonymKey | None,
     now: datetime,
-    *,
-    by: str = "",
 ) -> None:
     """Erase `study_session` as `forget` does, within the transaction of `session`."""
     number, arm, state = study_session.id, study_session.arm, state_of(study_session)
@@ -247,7 +241,7 @@ def erase(
         session,
         now,
         Event.FORGOTTEN,
-        by=by,
+        by="",
         study_session=number,
         detail=f"arm {arm}, was {state}",
     )
