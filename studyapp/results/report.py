@@ -10,15 +10,19 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from markupsafe import Markup
 
 from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.answers.participants import LeftOut
 from analysis.measurement.score_tables import metrics_document
-from analysis.report import Subject, write_report
+from analysis.report import Subject, wording, write_report
 from analysis.report.page import TASKS
+from analysis.report.subject import PlayableMotion
+from analysis.results.preferred_pairs import PreferredPair, preferred_pairs
 from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment
+from renderer.viewer.page import MotionFigures, scripts, style
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import (
     answers_to_report,
@@ -28,10 +32,10 @@ from studyapp.results.answers import (
     read_rehearsal,
 )
 from studyapp.results.looks import earlier_looks, note_way_out
-from studyapp.results.playable_pairs import playable_pairs
 from studyapp.results.report_subject import study_subject
 from studyapp.results.stated_beforehand import notes_on
 from studyapp.results.stored_answers import Answers
+from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -93,7 +97,7 @@ def report(
     tasks = analysed_tasks(study, answers)
     if with_motion:
         on_step("packing motion")
-        subject = replace(subject, motion=playable_pairs(folder, study, segments, tasks))
+        subject = replace(subject, motion=_playable_pairs(folder, study, segments, tasks))
     for task in tasks:
         tables.append(_with_exclusions(task.rows, task.left_out))
         reports.append(
@@ -126,6 +130,57 @@ def report(
         with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
             draft.write_bytes(table)
     return page
+
+
+def _playable_pairs(
+    folder: StudyFolder, study: Study, segments: Sequence[Segment], tasks: Sequence[AnalysedTask]
+) -> PlayableMotion:
+    """Return the most and least preferred pairs of a study, as its report plays them.
+
+    A pair of which a motion cannot be read is left out, with the reason: it may be a video that
+    was brought finished, or a file that is gone since.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    study : Study
+        Its definition.
+    segments : sequence of Segment
+        Its speech.
+    tasks : sequence of AnalysedTask
+        Its answers; the pairs are those of the first task that compares conditions.
+    """
+    found = (preferred_pairs(task.table, task.left_out.analysed) for task in tasks)
+    pairs = next((one for one in found if one), ())
+    if not pairs:
+        return PlayableMotion(left_out=("Nobody has compared two conditions yet.",))
+    by_name = {segment.name: segment for segment in segments}
+    figures = MotionFigures(study_look(folder, study))
+    playable: list[tuple[PreferredPair, Markup]] = []
+    left_out: dict[str, None] = {}
+    with wording.labelled(study.display_names):
+        for pair in pairs:
+            segment = by_name.get(pair.segment)
+            if segment is None:
+                left_out[f"Segment {pair.segment} is not in the study any more."] = None
+                continue
+            scene, missing = segment_scene(
+                folder, study, segment, (pair.first, pair.second), heard=segment
+            )
+            for condition, why in missing.items():
+                sentence = f"{wording.condition(condition)}, segment {segment.name}: {why}."
+                left_out[f"Not playable: {sentence}"] = None
+            if not missing:
+                labels = {wording.condition(name): clip for name, clip in scene.clips.items()}
+                playable.append((pair, figures.figure(replace(scene, clips=labels))))
+    return PlayableMotion(
+        pairs=tuple(playable),
+        sources=figures.sources() if playable else "",
+        scripts=scripts() if playable else (),
+        style=style() if playable else "",
+        left_out=tuple(left_out),
+    )
 
 
 def _metrics(subject: Subject, folder: StudyFolder) -> dict[str, object]:

@@ -43,7 +43,7 @@ def test_planning_videos_needs_no_opengl_and_drawing_them_no_window_library() ->
 def test_a_report_plays_motion_without_opengl() -> None:
     code = "import sys; sys.modules |= {'pyrender': None, 'OpenGL': None}; "
     code += "from renderer.look import Look; from renderer.viewer.page import MotionFigures; "
-    code += "MotionFigures(Look()); import studyapp.results.playable_pairs"
+    code += "MotionFigures(Look()); import studyapp.results.report"
     done = _run(code)
     assert done.returncode == 0, done.stderr
 
