@@ -67,6 +67,11 @@ def other(participant: Participant, name: str = "somebody-else", **keys: str) ->
     return arrive(participant.another(), name, **keys)
 
 
+def forgotten(person: Participant, name: str = PERSON) -> int:
+    """Forget who is called `name`; return how many entries that were."""
+    return forget(person.database, name, KEY, person.clock)
+
+
 def rows(database: Database) -> dict[str, int]:
     with database.reading() as session:
         return {
@@ -90,7 +95,7 @@ def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
     second = other(person)
     token = second.token
 
-    assert forget(person.database, "somebody-else", KEY, person.clock) == 1
+    assert forgotten(person, "somebody-else") == 1
 
     assert rows(person.database) == before | {
         "study_sessions": 2,
@@ -108,7 +113,7 @@ def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
 
 
 def test_every_column_of_a_study_session_is_emptied_or_of_the_study(person: Participant) -> None:
-    forget(person.database, PERSON, KEY, person.clock)
+    forgotten(person)
 
     with person.database.reading() as session:
         (left,) = session.scalars(select(StudySession))
@@ -132,11 +137,11 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
         note_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
         session.add(InterimFigures(what="results", document="{}", state="", problem=""))
 
-    forget(person.database, PERSON, KEY, person.clock)
+    forgotten(person)
 
     once = stored_text(person.database)
-    assert forget(person.database, PERSON, KEY, person.clock) == 0
-    assert forget(person.database, "", KEY, person.clock) == 0
+    assert forgotten(person) == 0
+    assert forgotten(person, "") == 0
     assert stored_text(person.database) == once
     with person.database.reading() as session:
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
@@ -151,7 +156,7 @@ def test_the_place_can_be_taken_again_by_the_same_person_too(person: Participant
     for name in ("second", "third", "fourth"):
         other(person, name)
 
-    forget(person.database, PERSON, KEY, person.clock)
+    forgotten(person)
 
     with person.database.reading() as session:
         held = session.scalar(select(func.count(Place.study_session_id)))
@@ -182,7 +187,7 @@ def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> No
     (found,) = remembered(person.database, "screened-out", KEY)
 
     assert (found.study_session, found.state) == (None, "screened out")
-    assert forget(person.database, "screened-out", KEY, person.clock) == 1
+    assert forgotten(person, "screened-out") == 1
     assert "screened-out" not in stored_text(person.database)
     assert "another" in stored_text(person.database)
 
@@ -205,7 +210,7 @@ def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
 
     monkeypatch.setattr(forgetting, "log_change", begin_sending)
 
-    forget(person.database, PERSON, KEY, person.clock)
+    forgotten(person)
     sending.join()
 
     assert before == 2
@@ -263,7 +268,7 @@ def test_who_reads_an_earlier_state_is_said_to_be_in_the_way(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scrubbing, "LOCK_SECONDS", 0.05)
-    forget(person.database, PERSON, KEY, person.clock)
+    forgotten(person)
 
     with person.database.reading() as session:
         session.execute(select(StudySession)).all()

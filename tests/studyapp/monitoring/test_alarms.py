@@ -27,8 +27,11 @@ from tests.studyapp.taking_part_steps import Participant, SetClock
 
 @dataclass
 class Told:
-    """What researchers were told; as long as `works`, telling them succeeds."""
+    """What researchers of a study are told; as long as `works`, telling them succeeds."""
 
+    database: Database
+    served: ServedStudy
+    clock: SetClock
     texts: list[str] = field(default_factory=list)
     works: bool = True
 
@@ -36,105 +39,80 @@ class Told:
         self.texts.append(text)
         return self.works
 
+    def look(self) -> int:
+        """Look for alarms, as a server does again and again; return how many were told so far."""
+        raise_alarms(self.database, self.served, self.clock, self.send)
+        return len(self.texts)
+
+    def fill(self) -> None:
+        for number in range(sum(arm.places for arm in self.served.study.arms)):
+            Participant(self.database, self.served, self.clock).enrol(f"visit {number}")
+
+    def come(self, address: str, how_many: int) -> None:
+        with self.database.writing() as session:
+            for _ in range(how_many):
+                count_newcomer(session, address, self.clock.now())
+
 
 @pytest.fixture
-def told() -> Told:
-    return Told()
+def told(opened: Database, served: ServedStudy, clock: SetClock) -> Told:
+    return Told(opened, served, clock)
 
 
-def look(
-    database: Database,
-    served: ServedStudy,
-    clock: SetClock,
-    told: Told,
-) -> None:
-    raise_alarms(database, served, clock, told.send)
+def test_a_full_study_is_told_once_whoever_looks(told: Told) -> None:
+    assert told.look() == 0
+    told.fill()
 
-
-def fill(database: Database, served: ServedStudy, clock: SetClock) -> None:
-    for number in range(sum(arm.places for arm in served.study.arms)):
-        Participant(database, served, clock).enrol(f"visit {number}")
-
-
-def test_a_full_study_is_told_once_whoever_looks(
-    opened: Database, served: ServedStudy, clock: SetClock, told: Told
-) -> None:
-    look(opened, served, clock, told)
-    assert told.texts == []
-    fill(opened, served, clock)
-
-    for _ in range(3):
-        look(opened, served, clock, told)
-
+    assert [told.look() for _ in range(3)] == [1, 1, 1]
     assert told.texts == ["The study 'Gestures and speech' is full: all 4 places are held."]
 
 
-def test_what_could_not_be_sent_is_sent_later(
-    opened: Database, served: ServedStudy, clock: SetClock, told: Told
-) -> None:
-    fill(opened, served, clock)
+def test_what_could_not_be_sent_is_sent_later(told: Told) -> None:
+    told.fill()
     told.works = False
-    look(opened, served, clock, told)
+    told.look()
     told.works = True
-    look(opened, served, clock, told)
-    look(opened, served, clock, told)
 
-    assert len(told.texts) == 2
+    assert (told.look(), told.look()) == (2, 2)
 
 
 def test_an_open_study_that_nobody_finishes_is_told_once_for_each_standstill(
     participant: Participant, told: Told
 ) -> None:
-    database, served, clock = participant.database, participant.served, participant.clock
-    clock.advance(hours=23)
-    look(database, served, clock, told)
-    assert told.texts == []
-    for _ in range(2):
-        clock.advance(hours=1)
-        look(database, served, clock, told)
-    assert ["nobody has finished it for 24 hours" in text for text in told.texts] == [True]
+    seen = []
+    for hours in (23, 1, 1):
+        told.clock.advance(hours=hours)
+        seen.append(told.look())
+    assert seen == [0, 1, 1]
+    assert "nobody has finished it for 24 hours" in told.texts[0]
 
     participant.take_all()
-    clock.advance(hours=25)
-    look(database, served, clock, told)
-    assert len(told.texts) == 2
+    told.clock.advance(hours=25)
+    assert told.look() == 2
 
 
-def test_a_study_that_lets_nobody_in_does_not_stall(
-    opened: Database, served: ServedStudy, clock: SetClock, told: Told
-) -> None:
-    closed = replace(served, study=served.study.model_copy(update={"open": False}))
-    clock.advance(hours=100)
+def test_a_study_that_lets_nobody_in_does_not_stall(told: Told) -> None:
+    study = told.served.study.model_copy(update={"open": False})
+    told.served = replace(told.served, study=study)
+    told.clock.advance(hours=100)
 
-    look(opened, closed, clock, told)
-
-    assert told.texts == []
+    assert told.look() == 0
 
 
-def test_many_newcomers_from_one_address_within_an_hour_are_told_once(
-    opened: Database, served: ServedStudy, clock: SetClock, told: Told
-) -> None:
-    def come(address: str, how_many: int) -> None:
-        with opened.writing() as session:
-            for _ in range(how_many):
-                count_newcomer(session, address, clock.now())
+def test_many_newcomers_from_one_address_within_an_hour_are_told_once(told: Told) -> None:
+    told.come("192.0.2.9", 5)
+    told.clock.advance(hours=1)
+    told.come("192.0.2.9", 9)
+    told.come("198.51.100.7", 5)
+    assert told.look() == 0
+    told.come("192.0.2.9", 1)
 
-    come("192.0.2.9", 5)
-    clock.advance(hours=1)
-    come("192.0.2.9", 9)
-    come("198.51.100.7", 5)
-    look(opened, served, clock, told)
-    assert told.texts == []
-    come("192.0.2.9", 1)
-
-    look(opened, served, clock, told)
-    look(opened, served, clock, told)
-
+    assert (told.look(), told.look()) == (1, 1)
     assert told.texts == [
         "10 participants of the study 'Gestures and speech' came from one network address "
         "within an hour."
     ]
-    with opened.reading() as session:
+    with told.database.reading() as session:
         (stored,) = session.scalars(select(Alarm))
     assert (stored.kind, stored.about) == ("one address", "2026-05-04")
 

@@ -49,21 +49,18 @@ def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
     assert (together.done, together.wanted, together.still_to_be_done) == (2, 7, 5)
 
 
-def test_the_study_is_done_when_as_many_have_come_as_lately() -> None:
-    finished = [NOON - timedelta(minutes=minutes) for minutes in (5, 20, 40, 50, 200, 300)]
+@pytest.mark.parametrize(
+    ("minutes_ago", "remaining", "began_minutes_ago", "done_in"),
+    [((5, 20, 40, 50, 200, 300), 8, 600, 120), ((1, 2, 3), 3, 10, 10)],
+)
+def test_the_study_is_done_when_as_many_have_come_as_lately_or_since_it_began(
+    minutes_ago: tuple[int, ...], remaining: int, began_minutes_ago: int, done_in: int
+) -> None:
+    finished = [NOON - timedelta(minutes=minutes) for minutes in minutes_ago]
 
-    found = forecast(finished, 8, NOON - timedelta(hours=10), NOON)
+    found = forecast(finished, remaining, NOON - timedelta(minutes=began_minutes_ago), NOON)
 
-    assert found.at == NOON + timedelta(hours=2)
-    assert found.reason == ""
-
-
-def test_a_study_that_has_just_begun_is_measured_since_it_began() -> None:
-    finished = [NOON - timedelta(minutes=minutes) for minutes in (1, 2, 3)]
-
-    assert forecast(finished, 3, NOON - timedelta(minutes=10), NOON).at == NOON + timedelta(
-        minutes=10
-    )
+    assert (found.at, found.reason) == (NOON + timedelta(minutes=done_in), "")
 
 
 @pytest.mark.parametrize(

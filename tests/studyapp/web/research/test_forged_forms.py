@@ -27,27 +27,19 @@ def test_no_form_is_taken_without_its_code(log_in: LogIn) -> None:
     owner.get("/research/")
 
 
-def test_the_code_of_another_browser_is_none(log_in: LogIn) -> None:
+def test_no_form_is_taken_with_anothers_code_or_from_another_site(log_in: LogIn) -> None:
     owner, other = log_in("owner"), log_in("viewer")
+    asked = [("invite", other.code(), "same-origin")]
+    asked += [("3/shut-out", owner.code(), site) for site in ("cross-site", "same-site", "none")]
 
-    answer = owner.client.post(
-        "/research/researchers/invite", data={"role": "owner", "form_code": other.code()}
-    )
-
-    assert answer.status_code == 403
-    assert usable_links(log_in.stored, log_in.clock.now()) == []
-
-
-def test_a_form_of_another_site_is_refused_though_it_knew_the_code(log_in: LogIn) -> None:
-    owner = log_in("owner")
-
-    for site in ("cross-site", "same-site", "none"):
+    for address, code, site in asked:
         answer = owner.client.post(
-            "/research/researchers/3/shut-out",
-            data={"form_code": owner.code()},
+            f"/research/researchers/{address}",
+            data={"role": "owner", "form_code": code},
             headers={"Sec-Fetch-Site": site},
         )
         assert answer.status_code == 403
+    assert usable_links(log_in.stored, log_in.clock.now()) == []
     assert all(account.disabled_at is None for account in accounts(log_in.stored))
 
 
