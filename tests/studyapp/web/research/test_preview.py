@@ -165,38 +165,23 @@ def rows(database: Database) -> dict[str, int | None]:
         }
 
 
-def test_a_researcher_takes_part_without_taking_a_place(log_in: LogIn, tiny_study: Path) -> None:
-    browser = log_in("viewer")
+def test_a_researcher_takes_the_whole_study_marked_on_every_page_and_takes_no_place(
+    log_in: LogIn, serve: Serve
+) -> None:
     before = rows(log_in.stored)
 
-    answer = browser.post("/research/try")
-
-    assert answer.status_code == 303
-    assert answer.location.startswith("/try/?invitation=")
-    consent = log_in.app.test_client().get(answer.location)
-    assert consent.status_code == 200
-    assert MARK in consent.text
-    assert MARK not in log_in.app.test_client().get("/").text
-    assert rows(log_in.stored) == before
-    assert StudyFolder(tiny_study).tries.exists()
-
-
-def test_a_test_goes_through_the_whole_study_marked_on_every_page(
-    app: Flask, stored: Database, serve: Serve, tiny_study: Path, clock: SetClock
-) -> None:
-    served = ServedStudy.read(tiny_study)
-    token = make_test_participation(tiny_study, served, clock, by="Ada")
-    before = rows(stored)
-    tester = Visitor(serve(tried=True), clock).enrol(f"?invitation={token}").begin()
-
-    while (page := tester.page()).soup.select("video"):
+    begun = log_in("viewer").post("/research/try").location
+    assert begun.startswith("/try/?invitation=")
+    anybody = log_in.app.test_client()
+    assert (MARK in anybody.get(begun).text, MARK in anybody.get("/").text) == (True, False)
+    tester = Visitor(serve(tried=True), log_in.clock).enrol(begun.removeprefix("/try/")).begin()
+    for page in tester.take_trials():
         assert MARK in page.text
-        tester.watch()
-        assert tester.post(page)[0] in (200, 303)
 
-    assert MARK in page.text
-    assert "code" in page.text
-    assert rows(stored) == before
+    last = tester.page()
+    assert MARK in last.text
+    assert last.soup.select("#completion-code")
+    assert rows(log_in.stored) == before
 
 
 def test_there_is_a_place_for_every_test_and_all_are_erased(
