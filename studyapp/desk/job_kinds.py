@@ -115,7 +115,8 @@ def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
 
 def _report(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     reason = reason_to_look(study)
-    return ("report", ".", *(["--reason", reason] if reason else []))
+    played = ["--with-motion"] if "motion" in form else []
+    return ("report", ".", *played, *(["--reason", reason] if reason else []))
 
 
 def _export(study: OpenedStudy, *out: str) -> tuple[str, ...]:
@@ -210,6 +211,7 @@ TAKE_HOME: Final = (
         command=_report,
         sees=Right.UNBLIND,
         shows_answers=True,
+        asks="motion",
         place="report",
         opens=(("report.html", "Open the report"),),
         packed="report",

@@ -135,14 +135,18 @@ def _is_busy(standings: Mapping[str, Any]) -> bool:
     return any(each.is_running for each in standings.values())
 
 
-def _files(study: OpenedStudy, kind: JobKind) -> list[tuple[str, str]]:
-    """Return the files that can be opened, and what each is called."""
-    folder = study.folder.root / kind.place
+def _files(study: OpenedStudy, kind: JobKind) -> list[tuple[str, str, int]]:
+    """Return the files that can be opened, what each is called, and its bytes."""
     if not kind.place:
         return []
-    if kind.opens:
-        return [(file, words) for file, words in kind.opens if (folder / file).is_file()]
-    return sorted((each.name, each.name) for each in folder.glob("[!.]*") if each.is_file())
+    folder = study.folder.root / kind.place
+    names = [each.name for each in folder.glob("[!.]*")]
+    listed = kind.opens or [(name, name) for name in sorted(names)]
+    return [
+        (name, words, (folder / name).stat().st_size)
+        for name, words in listed
+        if (folder / name).is_file()
+    ]
 
 
 def _told(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
@@ -151,7 +155,6 @@ def _told(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
         "kinds": [kind for kind in kinds if study.account.may(kind.sees)],
         "standings": standings,
         "is_busy": _is_busy(standings),
-        "files": {kind.name: _files(study, kind) for kind in kinds},
         "may_look": reason_to_look(study) is not None,
     }
 

@@ -183,3 +183,18 @@ def test_a_study_is_packed_for_another_lab_from_its_rehearsal_until_somebody_ans
     assert standing.state == "done"
     assert standing.job.command[-1] == "--rehearsal"
     assert downloaded(ada, "share/archive").startswith(b"PK")
+
+
+def test_a_report_plays_motion_if_asked_to_and_its_size_is_told(
+    tiny: LabStudy, ada: ResearchBrowser
+) -> None:
+    made_before(tiny)
+    page = ada.get(f"{JOBS}report")
+    assert page.soup.select("[name=motion][type=checkbox]:not([checked])")
+    size = (tiny.folder.report / "report.html").stat().st_size
+    assert f"Open the report</a>, {size} Bytes" in page.text
+    for asked, options in (({}, ()), ({"motion": "on"}, ("--with-motion",))):
+        assert ada.post(f"{JOBS}report", **asked).status_code == 303
+        ada.post(f"{JOBS}report/stop")
+        command = wait_until_ended(tiny.folder.jobs, "report").job.command
+        assert command == ("report", ".", *options)
