@@ -19,7 +19,7 @@ from studyapp.cli.main import group
 from studyapp.stimuli.figure_grids import write_grid_of
 from studyapp.stimuli.figure_material import FigureMaterial
 from studyapp.stimuli.recordings import Take, import_take
-from studyapp.stimuli.still_figures import Choice, Print, write_overlay, write_still, write_strip
+from studyapp.stimuli.still_figures import Choice, Print, write_overlay, write_still
 from studyapp.study.folder import StudyFolder
 from tests.edited_study import edited
 
@@ -74,17 +74,21 @@ def test_a_still_has_the_size_asked_for_whatever_the_videos_have(
         assert image.getpixel((0, 0))[3] == 0  # type: ignore[index]
 
 
-def test_a_strip_shows_the_conditions_that_participants_compare(
-    study: StudyFolder, tmp_path: Path
+def test_a_strip_of_what_participants_compare_is_the_same_whenever_it_is_drawn(
+    study: StudyFolder,
 ) -> None:
-    path = tmp_path / "strip.png"
-    choice = Choice(segment=SEGMENT, moments=(Moment(seconds=0.9), Moment(seconds=0.1, word="no")))
-    write_strip(study, choice, a_print(path), count=6, wave=True, skeleton=False)
-    shown = [name for name in (*study.study().conditions, "broken") if name != "broken"]
-    assert list(FigureMaterial.of(study).conditions([])) == shown
-    first = path.read_bytes()
-    write_strip(study, choice, a_print(path), count=6, wave=True, skeleton=False)
-    assert path.read_bytes() == first
+    command = ["figure", "strip", str(study.root), "--segment", SEGMENT, "--inches", "1.5",
+               "--at", "0.9", "--at", "no=0.1"]  # fmt: skip
+    paths = [study.figures / f"strip-{SEGMENT}{ending}" for ending in (".pdf", ".png")]
+    drawn = []
+    for _ in range(2):
+        shown = CliRunner().invoke(group, command)
+        assert shown.exit_code == 0, shown.output
+        assert all(str(path) in shown.output for path in paths)
+        drawn.append([path.read_bytes() for path in paths])
+    assert drawn[0] == drawn[1]
+    compared = [name for name in study.study().conditions if name != "broken"]
+    assert list(FigureMaterial.of(study).conditions([])) == compared
 
 
 def test_a_figure_may_call_conditions_otherwise(study: StudyFolder) -> None:
@@ -161,16 +165,3 @@ def test_what_a_study_does_not_have_is_refused_with_what_it_has(
         )
     assert said in str(refused.value)
     assert not study.figures.exists()
-
-
-def test_the_command_says_where_the_figure_is(study: StudyFolder) -> None:
-    shown = CliRunner().invoke(
-        group,
-        ["figure", "strip", str(study.root), "--segment", SEGMENT, "--inches", "1.2",
-         "--moments", "2", "--condition", "ground_truth"],
-    )  # fmt: skip
-    assert shown.exit_code == 0, shown.output
-    for ending in (".pdf", ".png"):
-        path = study.figures / f"strip-{SEGMENT}{ending}"
-        assert path.exists()
-        assert str(path) in shown.output

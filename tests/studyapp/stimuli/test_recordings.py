@@ -103,16 +103,6 @@ def test_motion_that_cannot_be_brought_in_changes_nothing(
     assert files_in(folder) == before
 
 
-def test_motion_made_elsewhere_joins_by_its_file_name(
-    folder: StudyFolder, take: MakeTake, motion_file: Callable[..., Path]
-) -> None:
-    import_take(folder, take())
-    motions = [motion_file(2.0, frame_rate=15, name=s.name) for s in folder.segments()]
-    import_clips(folder, motions, "our_model", RecordingFacts())
-    assert "our_model" in folder.study().conditions
-    assert read_clip(folder.clip("our_model", "take_02")).duration == pytest.approx(2.0)
-
-
 def test_a_motion_is_placed_alike_cut_here_or_before(
     folder: StudyFolder, take: MakeTake, tmp_path: Path
 ) -> None:

@@ -111,26 +111,22 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
         (lambda path, video: path.write_bytes(b"no video"), "broken.mp4"),
         (lambda path, video: write_video(path, Told(sound=None)), "no audio"),
         (lambda path, video: path.write_bytes(video.read_bytes()[:4000]), "broken.mp4"),
+        (lambda path, video: path.write_bytes(video.read_bytes()), "no face was found in 8"),
     ],
 )
-@pytest.mark.usefixtures("found")
-def test_a_broken_video_gets_one_sentence_and_nothing_is_written(
-    write: Callable[[Path, Path], object], sentence: str, video: Path, tmp_path: Path
+def test_a_broken_video_or_one_of_nobody_gets_one_sentence_and_nothing_is_written(
+    write: Callable[[Path, Path], object],
+    sentence: str,
+    video: Path,
+    tmp_path: Path,
+    found: Detection,
 ) -> None:
+    found.face[:] = np.nan
     path = tmp_path / "broken.mp4"
     write(path, video)
     with pytest.raises(InputError) as caught:
         import_video(path, tmp_path / "takes", speaker="anna", told=quietly)
     assert sentence in str(caught.value) and "video" in caught.value.remedy.lower()
-    assert not (tmp_path / "takes").exists()
-
-
-def test_a_video_of_nobody_says_so_and_nothing_is_written(
-    video: Path, tmp_path: Path, found: Detection
-) -> None:
-    found.face[:] = np.nan
-    with pytest.raises(InputError, match="no face was found in 8"):
-        import_video(video, tmp_path / "takes", speaker="anna", told=quietly)
     assert not (tmp_path / "takes").exists()
 
 
@@ -146,18 +142,27 @@ def test_the_command_says_what_it_made_and_what_comes_next(video: Path, tmp_path
     assert f"2 takes of 7.0 s in {tmp_path / 'takes'}. Next: 'motionjury train'." in done.output
 
 
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (("--from-video", "{video}", "."), 1, "this is a study folder"),
+        (("--from-video", "{video}", "--fps", 15, "takes"), 2, "--from-video goes with"),
+        (("takes",), 2, "or --from-video"),
+    ],
+)
 @pytest.mark.usefixtures("found")
-def test_takes_do_not_go_into_a_study(video: Path, tmp_path: Path) -> None:
-    invoke("init", tmp_path / "s")
-    done = invoke("import", "--from-video", video, tmp_path / "s")
-    assert done.exit_code == 1 and "this is a study folder" in done.output
-
-
-def test_flags_that_do_not_belong_to_a_video_are_named(video: Path, tmp_path: Path) -> None:
-    done = invoke("import", "--from-video", video, "--fps", 15, tmp_path / "takes")
-    assert done.exit_code == 2 and "--from-video goes with" in done.output
-    done = invoke("import", tmp_path / "takes")
-    assert done.exit_code == 2 and "or --from-video" in done.output
+def test_takes_go_elsewhere_than_into_a_study_and_without_flags_of_other_imports(
+    video: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: tuple[object, ...],
+    code: int,
+    said: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    invoke("init", ".")
+    done = invoke("import", *(str(each).replace("{video}", str(video)) for each in arguments))
+    assert done.exit_code == code and said in done.output
 
 
 @pytest.mark.slow
