@@ -9,13 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analysis.evaluators.training_clips import ClipSource
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import sha256_of
 from motion.formats import read_clip, read_motion
@@ -132,14 +128,14 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
     mean_hands = read_mean_hands(body) if body is not None else None
     sources = []
     for path in paths:
-        label = labels.get(path.stem, _Label(recording=path.stem, emotion=""))
+        recording, emotion = labels.get(path.stem, (path.stem, ""))
         sources.append(
             ClipSource(
                 name=path.relative_to(folder).as_posix(),
-                recording=label.recording,
-                emotion=label.emotion,
+                recording=recording,
+                emotion=emotion,
                 sha256=sha256_of(path),
-                read=partial(_read, path, file_rate, mean_hands),
+                read=partial(read_motion, path, frame_rate=file_rate, mean_hands=mean_hands),
             )
         )
     return Recordings(
@@ -150,22 +146,8 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
     )
 
 
-def _read(
-    path: Path, file_rate: float | None, mean_hands: NDArray[np.float32] | None
-) -> MotionClip:
-    return read_motion(path, frame_rate=file_rate, mean_hands=mean_hands)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Label:
-    """What a table says of a motion file."""
-
-    recording: str
-    emotion: str
-
-
-def _labels(table: Path) -> Mapping[str, _Label]:
-    """Return what a table of segments says, by the name of the motion file; none without it.
+def _labels(table: Path) -> Mapping[str, tuple[str, str]]:
+    """Return the recording and the emotion of each motion file, as a table says; none without it.
 
     Of a study's table only the columns ``name`` and ``emotion`` are needed. Segments of one
     ``wav`` are of one recording.
@@ -184,9 +166,9 @@ def _labels(table: Path) -> Mapping[str, _Label]:
                     "emotion",
                 )
             return {
-                (row["name"] or "").strip(): _Label(
-                    recording=(row.get("wav") or row["name"] or "").strip(),
-                    emotion=(row["emotion"] or "").strip(),
+                (row["name"] or "").strip(): (
+                    (row.get("wav") or row["name"] or "").strip(),
+                    (row["emotion"] or "").strip(),
                 )
                 for row in reader
             }

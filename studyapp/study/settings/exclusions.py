@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, ClassVar, Final, Literal
 
 from pydantic import Field
@@ -22,7 +21,7 @@ from studyapp.study.settings.conditions import Attention, Catch
 from studyapp.study.settings.sections import Section
 
 
-class ExclusionSection(Section, ABC):
+class ExclusionSection(Section):
     """One rule, an entry of ``[[exclusions]]``.
 
     Attributes
@@ -32,15 +31,18 @@ class ExclusionSection(Section, ABC):
     limit : (str, str) or None
         How the rule is written in one word: its sign, and the key that the number behind it is
         for; None for a rule without a number.
+    maker : callable
+        Makes the rule of the section's other keys, in their order.
     """
 
     limit: ClassVar[tuple[str, str] | None] = None
+    maker: ClassVar[Callable[..., ExclusionRule]]
 
     rule: str
 
-    @abstractmethod
     def made(self) -> ExclusionRule:
         """Return the rule."""
+        return type(self).maker(*self.model_dump(exclude={"rule"}).values())
 
     def written(self) -> str:
         """Return the rule as one writes it in one word, such as ``catch>1``."""
@@ -55,11 +57,9 @@ class ExclusionSection(Section, ABC):
 class Incomplete(ExclusionSection):
     """Who did not get through all trials."""
 
-    rule: Literal["incomplete"] = "incomplete"
+    maker: ClassVar = incomplete
 
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return incomplete()
+    rule: Literal["incomplete"] = "incomplete"
 
 
 class FailedCatch(ExclusionSection):
@@ -72,13 +72,10 @@ class FailedCatch(ExclusionSection):
     """
 
     limit: ClassVar = (">", "more_than")
+    maker: ClassVar = failed_catch_trials
 
     rule: Literal["catch"] = "catch"
     more_than: int = Field(1, ge=0, le=20)
-
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return failed_catch_trials(self.more_than)
 
 
 class FailedAttention(ExclusionSection):
@@ -91,13 +88,10 @@ class FailedAttention(ExclusionSection):
     """
 
     limit: ClassVar = (">", "more_than")
+    maker: ClassVar = failed_attention_checks
 
     rule: Literal["attention"] = "attention"
     more_than: int = Field(1, ge=0, le=10)
-
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return failed_attention_checks(self.more_than)
 
 
 class Coverage(ExclusionSection):
@@ -110,13 +104,10 @@ class Coverage(ExclusionSection):
     """
 
     limit: ClassVar = ("<", "below")
+    maker: ClassVar = watched_less
 
     rule: Literal["coverage"] = "coverage"
     below: float = Field(gt=0, le=1)
-
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return watched_less(self.below)
 
 
 class Time(ExclusionSection):
@@ -132,14 +123,11 @@ class Time(ExclusionSection):
     """
 
     limit: ClassVar = ("<", "below")
+    maker: ClassVar = answered_too_fast
 
     rule: Literal["time"] = "time"
     below: float = Field(gt=0, le=3600)
     share: float = Field(0.5, gt=0, le=1)
-
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return answered_too_fast(self.below, self.share)
 
 
 class StraightLining(ExclusionSection):
@@ -154,14 +142,11 @@ class StraightLining(ExclusionSection):
     """
 
     limit: ClassVar = (">=", "at_least")
+    maker: ClassVar = straight_lined
 
     rule: Literal["straight_lining"] = "straight_lining"
     at_least: float = Field(gt=0.5, le=1)
     trials: int = Field(10, ge=2, le=1000)
-
-    def made(self) -> ExclusionRule:
-        """Return the rule."""
-        return straight_lined(self.at_least, self.trials)
 
 
 SECTIONS: Final[tuple[type[ExclusionSection], ...]] = (
