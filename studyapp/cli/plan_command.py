@@ -75,10 +75,10 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     # Imported here: statistics take seconds to load, which --help need not wait for.
     from analysis.planning.words import sentences
     from analysis.planning.writing import lines
-    from studyapp.planning.plan import Options, plan_study
+    from studyapp.planning.plan import plan_study
 
     with progress("simulating", "cell") as show:
-        found = plan_study(folder, Options(**options), processes=processes, show=show)
+        found = plan_study(folder, **options, processes=processes, show=show)
     where = folder.root / "plan"
     click.echo("\n".join((*lines(found), "", *sentences(found), "")))
     click.echo(f"The figure is {where / 'power.png'}, the numbers are {where / 'power.csv'}")

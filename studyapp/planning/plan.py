@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -18,7 +17,6 @@ from studyapp.planning.planned_study import (
     excluded_by_default,
     has_segments,
     notes_of,
-    own_participants,
     planned_segments,
 )
 from studyapp.study.folder import StudyFolder
@@ -35,11 +33,22 @@ MOST_ANSWERS: Final = 400_000
 """Answers to one question in one simulated study, at most."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Options:
-    """What the command line asks for; what is None or empty is for the study to say.
+def plan_study(
+    folder: StudyFolder,
+    *,
+    participants: tuple[int, ...],
+    items: tuple[int, ...],
+    effects: tuple[float, ...],
+    pilot: Path | None,
+    pay: float | None,
+    processes: int = 1,
+    show: Show | None = None,
+) -> Plan:
+    """Simulate the study of `folder` in several sizes, and write what it finds into its folder.
 
-    Attributes
+    What is None or empty is for the study to say.
+
+    Parameters
     ----------
     participants, items : tuple of int
         Numbers that are tried.
@@ -50,52 +59,36 @@ class Options:
     pay : float or None
         What one participant costs.
     """
-
-    participants: tuple[int, ...]
-    items: tuple[int, ...]
-    effects: tuple[float, ...]
-    pilot: Path | None
-    pay: float | None
-
-
-def plan_study(
-    folder: StudyFolder,
-    options: Options,
-    *,
-    processes: int = 1,
-    show: Show | None = None,
-) -> Plan:
-    """Simulate the study of `folder` in several sizes, and write what it finds into its folder."""
     study = folder.study()
-    segments = planned_segments(folder, study, options.items)
-    pilot = None if options.pilot is None else read_pilot(options.pilot, study.protocol)
-    excluded = excluded_by_default(study) if pilot is None else pilot.excluded
-    own = own_participants(study), len(segments)
-    participants = options.participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS)
-    items = options.items or tuple(own[1] * n for n in TIMES_ITEMS)
+    segments = planned_segments(folder, study, items)
+    told = None if pilot is None else read_pilot(pilot, study.protocol)
+    excluded = excluded_by_default(study) if told is None else told.excluded
+    # Of a study without speech, only what is asked for can be meant.
+    stands = has_segments(folder, study) or len(items) == 1
+    own = study.arms[0].places, len(segments)
+    participants = participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS)
+    items = items or tuple(own[1] * n for n in TIMES_ITEMS)
     planned = PlannedStudy(study=study, segments=segments, excluded=excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))
     stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
     source, opinions = "As the study file states" if stated else "Assumed", _opinions(study)
-    # Of a study without speech, only what is asked for can be meant.
-    stands = has_segments(folder, study) or len(options.items) == 1
     request = Request(
         title=study.title,
         protocol=study.protocol,
         size=planned.size,
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
-        effects=tuple(sorted(set(options.effects))),
+        effects=tuple(sorted(set(effects))),
         own=own if stands else None,
         per_comparison=len(study.arms) > 1,
-        opinions=opinions if pilot is None else pilot.opinions,
-        source=source if pilot is None else pilot.source,
+        opinions=opinions if told is None else told.opinions,
+        source=source if told is None else told.source,
         excluded=excluded,
-        pay=options.pay,
+        pay=pay,
         effort=Effort(),
         minutes=MINUTES,
         seed=study.seed,
-        notes=(*notes_of(study), *(pilot.notes if pilot is not None else ())),
+        notes=(*notes_of(study), *(told.notes if told is not None else ())),
     )
     out = folder.root / "plan"
     found = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))

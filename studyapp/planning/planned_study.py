@@ -157,11 +157,6 @@ class PlannedStudy:
         )
 
 
-def own_participants(study: Study) -> int:
-    """Return how many places each arm of the study has."""
-    return study.arms[0].places
-
-
 def excluded_by_default(study: Study) -> float:
     """Return the share of participants who are taken to be left out.
 

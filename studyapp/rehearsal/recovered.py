@@ -115,8 +115,6 @@ class Recovery:
     ----------
     title : str
         The study's.
-    seed : int
-        The rehearsal's.
     values : tuple of (KnownValue, Estimate)
         Every number that was put in and estimated.
     differences : tuple of KnownDifference
@@ -130,7 +128,6 @@ class Recovery:
     """
 
     title: str
-    seed: int
     values: tuple[tuple[KnownValue, Estimate], ...]
     differences: tuple[KnownDifference, ...]
     kinds: tuple[KindRecovered, ...]
@@ -189,7 +186,6 @@ def recover(folder: StudyFolder) -> Recovery:
         )
     return Recovery(
         title=study.title,
-        seed=truth.seed,
         values=found_values(reports, known),
         differences=found_differences(reports, known),
         kinds=kinds_recovered(everybody, _analysed(tasks), _removed_by(tasks)),

@@ -33,7 +33,6 @@ UNDECIDED = KnownDifference(
 RIGHT = Check(what="completed, says the report", happened=3, counted=3)
 RECOVERY = Recovery(
     title="A study",
-    seed=1,
     values=((KNOWN, FOUND), (replace(KNOWN, question="emotion", value=0.9), FOUND)),
     differences=(UNDECIDED,),
     kinds=(),
