@@ -8,34 +8,6 @@ from dataclasses import dataclass
 
 from bs4 import BeautifulSoup, Tag
 
-
-def has_label(soup: BeautifulSoup, control: Tag) -> bool:
-    """Tell whether `control`, a field or button of the page `soup`, has words; hidden ones may not.
-
-    They are its own (of a button), those around it or meant for it (of a field), or said of it.
-    """
-    kind = str(control.get("type", "")).lower()
-    if kind == "hidden" or control.find_parent(attrs={"hidden": True}) is not None:
-        return True
-    if control.name == "button" and _words(control):
-        return True
-    if kind == "submit" and str(control.get("value", "")).strip():
-        return True
-    if str(control.get("aria-label", "")).strip():
-        return True
-    named = [soup.find(id=name) for name in str(control.get("aria-labelledby", "")).split() if name]
-    around = control.find_parent("label")
-    meant = soup.find("label", attrs={"for": control["id"]}) if control.has_attr("id") else None
-    return any(_words(each) for each in (*named, around, meant) if isinstance(each, Tag))
-
-
-def _words(tag: Tag) -> str:
-    """Return what is written in a tag, the choices of a menu in it aside."""
-    return "".join(
-        text for text in tag.find_all(string=True) if text.find_parent("option") is None
-    ).strip()
-
-
 Fields = tuple[tuple[str, str], ...]
 
 FormFields = Mapping[str, Sequence[str]]
@@ -69,8 +41,6 @@ class Form:
         Values of boxes that may be ticked.
     buttons : tuple of (name, value)
         Submit buttons; the name is empty where a button sends nothing itself.
-    unlabelled : tuple of str
-        Names of fields and buttons that no words belong to, by which a person would know them.
     """
 
     action: str
@@ -80,7 +50,6 @@ class Form:
     lines: Mapping[str, tuple[float, float]]
     boxes: Mapping[str, tuple[str, ...]]
     buttons: Fields
-    unlabelled: tuple[str, ...] = ()
 
     @property
     def trial(self) -> str:
@@ -98,13 +67,11 @@ class Form:
         Raises
         ------
         IncompleteFormError
-            If a question or a value is not offered, a question is left over, a field has no
-            label, or there is no button to send the form with.
+            If a question or a value is not offered, a question is left over, or there is no
+            button to send the form with.
         """
         if not self.buttons:
             raise IncompleteFormError("has no button to send its form with")
-        if self.unlabelled:
-            raise IncompleteFormError(f"has no words beside {', '.join(self.unlabelled)}")
         for name, values in answers.items():
             for value in values:
                 self._require_offered(name, value)
@@ -142,11 +109,8 @@ def read_form(soup: BeautifulSoup, form: Tag) -> Form:
     lines: dict[str, tuple[float, float]] = {}
     boxes: dict[str, tuple[str, ...]] = {}
     buttons: list[tuple[str, str]] = []
-    unlabelled: dict[str, None] = {}
     for control in _controls(soup, form):
         name, value = str(control.get("name", "")), str(control.get("value", ""))
-        if not has_label(soup, control):
-            unlabelled[repr(name) if name else "its button"] = None
         match _kind(control):
             case "hidden":
                 hidden.append((name, value))
@@ -175,7 +139,6 @@ def read_form(soup: BeautifulSoup, form: Tag) -> Form:
         lines=lines,
         boxes=boxes,
         buttons=tuple(buttons),
-        unlabelled=tuple(unlabelled),
     )
 
 

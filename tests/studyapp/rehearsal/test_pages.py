@@ -84,19 +84,11 @@ def test_what_a_person_could_not_answer_is_named(field: str, value: str, named: 
         ('<button form="answers" name="go" value="next">Next</button>', "no button"),
         ('id="answers"', "no form with the id 'answers'"),
         ('name="trial"', "hidden field 'trial'"),
-        (' aria-label="Rank of A"', "has no words beside 'realism:1'"),
-        ("Age", "has no words beside 'age'"),
-        (' for="age"', "has no words beside 'age'"),
-        (" the face", "has no words beside 'fit:reasons'"),
-        ("Anything else?", "has no words beside 'comment'"),
-        (">Next<", "has no words beside 'go'"),
     ],
 )
 def test_a_form_that_lacks_what_a_person_needs_is_named(lost: str, named: str) -> None:
-    left = "><" if lost == ">Next<" else ""
-
     with pytest.raises(BrokenPageError, match=named) as caught:
-        fill(trial(TRIAL.replace(lost, left)), ANSWERS)
+        fill(trial(TRIAL.replace(lost, "")), ANSWERS)
 
     assert "Trial 7 of 30" in str(caught.value)
     assert "/p/trial" in str(caught.value)
