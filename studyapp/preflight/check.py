@@ -22,7 +22,7 @@ from studyapp.preflight.recruiting_checks import (
     pay_findings,
     recruiting_findings,
 )
-from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
+from studyapp.preflight.serving_checks import address_findings, read_findings, serving_findings
 from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.time_checks import (
@@ -112,7 +112,7 @@ _LOOKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] =
 def _material_findings(
     material: Material, study: Study, pace: Pace | None, on_step: OnStep
 ) -> Iterator[Finding]:
-    """Look at everything; only a study without errors is served on trial."""
+    """Look at everything; only a study without errors is read as its server does."""
     expected = expected_time(material)
     findings: list[Finding] = []
     for what, look in _LOOKS:
@@ -127,7 +127,7 @@ def _material_findings(
     yield from findings
     if not any(found.severity == "error" for found in findings):
         on_step("the study as it is served")
-        yield from probe_findings(material)
+        yield from read_findings(material)
 
 
 def _own_pace(material: Material) -> Pace | None:

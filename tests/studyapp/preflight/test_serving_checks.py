@@ -9,15 +9,12 @@ from types import SimpleNamespace
 
 import httpx
 import pytest
-from flask import Response
 
 from studyapp.database.tables import IntakeChange
 from studyapp.preflight.material import Material
-from studyapp.preflight.serving_checks import address_findings, probe_findings, serving_findings
+from studyapp.preflight.serving_checks import address_findings, read_findings, serving_findings
 from studyapp.study.folder import StudyFolder
-from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
-from tests.studyapp.conftest import OwnStudy
 from tests.support.stored import filled, writing
 
 
@@ -30,33 +27,11 @@ def names(root: Path) -> dict[str, str]:
     return {found.name: found.what for found in serving_findings(material(root))}
 
 
-@pytest.mark.parametrize("protocol", ["pairwise", "ranking"])
-def test_a_video_is_asked_for_in_pieces_and_nothing_is_left_behind(
-    own_study: OwnStudy, protocol: str
-) -> None:
-    root = own_study(protocol).root
-    before = sorted(root.rglob("*"))
-
-    assert list(probe_findings(material(root))) == []
-    assert sorted(root.rglob("*")) == before
-
-
-def test_a_server_that_sends_all_at_once_is_told(
-    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(media, "send_video", lambda file: Response(file.read_bytes()))
-
-    (found,) = probe_findings(material(tiny_study))
-
-    assert found.name == "no-byte-ranges"
-    assert "answered 200" in found.what
-
-
 def test_a_study_that_the_server_refuses_is_told(tiny_study: Path) -> None:
     looked_at = material(tiny_study)
     next((tiny_study / "videos").rglob("*.mp4")).unlink()
 
-    (found,) = probe_findings(looked_at)
+    (found,) = read_findings(looked_at)
 
     assert found.name == "cannot-be-served"
 
