@@ -180,16 +180,10 @@ def _work_folder(beside: Path) -> Iterator[Path]:
 def _name(draft: Path, path: Path) -> None:
     """Give the finished `draft` its name, unless something has that name, and let it last."""
     try:
-        os.link(draft, path)
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))
     except FileExistsError:
         raise _taken(path) from None
-    except OSError:
-        # A disk without links: the name is taken first, and then given to the draft.
-        try:
-            os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))
-        except FileExistsError:
-            raise _taken(path) from None
-        draft.replace(path)
+    draft.replace(path)
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)
