@@ -61,6 +61,9 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
 ) -> None:
     analyst, owner, viewer = log_in("analyst"), log_in("owner"), log_in("viewer")
     assert "No researcher has excluded" in analyst.get(ONE).words("main")
+    refused = (("exclude", " "), ("x", "r"), ("reinstate", "r"))
+    assert [decide(analyst, *each) for each in refused] == [422] * 3
+    assert decide(analyst, "exclude", "r", "/research/rehearsal/study-sessions/1") == 405
 
     assert decide(analyst, "exclude", SCRIPT) == 303
 
