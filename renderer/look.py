@@ -77,6 +77,7 @@ _AVATARS: Final = (
         name="henry",
         description="older man with grey hair and glasses, in a sweater over a shirt",
     ),
+    Avatar(name="grey", description="bald figure of one grey with a face, as papers show SMPL-X"),
     Avatar(
         name="mannequin",
         description="neutral figure of one colour, without a face",

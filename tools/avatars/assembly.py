@@ -21,7 +21,7 @@ from tools.avatars.glasses import glasses
 from tools.avatars.hair import CUTS, bun, hair_on_scalp
 from tools.avatars.hands import arms
 from tools.avatars.head import head
-from tools.avatars.mannequin import mannequin
+from tools.avatars.mannequin import grey_person, mannequin
 from tools.avatars.pieces import MATERIALS, Piece
 from tools.avatars.recipes import Recipe
 from tools.avatars.sitter import Sitter
@@ -57,13 +57,15 @@ _REGRESSED_FROM: Final = 300
 
 def pieces_of(recipe: Recipe, sitter: Sitter) -> list[Piece]:
     """Return all that can be seen of `recipe`."""
-    top = TOPS[recipe.top]
     hem = float(sitter.joint("left_hip")[1]) + _HEM_ABOVE_HIPS
     cloth = fabric(sitter)
     if recipe.name == "skeleton":
         return skeleton(sitter)
     if not AVATARS[recipe.name].has_face:
         return mannequin(sitter, cloth)
+    if recipe.top == "suit":
+        return grey_person(sitter, cloth)
+    top = TOPS[recipe.top]
     return [
         *head(sitter, top.neckline),
         *eyeballs(sitter),

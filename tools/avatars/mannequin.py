@@ -1,4 +1,4 @@
-"""The neutral figure: a smooth head without a face, in a close-fitting suit, all of one colour."""
+"""Neutral figures in a close-fitting suit, all of one colour: without a face, and with one."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from scipy.spatial import cKDTree
 from motion.clip import ARKIT_NAMES
 from motion.skeleton import joint_index
 from tools.avatars.cloth import TIGHTS, cut_along, smoothed, thick
+from tools.avatars.eyes import eyeballs
 from tools.avatars.hair import head_centre
 from tools.avatars.hands import arms
+from tools.avatars.head import head
 from tools.avatars.necklines import Neckline
 from tools.avatars.patch import Patch
 from tools.avatars.pieces import Piece
@@ -49,6 +51,17 @@ def mannequin(sitter: Sitter, fabric: Patch) -> list[Piece]:
         *shoes(sitter, fabric),
     ]
     return [replace(piece, weights=_without_jaw(piece.weights)) for piece in pieces]
+
+
+def grey_person(sitter: Sitter, fabric: Patch) -> list[Piece]:
+    """Return all pieces of somebody in the same suit who has a face, and no hair."""
+    return [
+        *head(sitter, _NECKLINE),
+        *eyeballs(sitter),
+        *arms(sitter, _WRIST),
+        _suit(sitter, fabric),
+        *shoes(sitter, fabric),
+    ]
 
 
 def _suit(sitter: Sitter, fabric: Patch) -> Piece:

@@ -27,7 +27,7 @@ class Recipe:
     hair : str
         A cut of `tools.avatars.hair`, or ``bob``; empty for none.
     top : str
-        One of `tools.avatars.tops`.
+        One of `tools.avatars.tops`, or ``suit``: all of one colour, hair left out.
     brow_thickness : float
         1 for middling brows.
     glasses, beard : bool
@@ -58,6 +58,11 @@ _FRIENDLY: Final = {
     "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.24, "mouthSmileRight": 0.24,
     "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
 }  # fmt: skip
+
+_GREY: Final = dict.fromkeys((
+    "skin", "lips", "nails", "iris", "limbus", "brow", "hair", "sweater", "trim", "trousers",
+    "shoes", "teeth", "tongue", "mouth", "sclera", "pupil", "lash", "soles",
+), "#a8a49f")  # fmt: skip
 
 RECIPES: Final = (
     Recipe(
@@ -153,16 +158,24 @@ RECIPES: Final = (
         },
     ),
     Recipe(
+        name="grey",
+        height=1.75,
+        phenotype={
+            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
+            "proportions": 0.6,
+        },
+        at_rest=_FRIENDLY,
+        top="suit",
+        palette=_GREY,
+    ),
+    Recipe(
         name="mannequin",
         height=1.74,
         phenotype={
             "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
             "proportions": 0.6,
         },
-        palette=dict.fromkeys((
-            "skin", "lips", "nails", "iris", "limbus", "brow", "hair", "sweater", "trim",
-            "trousers", "shoes", "teeth", "tongue", "mouth", "sclera", "pupil", "lash", "soles",
-        ), "#a8a49f"),
+        palette=_GREY,
     ),
     Recipe(
         name="skeleton",

@@ -96,7 +96,9 @@ class Video(Section):
     background: str = Field("#ececee", pattern="^#[0-9a-fA-F]{6}$")
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: Literal["alex", "maya", "jonas", "amara", "henry", "mannequin", "skeleton"] = "alex"
+    avatar: Literal["alex", "maya", "jonas", "amara", "henry", "grey", "mannequin", "skeleton"] = (
+        "alex"
+    )
     body: str | None = None
     expression_matrix: str | None = None
 
