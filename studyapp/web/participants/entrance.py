@@ -94,6 +94,7 @@ class Entrant:
         )
 
 
+@pages.get("/consent")
 @pages.get("/")
 def arrive() -> ResponseReturnValue:
     """Ask whether they may take part, or say what the study is; nothing is stored."""
@@ -128,12 +129,6 @@ def consent() -> ResponseReturnValue:
     except IneligibleError:
         return _screened_out(entrant)
     return entrant.page("consent")
-
-
-@pages.get("/consent")
-def consent_again() -> ResponseReturnValue:
-    """Begin anew: what was answered before is not in the address."""
-    return arrive()
 
 
 @pages.post("/")

@@ -138,15 +138,10 @@ def study_sessions(data: Data) -> ResponseReturnValue:
     )
 
 
-def study_session(data: Data, number: int) -> ResponseReturnValue:
-    """Show one study session with everything that happened in it."""
-    return study_session_page(data, number)
-
-
-def study_session_page(
+def study_session(
     data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
 ) -> str:
-    """Return the page of one study session, with what was wrong with what was sent from it."""
+    """Show one study session with everything that happened in it, and what a form lacked."""
     here, names = running(), naming()
     with looked_at(data) as database:
         found = one_study_session(database, here.served, number, here.clock.now())
@@ -269,13 +264,23 @@ def decide_about(number: int) -> ResponseReturnValue:
         by = researcher().name
         decide_exclusion(here.database, here.clock, number, excluded=excluded, by=by, reason=reason)
     except InputError as error:
-        return study_session_page("study", number, problem=error, reason=reason), 422
+        return study_session("study", number, problem=error, reason=reason), 422
     return redirect(url_for("research.study_session", data="study", number=number), 303)
 
 
-def newcomers() -> ResponseReturnValue:
+def newcomers(problem: InputError | None = None, reason: str = "") -> str:
     """Show whether newcomers are let in, who decided so, and the forms to decide otherwise."""
-    return _page()
+    made = decided(running().database)
+    state = made[0].state if made else "open"
+    return page(
+        "newcomers",
+        made=made,
+        state=state,
+        problem=problem,
+        reason=reason,
+        most=MOST_MORE,
+        link=running().study.recruitment.link(running().origin + url_for("entrance.arrive")),
+    )
 
 
 def steer_newcomers() -> ResponseReturnValue:
@@ -288,7 +293,7 @@ def steer_newcomers() -> ResponseReturnValue:
         by = researcher().name
         steer(here.database, here.served, here.clock, state, by=by, reason=reason)
     except InputError as error:
-        return _page(error, reason), 422
+        return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)
 
 
@@ -300,19 +305,5 @@ def want_more() -> ResponseReturnValue:
         more, by = int(sent) if readable else 0, researcher().name
         extend(here.database, here.served, here.clock, more, by=by, reason=reason)
     except InputError as error:
-        return _page(error, reason), 422
+        return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)
-
-
-def _page(problem: InputError | None = None, reason: str = "") -> str:
-    made = decided(running().database)
-    state = made[0].state if made else "open"
-    return page(
-        "newcomers",
-        made=made,
-        state=state,
-        problem=problem,
-        reason=reason,
-        most=MOST_MORE,
-        link=running().study.recruitment.link(running().origin + url_for("entrance.arrive")),
-    )

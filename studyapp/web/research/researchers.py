@@ -27,9 +27,19 @@ from studyapp.web.research.page import page, researcher
 from studyapp.web.running import site
 
 
-def researchers() -> ResponseReturnValue:
+def researchers(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
     """Show who belongs to the study, and who is invited."""
-    return _page()
+    here = site()
+    return page(
+        "researchers",
+        accounts=accounts(here.database),
+        links=usable_links(here.database, here.clock.now()),
+        roles=ROLES,
+        rights=RIGHTS,
+        problem=problem,
+        new_link=new_link,
+        for_name=for_name,
+    )
 
 
 def invite_researcher() -> ResponseReturnValue:
@@ -38,8 +48,8 @@ def invite_researcher() -> ResponseReturnValue:
     try:
         token = invite(here.database, here.clock, role=_role(), by=researcher().name)
     except InputError as error:
-        return _page(problem=error), 422
-    return _page(new_link=_link(token))
+        return researchers(problem=error), 422
+    return researchers(new_link=_link(token))
 
 
 def offer_password(researcher_id: int) -> ResponseReturnValue:
@@ -50,8 +60,8 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
         name, by = names.get(researcher_id, ""), researcher().name
         token = offer_new_password(here.database, here.clock, name=name, by=by)
     except InputError as error:
-        return _page(problem=error), 422
-    return _page(new_link=_link(token), for_name=name)
+        return researchers(problem=error), 422
+    return researchers(new_link=_link(token), for_name=name)
 
 
 def take_link_back(link_id: int) -> ResponseReturnValue:
@@ -94,7 +104,7 @@ def _done(change: Callable[[], None]) -> ResponseReturnValue:
     try:
         change()
     except InputError as error:
-        return _page(problem=error), 422
+        return researchers(problem=error), 422
     return redirect(url_for("research.researchers"), 303)
 
 
@@ -104,17 +114,3 @@ def _role() -> Role:
     if sent not in ROLES:
         raise InputError("there is no such role", remedy=f"Choose one of {', '.join(ROLES)}")
     return sent
-
-
-def _page(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
-    here = site()
-    return page(
-        "researchers",
-        accounts=accounts(here.database),
-        links=usable_links(here.database, here.clock.now()),
-        roles=ROLES,
-        rights=RIGHTS,
-        problem=problem,
-        new_link=new_link,
-        for_name=for_name,
-    )
