@@ -158,8 +158,8 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
 @pytest.mark.parametrize(
     ("flow", "guidance", "skip", "number"),
     [
-        *((flow, guidance, skip, 2) for flow in FLOWS for guidance, skip in GUIDED_OR_NOT),
-        *(("joint", guidance, skip, 1) for guidance, skip in GUIDED_OR_NOT),
+        *((flow, guidance, skip, 1) for flow in FLOWS for guidance, skip in GUIDED_OR_NOT),
+        *(("joint", guidance, skip, 2) for guidance, skip in GUIDED_OR_NOT),
     ],
 )
 def test_the_motion_is_that_of_the_plain_network(

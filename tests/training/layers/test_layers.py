@@ -1,13 +1,65 @@
-"""The linear estimate of the noise, beside the law it is derived from."""
+"""Convolutions on graphs gather from neighbours alone, and components from their own nodes."""
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 import pytest
 import torch
 
+from motion.body.face_landmarks import FaceLandmarks
 from training.diffusion import LINEAR
+from training.layers.convolutions import (
+    bone_graph,
+    component_graph,
+    components_of,
+    face_graph,
+    lips_of,
+    over_time,
+)
 from training.layers.linear_skip import LinearSkip
+
+
+@pytest.mark.parametrize(("kernel", "dilation"), [(3, 1), (5, 1), (3, 4)])
+def test_a_convolution_reaches_half_its_kernel_to_both_sides(kernel: int, dilation: int) -> None:
+    torch.manual_seed(1)
+    layer = over_time(2, 3, kernel, dilation).eval()
+    values = torch.randn(1, 2, 20)
+    moved = values.clone()
+    moved[..., 10] += 1
+    changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1)) > 1e-6
+    reach = kernel // 2 * dilation
+    wanted = list(range(10 - reach, 10 + reach + 1, dilation))
+    assert changed.nonzero().ravel().tolist() == wanted
+
+
+FACE: Final = FaceLandmarks.of_default_body()
+COMPONENTS: Final = components_of(FACE.actions)
+
+
+def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
+    eyes, nose, lips, jaw = COMPONENTS
+    assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
+    assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
+    corners = set(lips) - set(lips_of(FACE.actions))
+    assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
+
+
+def test_graphs_join_what_the_paper_says() -> None:
+    bones = bone_graph(2)
+    assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
+    assert bones[5, 8] == 0  # the two forearms
+    components = component_graph(3, pose=True)
+    assert components[0, 1] == components[0, 2] == 1
+    assert components[1, 2] == 0
+    assert component_graph(4, pose=False).sum() == 12
+    face = face_graph(COMPONENTS, FACE.neutral)
+    np.testing.assert_array_equal(face, face.T)
+    eyes, _, lips, _ = COMPONENTS
+    assert face[eyes[0], eyes[1]] == 1
+    assert face[np.ix_(eyes, lips)].sum() == 1
+
 
 FRAMES, PART = 12, 3
 STEPS = (0, 300, 700)
