@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,7 @@ from av.video.stream import VideoStream
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import write_clip
+from motion.formats import read_clip, write_clip
 from renderer.clip_video import Stage, write_clip_video
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
@@ -25,65 +27,61 @@ from tests.renderer.golden_frames import assert_like_golden
 FRAMES = round(SECONDS * 30)
 
 
-def _render(stage: Stage, inputs: Path, out: Path, **changes: Any) -> tuple[Path, Path]:
-    """Render the test clip to `out`, and return its video and its frames."""
-    video, frames = out / "clip.mp4", out / "clip.mkv"
-    arguments: dict[str, Any] = {
-        "motion": inputs / "clip.npz",
-        "speech": inputs / "speech.wav",
-        "start": 0.25,
-        "end": 0.25 + SECONDS,
-        "frozen": (),
-        "frames": frames,
-        "video": video,
-    }
-    write_clip_video(stage, **(arguments | changes))
-    return video, frames
+@dataclass(frozen=True)
+class Studio:
+    """What draws the test clip with part of its speech, and pairs of it."""
+
+    stage: Stage
+    inputs: Path
+    look: Look
+
+    def render(self, out: Path, **changes: Any) -> tuple[Path, Path]:
+        """Render the test clip to `out`, and return its video and its frames."""
+        made = {"frames": out / "clip.mkv", "video": out / "clip.mp4"}
+        given = {"motion": self.inputs / "clip.npz", "frozen": (), **made, **self._heard}
+        write_clip_video(self.stage, **(given | changes))
+        return made["video"], made["frames"]
+
+    def compose(self, left: Path, right: Path, video: Path, **changes: Any) -> Path:
+        """Put frames beside each other, and return the video."""
+        given = {"look": self.look, **self._heard}
+        write_pair(left=left, right=right, video=video, **(given | changes))
+        return video
+
+    @property
+    def _heard(self) -> dict[str, Any]:
+        return {"speech": self.inputs / "speech.wav", "start": 0.25, "end": 0.25 + SECONDS}
 
 
 @pytest.fixture(scope="module")
-def stage(body_path: Path, camera: Camera, small_look: Look) -> Any:
+def studio(body_path: Path, camera: Camera, small_look: Look, inputs: Path) -> Iterator[Studio]:
     with Stage(body_path, camera, small_look) as stage:
-        yield stage
+        yield Studio(stage, inputs, small_look)
 
 
 @pytest.fixture(scope="module")
-def rendered(
-    stage: Stage, inputs: Path, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, Path]:
-    return _render(stage, inputs, tmp_path_factory.mktemp("clip"))
+def rendered(studio: Studio, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    return studio.render(tmp_path_factory.mktemp("clip"))
 
 
 @pytest.fixture(scope="module")
-def still_frames(stage: Stage, inputs: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def moving(rendered: tuple[Path, Path]) -> Path:
+    """Return the frames of the clip."""
+    return rendered[1]
+
+
+@pytest.fixture(scope="module")
+def still(studio: Studio, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the frames of the clip when much of it is frozen."""
     frozen = ("face", "hands", "lower_body", "root")
-    _, frames = _render(stage, inputs, tmp_path_factory.mktemp("still"), frozen=frozen)
-    return frames
+    return studio.render(tmp_path_factory.mktemp("still"), frozen=frozen)[1]
 
 
 @pytest.fixture(scope="module")
 def pair(
-    rendered: tuple[Path, Path],
-    still_frames: Path,
-    inputs: Path,
-    small_look: Look,
-    tmp_path_factory: pytest.TempPathFactory,
+    studio: Studio, moving: Path, still: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Path:
-    video = tmp_path_factory.mktemp("pair") / "pair.mp4"
-    _compose(rendered[1], still_frames, inputs, small_look, video)
-    return video
-
-
-def _compose(left: Path, right: Path, inputs: Path, look: Look, video: Path) -> None:
-    write_pair(
-        left=left,
-        right=right,
-        speech=inputs / "speech.wav",
-        start=0.25,
-        end=0.25 + SECONDS,
-        video=video,
-        look=look,
-    )
+    return studio.compose(moving, still, tmp_path_factory.mktemp("pair") / "pair.mp4")
 
 
 def _pictures(path: Path) -> np.ndarray:
@@ -157,55 +155,47 @@ def test_nothing_in_a_video_names_anything(video: Path, inputs: Path) -> None:
 
 
 def test_the_same_input_gives_the_same_bytes(
-    rendered: tuple[Path, Path], stage: Stage, inputs: Path, tmp_path: Path
+    rendered: tuple[Path, Path], studio: Studio, tmp_path: Path
 ) -> None:
-    again = _render(stage, inputs, tmp_path)
-    for first, second in zip(rendered, again, strict=True):
+    for first, second in zip(rendered, studio.render(tmp_path), strict=True):
         assert first.read_bytes() == second.read_bytes()
 
 
-def test_frames_are_kept_without_loss(rendered: tuple[Path, Path], stage: Stage) -> None:
-    from motion.formats import read_clip
-
-    clip = read_clip(rendered[0].parent.parent / "inputs0" / "clip.npz")
-    drawn = [frame.to_ndarray() for frame in stage.video_frames(clip)]
-    with av.open(str(rendered[1])) as container:
+def test_frames_are_kept_without_loss(moving: Path, studio: Studio) -> None:
+    clip = read_clip(studio.inputs / "clip.npz")
+    drawn = [frame.to_ndarray() for frame in studio.stage.video_frames(clip)]
+    with av.open(str(moving)) as container:
         kept = [frame.to_ndarray() for frame in container.decode(video=0)]
     np.testing.assert_array_equal(kept, drawn)
 
 
-def test_frozen_channels_do_not_move(still_frames: Path, rendered: tuple[Path, Path]) -> None:
-    still, moving = _pictures(still_frames), _pictures(rendered[1])
-    face = np.s_[:, 20:60, 60:100]
-    assert np.ptp(moving[face].astype(int), axis=0).max() > 20
-    assert np.abs(still.astype(int) - moving).max() > 20
+def test_what_is_frozen_is_drawn_frozen(still: Path, moving: Path) -> None:
+    frozen, free = (_pictures(frames).astype(int) for frames in (still, moving))
+    assert np.abs(frozen - free).max() > 20
 
 
 def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
-    stage: Stage, inputs: Path, tmp_path: Path
+    studio: Studio, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=r"0\.80 s, its speech 1\.40 s"):
-        _render(stage, inputs, tmp_path, end=1.65)
+        studio.render(tmp_path, end=1.65)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_pair_is_twice_as_wide_with_the_left_clip_left(
-    pair: Path, rendered: tuple[Path, Path], still_frames: Path
+    pair: Path, moving: Path, still: Path
 ) -> None:
     shown = _pictures(pair).astype(int)
     assert shown.shape[1:3] == (160, 320)
-    below_labels = np.s_[:, 24:, :]
-    left, right = _pictures(rendered[1]), _pictures(still_frames)
-    assert np.abs(shown[:, :, :160] - left)[below_labels].mean() < 2
-    assert np.abs(shown[:, :, 160:] - right)[below_labels].mean() < 2
+    for part, frames in ((shown[:, :, :160], moving), (shown[:, :, 160:], still)):
+        assert np.abs(part - _pictures(frames))[:, 24:].mean() < 2  # below the labels
 
 
 def test_labels_are_the_same_in_both_orders(
-    pair: Path, rendered: tuple[Path, Path], still_frames: Path, inputs: Path, small_look: Look,
-    tmp_path: Path,
-) -> None:  # fmt: skip
-    _compose(still_frames, rendered[1], inputs, small_look, tmp_path / "other.mp4")
-    one, other = _pictures(pair)[0].astype(int), _pictures(tmp_path / "other.mp4")[0].astype(int)
+    pair: Path, moving: Path, still: Path, studio: Studio, tmp_path: Path
+) -> None:
+    swapped = studio.compose(still, moving, tmp_path / "other.mp4")
+    one, other = (_pictures(video)[0].astype(int) for video in (pair, swapped))
     for corner in (np.s_[:20, :20], np.s_[:20, 160:180]):
         assert np.abs(one[corner] - other[corner]).max() <= 6
         assert one[corner].min() < 120
@@ -217,35 +207,33 @@ def test_a_pair_looks_as_kept(pair: Path, tmp_path: Path) -> None:
 
 
 def test_a_pair_of_different_lengths_is_refused_and_leaves_nothing(
-    stage: Stage, rendered: tuple[Path, Path], inputs: Path, clip: MotionClip, small_look: Look,
-    tmp_path: Path,
-) -> None:  # fmt: skip
+    studio: Studio, moving: Path, clip: MotionClip, tmp_path: Path
+) -> None:
     short = tmp_path / "short"
     short.mkdir()
     write_clip(short / "clip.npz", clip.frames(slice(0, 12)))
-    _, frames = _render(stage, inputs, short, motion=short / "clip.npz", end=0.65)
+    _, frames = studio.render(short, motion=short / "clip.npz", end=0.65)
     with pytest.raises(InputError, match="share 12 frames, 24 are needed"):
-        _compose(rendered[1], frames, inputs, small_look, tmp_path / "pair.mp4")
+        studio.compose(moving, frames, tmp_path / "pair.mp4")
     assert [path.name for path in tmp_path.iterdir()] == ["short"]
 
 
-def test_missing_or_broken_frames_are_refused(
-    rendered: tuple[Path, Path], inputs: Path, small_look: Look, tmp_path: Path
-) -> None:
+def test_missing_or_broken_frames_are_refused(studio: Studio, moving: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="missing"):
-        _compose(rendered[1], tmp_path / "no.mkv", inputs, small_look, tmp_path / "pair.mp4")
+        studio.compose(moving, tmp_path / "no.mkv", tmp_path / "pair.mp4")
     (tmp_path / "bad.mkv").write_bytes(b"not a video" * 50)
     with pytest.raises(InputError, match="cannot be read"):
-        _compose(rendered[1], tmp_path / "bad.mkv", inputs, small_look, tmp_path / "pair.mp4")
+        studio.compose(moving, tmp_path / "bad.mkv", tmp_path / "pair.mp4")
     with pytest.raises(InputError, match="160 × 160, expected 320 × 320"):
-        _compose(rendered[1], rendered[1], inputs, Look(size=320), tmp_path / "pair.mp4")
+        studio.compose(moving, moving, tmp_path / "pair.mp4", look=Look(size=320))
 
 
 def test_the_pipeline_runs_at_an_odd_rate(
     body_path: Path, camera: Camera, inputs: Path, tmp_path: Path
 ) -> None:
-    with Stage(body_path, camera, Look(size=64, frame_rate=25)) as stage:
-        video, _ = _render(stage, inputs, tmp_path)
+    look = Look(size=64, frame_rate=25)
+    with Stage(body_path, camera, look) as stage:
+        video, _ = Studio(stage, inputs, look).render(tmp_path)
     with av.open(str(video)) as container:
         assert container.streams.video[0].average_rate == 25
         assert sum(1 for _ in container.decode(video=0)) == 20
