@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from analysis.evaluators.published_presets import ted_joints
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
@@ -109,6 +110,11 @@ def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
     assert_same_gesture(read_motion(tmp_path / "a.npz", joint_map=own), clip, 1)
     with pytest.raises(InputError, match="no joint 'x'"):
         read_motion(tmp_path / "a.npz", joint_map={"pelvis": "x"})
+
+
+def test_clips_of_ted_gesture_are_motion_too(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", joints=ted_joints(gesturing()), frame_rate=30)
+    assert_same_gesture(read_motion(tmp_path / "a.npz"), gesturing(), 4)
 
 
 @pytest.mark.parametrize(
