@@ -129,15 +129,13 @@ class Subject:
     protocol: str
     conditions: tuple[str, ...]
     questions: Mapping[str, str]
-    labels: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    labels: Mapping[str, str] = field(default_factory=dict)
     reference: str | None = None
     recorded: str | None = None
     broken: str | None = None
-    generative: Mapping[str, bool] = field(default_factory=lambda: MappingProxyType({}))
-    scale_labels: Mapping[str, tuple[str, ...]] = field(
-        default_factory=lambda: MappingProxyType({})
-    )
-    excerpts: Mapping[str, Excerpt] = field(default_factory=lambda: MappingProxyType({}))
+    generative: Mapping[str, bool] = field(default_factory=dict)
+    scale_labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    excerpts: Mapping[str, Excerpt] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     frozen: tuple[str, ...] = ()
     study_sha256: str = ""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -17,6 +16,7 @@ from analysis.results.net_preference import sided
 from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
 from analysis.stats.clustered_mean import Interval
+from analysis.stats.friedman import Concordance
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
 
 
@@ -118,34 +118,29 @@ def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, .
 
     It does not tell what they prefer: opposite answers of everybody give the same.
     """
-    agreed = _agreed_rankings if table.protocol == "ranking" else _agreed_answers
     kept = {(name, question): part for name, question, part in parts(table, left_out.kept)}
-    return tuple(
-        AgreedSoFar(
-            set=set_name(table, name), question=question, **agreed(answers, kept[name, question])
+    found = []
+    for name, question, answers in parts(table, left_out.analysed):
+        whole: Agreement | Concordance
+        if table.protocol == "ranking":
+            given = placements_of(answers)
+            whole, retest = concordance(given), None
+            n, participants = len(given.ranks), len(np.unique(given.participants))
+        else:
+            whole, retest = agreement_of(answers), retest_of(kept[name, question])
+            n, participants = whole.n, whole.participants
+        found.append(
+            AgreedSoFar(
+                set=set_name(table, name),
+                question=question,
+                measure="alpha" if retest else "w",
+                estimate=whole.estimate,
+                low=whole.low,
+                high=whole.high,
+                n=n,
+                participants=participants,
+                reason="" if whole.has_interval else whole.reason,
+                retest=retest,
+            )
         )
-        for name, question, answers in parts(table, left_out.analysed)
-    )
-
-
-def _agreed_answers(answers: pd.DataFrame, kept: pd.DataFrame) -> dict[str, Any]:
-    found = agreement_of(answers)
-    names = ("estimate", "low", "high", "n", "participants", "reason")
-    return {name: getattr(found, name) for name in names} | {
-        "measure": "alpha",
-        "retest": retest_of(kept),
-    }
-
-
-def _agreed_rankings(answers: pd.DataFrame, _kept: pd.DataFrame) -> dict[str, Any]:
-    given = placements_of(answers)
-    agreed = concordance(given)
-    return {
-        "measure": "w",
-        "estimate": agreed.estimate,
-        "low": agreed.low,
-        "high": agreed.high,
-        "n": len(given.ranks),
-        "participants": len(np.unique(given.participants)),
-        "reason": "" if math.isfinite(agreed.low) else agreed.reason,
-    }
+    return tuple(found)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.report.content import Section
+from analysis.report.page import headline_sections
 from analysis.report.subject import Excerpt, Subject
 from analysis.results.report import TableReport
 
@@ -21,3 +23,8 @@ def subject_of(report: TableReport, **changes: Any) -> Subject:
         "seed": 7,
     }
     return Subject(**(known | changes))
+
+
+def headline(report: TableReport, **changes: object) -> tuple[Section, ...]:
+    """Return what a report shows first, of a subject that `changes` say more about."""
+    return headline_sections(report, subject_of(report, **changes))

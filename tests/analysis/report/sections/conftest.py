@@ -10,10 +10,9 @@ import pytest
 
 from analysis.report.content import Section
 from analysis.report.figures import style
-from analysis.report.page import headline_sections
-from analysis.report.subject import Subject
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import SCALE
+from tests.analysis.report.subjects import headline
 from tests.analysis.results.made_tables import (
     mismatch_table,
     pairwise_table,
@@ -31,17 +30,6 @@ def analyse(tmp_path_factory: pytest.TempPathFactory) -> Analyse:
     folder: Path = tmp_path_factory.mktemp("tables")
 
     return lambda protocol, table: report_of(table, protocol, folder)
-
-
-@pytest.fixture(scope="session")
-def subject() -> Callable[..., Subject]:
-    """Return a maker of subjects; keywords replace what stands here."""
-
-    def make(protocol: str, **changes: object) -> Subject:
-        fixed = {"title": "t", "origin": "table", "conditions": (), "questions": {}}
-        return Subject(protocol=protocol, **(fixed | changes))  # type: ignore[arg-type]
-
-    return make
 
 
 @pytest.fixture(scope="session")
@@ -88,18 +76,15 @@ def sections(
     matched: TableReport,
     rated: TableReport,
     ranked: TableReport,
-    subject: Callable[..., Subject],
 ) -> Mapping[str, tuple[Section, ...]]:
     """Return the sections of all of these, drawn once."""
-    rehearsal = subject("pairwise", origin="rehearsal")
-    named = subject("rating", scale_labels={"match": SCALE})
     with pytest.MonkeyPatch.context() as patch:
         # As `quick_fonts`, which holds for a module.
         patch.setitem(style.STYLE, "pdf.fonttype", 3)
         return {
-            "all pairs": headline_sections(all_pairs, rehearsal),
-            "against one": headline_sections(against_one, subject("pairwise", reference="static")),
-            "mismatch": headline_sections(matched, subject("mismatch")),
-            "rating": headline_sections(rated, named),
-            "ranking": headline_sections(ranked, subject("ranking")),
+            "all pairs": headline(all_pairs, origin="rehearsal"),
+            "against one": headline(against_one, reference="static"),
+            "mismatch": headline(matched),
+            "rating": headline(rated, scale_labels={"match": SCALE}),
+            "ranking": headline(ranked),
         }

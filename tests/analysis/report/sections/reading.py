@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 from bs4 import BeautifulSoup, Tag
 
@@ -36,16 +35,17 @@ def told(picture: Picture) -> str:
     return found.get_text()
 
 
-def edges(picture: Picture, ids: Iterable[str]) -> list[tuple[float, float]]:
-    """Return where parts of a figure begin and end, from left to right."""
-    found = []
-    for name in ids:
-        part = drawn(picture).find(id=f"{picture.name}-{name}")
+def bar(picture: Picture, row: int, count: int) -> tuple[list[tuple[float, float]], list[float]]:
+    """Return where a bar's parts begin and end, and how many percent of it each is."""
+    parts = []
+    for level in range(count):
+        part = drawn(picture).find(id=f"{picture.name}-bar0-{row}-{level}")
         assert isinstance(part, Tag)
         assert part.path is not None
         places = [float(x) for x in re.findall(r"[ML] ([-\d.]+)", str(part.path["d"]))]
-        found.append((min(places), max(places)))
-    return found
+        parts.append((min(places), max(places)))
+    widths = [right - left for left, right in parts]
+    return parts, [100 * width / sum(widths) for width in widths]
 
 
 def named_picture(section: Section, name: str) -> Picture:

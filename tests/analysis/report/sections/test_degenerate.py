@@ -7,17 +7,16 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import About, Section
-from analysis.report.page import first_picture, headline_sections
+from analysis.report.page import first_picture
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
-from analysis.report.subject import Subject
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import drawn, told
+from tests.analysis.report.subjects import headline, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 
 Analyse = Callable[[str, pd.DataFrame], TableReport]
-MakeSubject = Callable[..., Subject]
 Sections = Mapping[str, tuple[Section, ...]]
 
 PROTOCOLS = tuple(TABLES)
@@ -29,34 +28,28 @@ def small(protocol: str, participants: int = 3) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_one_participant_gives_a_sentence_and_tables(
-    protocol: str, analyse: Analyse, subject: MakeSubject
-) -> None:
+def test_one_participant_gives_a_sentence_and_tables(protocol: str, analyse: Analyse) -> None:
     report = analyse(protocol, small(protocol, participants=1))
-    (section,) = headline_sections(report, subject(protocol))
+    (section,) = headline(report)
     assert "one participant" in section.paragraphs[0]
     assert not section.pictures
     assert section.tables[0].rows
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_answers_that_are_all_alike_give_a_sentence(
-    protocol: str, analyse: Analyse, subject: MakeSubject
-) -> None:
+def test_answers_that_are_all_alike_give_a_sentence(protocol: str, analyse: Analyse) -> None:
     table = small(protocol)
     column = "rank" if protocol == "ranking" else "response"
     table[column] = ALIKE.get(protocol, 1)
-    (section,) = headline_sections(analyse(protocol, table), subject(protocol))
+    (section,) = headline(analyse(protocol, table))
     assert "nothing to test" in section.paragraphs[0]
     assert not section.pictures
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_where_everybody_is_excluded_nothing_is_drawn(
-    protocol: str, analyse: Analyse, subject: MakeSubject
-) -> None:
+def test_where_everybody_is_excluded_nothing_is_drawn(protocol: str, analyse: Analyse) -> None:
     report = analyse(protocol, small(protocol).assign(excluded=True))
-    for section in headline_sections(report, subject(protocol)):
+    for section in headline(report):
         assert "No answer is left" in section.paragraphs[0]
         assert not section.pictures
 
@@ -76,9 +69,9 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
-    protocol: str, analyse: Analyse, subject: MakeSubject, sections: Sections
+    protocol: str, analyse: Analyse, sections: Sections
 ) -> None:
-    alone = headline_sections(analyse(protocol, small(protocol, participants=1)), subject(protocol))
+    alone = headline(analyse(protocol, small(protocol, participants=1)))
     for section in (*alone, *(one for found in sections.values() for one in found)):
         said = [c.text for t in section.tables for row in t.rows for c in row]
         said += [note for t in section.tables for note in t.notes]
@@ -98,13 +91,13 @@ def test_the_first_figure_is_taken_out_of_its_section(sections: Sections) -> Non
 
 
 def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
-    analyse: Analyse, subject: MakeSubject
+    analyse: Analyse,
 ) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=6)
     number = table["segment"].str[1:].astype(int)
     table["emotion"] = number.map(lambda k: "joy" if k % 2 else "anger")
     report = analyse("pairwise", table)
-    section = heterogeneity_section(report, subject("pairwise"))
+    section = heterogeneity_section(report, subject_of(report))
     assert section is not None
     assert [picture.name for picture in section.pictures] == ["by-emotion", "by-segment"]
     assert any("Hollow marks are descriptive" in text for text in section.paragraphs)

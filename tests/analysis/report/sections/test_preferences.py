@@ -1,20 +1,18 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import pytest
 
 from analysis.report import wording
 from analysis.report.content import Section
-from analysis.report.page import headline_sections
 from analysis.report.sections import preferences
 from analysis.report.sections.preferences import pairwise_groups
-from analysis.report.subject import Subject
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import (
+    bar,
     drawn,
-    edges,
     hints,
     named_picture,
     named_table,
@@ -22,6 +20,7 @@ from tests.analysis.report.sections.reading import (
     told,
     words,
 )
+from tests.analysis.report.subjects import headline
 
 Sections = Mapping[str, tuple[Section, ...]]
 
@@ -54,10 +53,8 @@ def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
     picture = named_picture(section, "preferences")
     for row, label in enumerate(group.labels):
         found = next(r for r in group.rows if r.label == label and r.found.question == "emotion")
-        parts = edges(picture, [f"bar0-{row}-{level}" for level in range(5)])
-        widths = [right - left for left, right in parts]
-        scale = sum(widths) / 100
-        assert [w / scale for w in widths] == pytest.approx(found.percentages, abs=0.01)
+        parts, percent = bar(picture, row, 5)
+        assert percent == pytest.approx(found.percentages, abs=0.01)
         if not row:
             middle = sum(parts[2]) / 2
         assert sum(parts[2]) / 2 == pytest.approx(middle, abs=0.01)
@@ -154,10 +151,10 @@ def test_as_published_is_labelled_and_says_what_it_ignores(
 
 
 def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
-    all_pairs: TableReport, subject: Callable[..., Subject], monkeypatch: pytest.MonkeyPatch
+    all_pairs: TableReport, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preferences, "MOST_BARS", 2)
-    (section,) = headline_sections(all_pairs, subject("pairwise"))
+    (section,) = headline(all_pairs)
     assert [picture.name for picture in section.pictures] == ["win-share-matrix", "strengths"]
     said = hints(section.pictures[0])
     assert len(said) == 2 * 3 * 2

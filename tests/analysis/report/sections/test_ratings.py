@@ -13,7 +13,7 @@ from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import (
     SCALE,
-    edges,
+    bar,
     named_picture,
     named_table,
     told,
@@ -47,10 +47,8 @@ def test_parts_of_a_bar_are_as_wide_as_scores_were_given(
     picture = named_picture(sections["rating"][0], "ratings-set-1")
     conditions = [c for c in results.conditions if c.set == "1"]
     for row, one in enumerate(conditions):
-        parts = edges(picture, [f"bar0-{row}-{level}" for level in range(5)])
-        widths = [right - left for left, right in parts]
         expected = [100 * count / one.n for count in one.counts.values()]
-        assert [100 * w / sum(widths) for w in widths] == pytest.approx(expected, abs=0.05)
+        assert bar(picture, row, 5)[1] == pytest.approx(expected, abs=0.05)
 
 
 def test_the_legend_says_what_the_scores_are_called(sections: Sections) -> None:
@@ -120,11 +118,8 @@ def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
     for row, one in enumerate(
         sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
     ):
-        parts = edges(picture, [f"bar0-{row}-{place}" for place in range(3)])
-        widths = [right - left for left, right in parts]
-        assert [100 * w / sum(widths) for w in widths] == pytest.approx(
-            list(one.rank_percent.values()), abs=0.05
-        )
+        expected = list(one.rank_percent.values())
+        assert bar(picture, row, 3)[1] == pytest.approx(expected, abs=0.05)
 
 
 def test_mean_ranks_first_places_and_worths_stand_in_one_section(
