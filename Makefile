@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help develop rehearsal-tables setup setup-browser setup-engines setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens engines command-pages guide deploy-page three-systems worked-examples clean
+.PHONY: help develop rehearsal-tables setup setup-browser setup-engines setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens engines command-pages guide deploy-page desk-way three-systems worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -131,6 +131,9 @@ guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh
 	rm -rf build/guide
 	$(BIN)/python -m tools.handbook.guide build/guide
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m tools.guide_pictures build/guide
+
+desk-way: setup-browser  ## Go the desk's whole way in a browser, and show it in docs/desk-way.md.
+	$(BIN)/python -m tools.desk_way
 
 deploy-page: $(VENV)/.developed  ## Bring the files that docs/deploy.md shows up to date.
 	$(BIN)/python -m tools.handbook.deploy_page

@@ -80,4 +80,5 @@ def command(
             where=folder.root,
         )
     notes = f"; --verbose tells {counted(made.notes, 'note')}" if made.notes > 0 else ""
-    click.echo(f"{folder.root} can be served: {summed_up(made)}{'' if everything else notes}.")
+    rest = "" if everything else notes
+    click.echo(f"{folder.root.resolve().name} can be served: {summed_up(made)}{rest}.")

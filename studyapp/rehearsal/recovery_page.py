@@ -39,7 +39,7 @@ def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
 def recovery_page(recovery: Recovery) -> Page:
     """Return the page that says what came of a rehearsal."""
     return Page(
-        title=f"{recovery.title}: what the rehearsal found",
+        title=f"What the rehearsal found: {recovery.title}",
         mark="Rehearsal: simulated raters, no person answered",
         mark_short="rehearsal",
         answer=(intervals_in_words(recovery), signs_in_words(recovery), counts_in_words(recovery)),

@@ -27,6 +27,10 @@ TRIALS: Final = 4
 """Each segment once, and a catch trial."""
 
 
+UNDER_WAY: Final = re.compile(r"\d of \d|^Done")
+"""What the page of a job says once there is something to see."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Stop:
     """Somewhere on the way.
@@ -126,6 +130,7 @@ def _make(page: Page, participants: int) -> Iterator[Stop]:
     page.get_by_label("Title").fill(TITLE)
     page.get_by_label("Institution").fill("Institute of Gestures")
     page.get_by_label("Contact").fill("gestures@example.org")
+    page.get_by_role("heading", level=1).scroll_into_view_if_needed()
     yield Stop(
         name="describe",
         title="Describe it",
@@ -178,6 +183,7 @@ def _bring_in(page: Page, recordings: list[Path]) -> Iterator[Stop]:
     page.get_by_label("Files", exact=True).set_input_files(recordings)
     press(page, "Upload")
     expect(page.get_by_role("row")).to_have_count(1 + len(recordings))
+    page.get_by_role("button", name="Bring into the study").scroll_into_view_if_needed()
     yield Stop(
         name="bring-in",
         title="Bring in speech",
@@ -216,6 +222,7 @@ def _make_ready(page: Page) -> Iterator[Stop]:
     _run(page, "Generate")
     _back(page)
     _begin(page, "Render")
+    expect(page.locator("#live").get_by_text(UNDER_WAY).first).to_be_visible()
     yield Stop(
         name="render",
         title="Make motion and videos",
@@ -362,6 +369,7 @@ def _watch(page: Page) -> Iterator[Stop]:
     follow(page.get_by_role("link", name="Study sessions"))
     follow(page.get_by_role("row").last.get_by_role("link"))
     expect(page.locator(".events")).to_contain_text("Trial 1 was shown")
+    page.locator(".events li").last.scroll_into_view_if_needed()
     yield Stop(
         name="session",
         title="One study session",

@@ -130,7 +130,9 @@ def _import_folder(study: StudyFolder, brought: Path, facts: RecordingFacts, *, 
                     for file in item.files:
                         file.unlink(missing_ok=True)
             told(number, len(items), item.files[0].name)
-    click.echo(f"Brought in {len(items) - refused} of {len(items)} into {study.root}.")
+    click.echo(
+        f"Brought in {len(items) - refused} of {len(items)} into {study.root.resolve().name}."
+    )
     if refused:
         raise InputError(
             f"{refused} of {len(items)} could not be brought in, and stay where they are",
