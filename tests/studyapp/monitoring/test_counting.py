@@ -12,7 +12,6 @@ from studyapp.monitoring.answered_trials import (
     AnsweredTrial,
     progress,
     sides,
-    times,
 )
 from studyapp.monitoring.counts import (
     LeftAt,
@@ -120,15 +119,6 @@ def test_only_analysed_trials_of_counted_study_sessions_are_progress() -> None:
     assert (found.of("x", "anger"), found.of("y", ""), found.of("y", "anger")) == (2, 1, 0)
     assert (found.of_emotion("anger"), found.largest) == (2, 2)
     assert progress([], {}).largest == 0
-
-
-def test_quartiles_are_those_of_the_values_and_of_too_few_there_are_none() -> None:
-    found = times("x", [1.0, 2.0, 3.0, 4.0, 5.0])
-    few = times("x", [1.0, 2.0, 3.0])
-
-    assert (found.low, found.middle, found.high, found.reason) == (2.0, 3.0, 4.0, "")
-    assert (few.low, few.middle, few.high, few.count) == (None, None, None, 3)
-    assert few.reason == "fewer than 4"
 
 
 def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
