@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final
-
-from pydantic import ValidationError
 
 from motion.errors import InputError
 from studyapp.preflight.catch_checks import catch_picture_findings
@@ -16,7 +13,6 @@ from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.preflight.recruiting_checks import (
-    code_findings,
     made_findings,
     page_findings,
     pay_findings,
@@ -35,7 +31,6 @@ from studyapp.preflight.time_checks import (
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text
-from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.study import Study
 
 OnStep = Callable[[str], None]
@@ -72,11 +67,11 @@ def check(
 
 
 def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterator[Finding]:
-    text = read_text(folder.definition)
     try:
-        study = parse_text(text, where=folder.definition)
+        study = parse_text(read_text(folder.definition), where=folder.definition)
     except InputError as wrong:
-        yield from _file_findings(text, wrong)
+        for problem in wrong.what.split("; "):
+            yield finding("study-file", problem, where="study.toml", remedy=wrong.remedy)
         return
     yield from page_findings(study)
     yield from recruiting_findings(study)
@@ -136,19 +131,3 @@ def _own_pace(material: Material) -> Pace | None:
         return pace_of_study(material)
     except InputError:
         return None
-
-
-def _file_findings(text: str, wrong: InputError) -> Iterator[Finding]:
-    """Say what is wrong with a study file that cannot be used, its codes by their own names."""
-    try:
-        recruitment = Recruitment.model_validate(tomllib.loads(text).get("recruitment", {}))
-    except (tomllib.TOMLDecodeError, ValidationError):
-        recruitment = Recruitment()
-    yield from code_findings(recruitment)
-    said = {*recruitment.guessable_codes(), *recruitment.codes_alike()}
-    rest = wrong.what
-    for problem in said:
-        rest = rest.replace(problem, "")
-    for problem in rest.split("; "):
-        if problem.strip("; "):
-            yield finding("study-file", problem, where="study.toml", remedy=wrong.remedy)

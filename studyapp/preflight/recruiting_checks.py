@@ -15,19 +15,9 @@ from studyapp.preflight.finding import Finding, finding
 from studyapp.recruitment.prolific import CODE_TYPES
 from studyapp.recruitment.record import FILE, places_of, read_made_there
 from studyapp.study.settings.presentation import Language, reaches_somebody
-from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, Recruitment, hourly, money
+from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, hourly, money
 from studyapp.study.settings.study import Study
 from studyapp.study.template_language import still_english, template_text
-
-
-def code_findings(recruitment: Recruitment) -> Iterator[Finding]:
-    """Say which of the study's codes do not do what codes are for."""
-    for problem in recruitment.guessable_codes():
-        key, _, why = problem.partition(": ")
-        yield finding("code-guessable", why.partition(";")[0], where=key)
-    for problem in recruitment.codes_alike():
-        key, _, why = problem.partition(": ")
-        yield finding("codes-alike", why, where=key)
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:

@@ -21,7 +21,6 @@ from studyapp.stimuli.media_probe import (
     VideoStructure,
     flaw_of,
     format_of,
-    plays_at_once,
     structure_of,
     written_in,
 )
@@ -93,8 +92,6 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
         return
     if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
         yield finding("sound-unwanted", where=name)
-    if plays_at_once(found.file) is False:
-        yield finding("loads-before-playing", where=name)
 
 
 def _beside_each_other(material: Material) -> Mapping[str, Mapping[str, VideoFile]]:

@@ -18,7 +18,7 @@ from motion.errors import InputError
 from motion.files import replacing
 from motion.formats.joint_positions import is_joint_table
 from motion.segment import SEGMENTS_FILE, check_name
-from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of, plays_at_once
+from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.stored_speech import import_speech
 from studyapp.study.finished_videos import seconds_of
@@ -225,14 +225,9 @@ def _seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:
 
 def _check_video(video: Path, seconds: float) -> None:
     # Whether it needs sound, only the design tells: 'check' does.
-    flaw = flaw_of(video, seconds, sound=False)
-    if flaw is None and plays_at_once(video) is None:
-        what: str | None = "is no MP4"
-    else:
-        what = None if flaw is None else flaw.what
-    if what is not None:
+    if flaw := flaw_of(video, seconds, sound=False):
         raise InputError(
-            f"the video {what}",
+            f"the video {flaw.what}",
             where=video,
             remedy="Bring it as H.264 and AAC in MP4; lengths may differ by "
             f"{DURATION_TOLERANCE} s",

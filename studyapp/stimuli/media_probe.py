@@ -57,6 +57,8 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
     """
     try:
         with _opened(video) as container:
+            if "mp4" not in container.format.name:
+                return Flaw("damaged", "is no MP4")
             if not container.streams.video:
                 return Flaw("no picture", "has no picture")
             if sound and not container.streams.audio:
@@ -198,33 +200,6 @@ def structure_of(video: Path) -> VideoStructure | None:
             sounds=len(packets) - len(pictures),
         )
     return None
-
-
-def plays_at_once(video: Path) -> bool | None:
-    """Tell whether a video's index comes before its pictures, so that it plays while it loads.
-
-    Returns
-    -------
-    bool or None
-        None where the file is no MP4 that has both.
-    """
-    places: dict[bytes, int] = {}
-    size = video.stat().st_size
-    with video.open("rb") as file:
-        at = 0
-        while at + 8 <= size and len(places) < 2:
-            file.seek(at)
-            header = file.read(16)
-            length, kind = int.from_bytes(header[:4], "big"), header[4:8]
-            if length == 1:
-                length = int.from_bytes(header[8:16], "big")
-            if kind in (b"moov", b"mdat"):
-                places.setdefault(kind, at)
-            # 0: the box goes on to the end of the file (ISO/IEC 14496-12, 4.2).
-            at = at + length if length >= 8 else size
-    if len(places) < 2:
-        return None
-    return places[b"moov"] < places[b"mdat"]
 
 
 def written_in(video: Path) -> tuple[str, ...]:

@@ -94,7 +94,7 @@ class RankingStudy(GroupedStudy):
             if block.shortest > block.longest:
                 problems.append(f"blocks.{block.name}: shortest is above longest")
         if self.catch.trials and self.catch_against == self.reference:
-            problems.append("catch.against: the reference is shown apart; name a ranked condition")
+            problems.append("catch.against: the reference is shown apart (name a ranked condition)")
         return problems
 
     @property

@@ -156,7 +156,7 @@ def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[st
         problems.append(_unknown_generator("catch", catch.generator))
     elif needs_model(catch.generator):
         problems.append(
-            f"catch: generator {catch.generator!r} is a network; flawed motion needs another"
+            f"catch: generator {catch.generator!r} is a network, and flawed motion needs another"
         )
     return problems
 

@@ -282,7 +282,7 @@ class Recruitment(Section):
             problems.append(
                 "recruitment.unpaid_failed_checks: one failed check is no ground for refusing pay, "
                 "unless page.minutes says that the study takes less than "
-                f"{LONG_STUDY_MINUTES}; use {FEWEST_FAILED_CHECKS} or more, or 0"
+                f"{LONG_STUDY_MINUTES} (use {FEWEST_FAILED_CHECKS} or more, or 0)"
             )
         if bool(paid.screened_out_reward) != bool(paid.screened_out_places):
             problems.append(
@@ -295,8 +295,8 @@ class Recruitment(Section):
     def guessable_codes(self) -> list[str]:
         """Return which of the study's codes could be guessed, and why."""
         return [
-            f"recruitment.prolific.{key}: the code {problem}; draw one with 'motionjury recruit "
-            "STUDY codes'"
+            f"recruitment.prolific.{key}: the code {problem} (draw one with 'motionjury "
+            "recruit STUDY codes')"
             for key, code in self.prolific.codes.items()
             if code and (problem := guessable(code)) is not None
         ]

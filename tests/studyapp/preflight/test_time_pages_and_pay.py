@@ -10,7 +10,6 @@ import pytest
 from motion.errors import InputError
 from studyapp.preflight.material import Material
 from studyapp.preflight.recruiting_checks import (
-    code_findings,
     page_findings,
     pay_findings,
     recruiting_findings,
@@ -27,7 +26,6 @@ from studyapp.preflight.time_checks import (
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.study_file import new_study
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.made_study import make_segments, make_study
@@ -218,14 +216,3 @@ def test_pay_and_places_are_held_against_what_is_told_and_needed(
         said, True
     )
     assert what.keys() - said.keys() <= {"hourly-pay", "pay-not-stated", "codes-missing"}
-
-
-def test_codes_that_do_not_do_their_work_have_names_of_their_own() -> None:
-    alike = Recruitment.model_validate(
-        {"prolific": {"completed": "KX7QM2PWTR", "screened_out": "kx7qm2pwtr"}}
-    )
-    guessable = Recruitment.model_validate({"prolific": {"completed": "ABCDEFGH"}})
-
-    assert [each.name for each in code_findings(alike)] == ["codes-alike"]
-    (said,) = code_findings(guessable)
-    assert (said.name, said.where) == ("code-guessable", "recruitment.prolific.completed")
