@@ -94,7 +94,7 @@ def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
 
 def balance_findings(material: Material) -> Iterator[Finding]:
     """Count how often the planned participants will judge each segment, and say which never."""
-    planned = [plan for _, plans in material.planned for plan in plans]
+    planned = list(material.plans)
     if not any(planned):
         return
     if material.study.follows_votes:

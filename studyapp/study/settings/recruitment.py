@@ -277,7 +277,16 @@ class Recruitment(Section):
         """
         short = minutes is not None and minutes < LONG_STUDY_MINUTES
         paid = self.prolific
-        problems = [*self.guessable_codes(), *self.codes_alike(), *self.pay.problems()]
+        codes = {key: code for key, code in paid.codes.items() if code}
+        problems = [
+            f"recruitment.prolific.{key}: the code {problem} (draw one with 'motionjury "
+            "recruit STUDY codes')"
+            for key, code in codes.items()
+            if (problem := guessable(code)) is not None
+        ]
+        if len(set(map(str.casefold, codes.values()))) < len(codes):
+            problems.append("recruitment.prolific: two outcomes have the same code")
+        problems += self.pay.problems()
         if self.unpaid_failed_checks == 1 and not short:
             problems.append(
                 "recruitment.unpaid_failed_checks: one failed check is no ground for refusing pay, "
@@ -291,21 +300,6 @@ class Recruitment(Section):
         if paid.screened_out_reward and paid.screened_out_reward >= paid.reward:
             problems.append("recruitment.prolific: screened_out_reward must be less than reward")
         return problems
-
-    def guessable_codes(self) -> list[str]:
-        """Return which of the study's codes could be guessed, and why."""
-        return [
-            f"recruitment.prolific.{key}: the code {problem} (draw one with 'motionjury "
-            "recruit STUDY codes')"
-            for key, code in self.prolific.codes.items()
-            if code and (problem := guessable(code)) is not None
-        ]
-
-    def codes_alike(self) -> list[str]:
-        """Return that two outcomes have one code, if so."""
-        given = [code.casefold() for code in self.prolific.codes.values() if code]
-        alike = len(set(given)) < len(given)
-        return ["recruitment.prolific: two outcomes have the same code"] if alike else []
 
     @property
     def missing_codes(self) -> list[str]:
