@@ -14,22 +14,12 @@ from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
     DURATION_TOLERANCE,
     Flaw,
-    FlawKind,
     VideoFormat,
     flaw_of,
     format_of,
 )
 from studyapp.study.design.trial import Content
 from studyapp.study.finished_videos import finished_video, similar_file
-
-OF_FLAW: Final[Mapping[FlawKind, str]] = MappingProxyType(
-    {
-        "damaged": "video-damaged",
-        "no picture": "video-damaged",
-        "no sound": "sound-missing",
-        "length": "video-length",
-    }
-)
 
 _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -67,7 +57,7 @@ def finished_video_findings(material: Material) -> Iterator[Finding]:
 
 def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
     """Return what is wrong with the video `name`."""
-    return finding(OF_FLAW[flaw.kind], f"{name} {flaw.what}", where=name, remedy=remedy)
+    return finding(flaw.kind, f"{name} {flaw.what}", where=name, remedy=remedy)
 
 
 def _original_findings(material: Material, content: Content, segment: Segment) -> Iterator[Finding]:

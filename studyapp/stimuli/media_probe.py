@@ -30,12 +30,12 @@ def _has_picture(container: InputContainer) -> bool:
     return any(stream.codec_context is not None for stream in container.streams.video[:1])
 
 
-FlawKind = Literal["damaged", "no picture", "no sound", "length"]
+FlawKind = Literal["video-damaged", "sound-missing", "video-length"]
 
 
 @dataclass(frozen=True)
 class Flaw:
-    """What is wrong with a video, and in words that follow its name."""
+    """What is wrong with a video, as 'check' calls it, and in words that follow its name."""
 
     kind: FlawKind
     what: str
@@ -58,18 +58,18 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
     try:
         with _opened(video) as container:
             if "mp4" not in container.format.name:
-                return Flaw("damaged", "is no MP4")
+                return Flaw("video-damaged", "is no MP4")
             if not container.streams.video:
-                return Flaw("no picture", "has no picture")
+                return Flaw("video-damaged", "has no picture")
             if sound and not container.streams.audio:
-                return Flaw("no sound", "has no sound")
+                return Flaw("sound-missing", "has no sound")
             lasts = (container.duration or 0) / av.time_base
             if abs(lasts - seconds) > DURATION_TOLERANCE:
-                return Flaw("length", f"lasts {lasts:.2f} s, its segment {seconds:.2f} s")
+                return Flaw("video-length", f"lasts {lasts:.2f} s, its segment {seconds:.2f} s")
             if next(container.decode(video=0), None) is None:
-                return Flaw("no picture", "has no frame")
+                return Flaw("video-damaged", "has no frame")
     except _UNREADABLE:
-        return Flaw("damaged", "cannot be played: it is damaged or no video")
+        return Flaw("video-damaged", "cannot be played: it is damaged or no video")
     return None
 
 
