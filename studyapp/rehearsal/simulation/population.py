@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 from scipy.special import logit
@@ -25,10 +25,7 @@ Kind = Literal[
     "attentive",
 ]
 
-KINDS: Final[tuple[Kind, ...]] = (
-    *("careless", "hasty", "side_biased", "straight_lining"),
-    *("dropping_out", "returning", "double_clicking", "attentive"),
-)
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 """All of them, in the order in which shares of the participants are laid end to end; those who are
 left over are attentive."""
 

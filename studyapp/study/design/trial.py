@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal, Protocol, Self
+from typing import Final, Literal, Protocol, Self, get_args
 
 from motion.segment import Segment
 
@@ -40,7 +40,7 @@ Content = tuple[Stimulus, ...]
 
 Kind = Literal["practice", "main", "repeat", "catch", "attention"]
 
-KINDS: Final[tuple[Kind, ...]] = ("practice", "main", "repeat", "catch", "attention")
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Final, Literal, Self
+from typing import Final, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
@@ -126,10 +126,7 @@ class RatingQuestion(Question):
 
 Stage = Literal["eligibility", "consent", "demographics", "comprehension", "closing"]
 
-STAGES: Final[tuple[Stage, ...]] = (
-    *("eligibility", "consent", "demographics", "comprehension"),
-    "closing",
-)
+STAGES: Final[tuple[Stage, ...]] = get_args(Stage)
 """In the order in which they are asked: `comprehension` under the instructions, `closing` after the
 trials."""
 

@@ -24,7 +24,6 @@ from tests.studyapp.rehearsal.protocol_studies import definition
 from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged, seen_of
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
-ATTENTIVE: dict[str, Any] = {"kinds": {}, "overlooked": 0.0}
 STUDIES = {
     name: parse_text(definition(name, around=False), where="study.toml")
     for name in ("all pairs", "ratings", "rankings", "rankings with ties", "mismatch")
@@ -58,23 +57,18 @@ def test_every_answer_is_one_that_the_study_takes(study: Study, kind: Kind) -> N
 
 
 @each_study
-def test_attentive_raters_do_what_attention_checks_ask(study: Study) -> None:
-    checks = [
-        study.failed(trial, judgement.values)
-        for _, trial, judgement in judged(study, **ATTENTIVE)
-        if trial.instructed is not None
-    ]
-    assert not any(checks)
-
-
-@each_study
-def test_a_check_that_is_overlooked_is_answered_as_any_other_page(study: Study) -> None:
-    checked = [
-        (judgement.values, judge(study, rater, replace(trial, instructed=None)).values)
-        for rater, trial, judgement in judged(study, kinds={}, overlooked=1.0)
-        if trial.instructed is not None
-    ]
-    assert all(answered == ordinary for answered, ordinary in checked)
+@pytest.mark.parametrize("overlooked", [0.0, 1.0])
+def test_attention_checks_are_done_as_they_ask_or_answered_as_any_other_page(
+    study: Study, overlooked: float
+) -> None:
+    for rater, trial, judgement in judged(study, kinds={}, overlooked=overlooked):
+        if trial.instructed is not None:
+            ordinary = judge(study, rater, replace(trial, instructed=None)).values
+            assert (
+                (judgement.values == ordinary)
+                if overlooked
+                else (not study.failed(trial, judgement.values))
+            )
 
 
 @each_study

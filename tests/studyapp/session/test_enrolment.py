@@ -34,43 +34,33 @@ def held(opened: Database) -> list[int]:
         return [place.study_session_id or 0 for place in places]
 
 
+NAMED = Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="1")
+P = Arrival(recruiter_participant="p")
+
+
 @pytest.mark.parametrize(
-    ("first", "second"),
+    ("first", "second", "same"),
     [
-        (Arrival(visit="one"), Arrival(visit="one")),
-        (
-            Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="1"),
-            Arrival(recruiter_participant="p", recruiter_study="t", recruiter_session="1"),
-        ),
-        (
-            Arrival(recruiter_participant="p", visit="one"),
-            Arrival(recruiter_participant="p", visit="one"),
-        ),
-        (Arrival(recruiter_participant="p"), Arrival(recruiter_participant="p", is_signed=True)),
+        (Arrival(visit="one"), Arrival(visit="one"), True),
+        (NAMED, replace(NAMED, recruiter_study="t"), True),
+        (replace(P, visit="one"), replace(P, visit="one"), True),
+        (P, replace(P, is_signed=True), True),
+        (NAMED, Arrival(visit="two"), False),
+        (NAMED, replace(NAMED, recruiter_participant="q"), False),
     ],
 )
-def test_who_comes_again_goes_on_where_they_were(
-    opened: Database, served: ServedStudy, clock: SetClock, first: Arrival, second: Arrival
+def test_who_comes_again_goes_on_where_they_were_and_nobody_else(
+    opened: Database,
+    served: ServedStudy,
+    clock: SetClock,
+    first: Arrival,
+    second: Arrival,
+    same: bool,
 ) -> None:
     token = enrol(opened, served, first, clock)
 
-    assert enrol(opened, served, second, clock) == token
-    assert len(held(opened)) == 1
-
-
-@pytest.mark.parametrize(
-    "arrival",
-    [
-        Arrival(visit="two"),
-        Arrival(recruiter_participant="q", recruiter_study="s"),
-    ],
-)
-def test_others_are_not_taken_for_them(
-    opened: Database, served: ServedStudy, clock: SetClock, arrival: Arrival
-) -> None:
-    known = enrol(opened, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
-
-    assert enrol(opened, served, arrival, clock) != known
+    assert (enrol(opened, served, second, clock) == token) is same
+    assert len(held(opened)) == (1 if same else 2)
 
 
 def test_who_has_nothing_but_a_name_waits_until_nobody_else_goes_on(
