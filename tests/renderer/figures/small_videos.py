@@ -8,20 +8,22 @@ from pathlib import Path
 import numpy as np
 
 from renderer.encoder import VideoWriter, video_frame
-from renderer.look import BACKGROUND
+from renderer.look import BACKGROUND, Colour
 
 SIZE = 128
 
 
-def write_block_video(path: Path, places: Sequence[int | None]) -> Path:
-    """Write a lossless video of a dark block whose left edge is at each of `places`.
+def write_block_video(
+    path: Path, places: Sequence[int | None], background: Colour = BACKGROUND
+) -> Path:
+    """Write a lossless video of a blue block whose left edge is at each of `places`.
 
     None shows the background alone.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with VideoWriter(path, SIZE, SIZE, 30) as writer:
         for place in places:
-            picture = np.full((SIZE, SIZE, 3), BACKGROUND, np.uint8)
+            picture = np.full((SIZE, SIZE, 3), background, np.uint8)
             if place is not None:
                 picture[30:, max(place, 0) : place + 40] = (40, 60, 90)
             writer.write(video_frame(picture))

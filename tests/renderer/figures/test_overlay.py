@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PIL import Image, ImageColor
@@ -80,3 +82,11 @@ def test_text_that_is_wider_than_the_page_is_cut() -> None:
     page = draw_overlay(picture, ["ours " * 20, "theirs"], "1.2 s → " * 16, clear=True)
     for text in page.figure.texts:
         assert text.get_window_extent().x1 <= page.width
+
+
+def test_figures_lie_on_the_videos_own_background(tmp_path: Path) -> None:
+    dark, path = (0x2E, 0x34, 0x40), tmp_path / "overlay.png"
+    picture = Image.new("RGBA", (300, 200))
+    draw_overlay(picture, ["ours"], "1.2 s", clear=False, background=dark).save([path])
+    with Image.open(path) as image:
+        assert image.convert("RGB").getpixel((150, 100)) == dark

@@ -158,3 +158,11 @@ def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path
         inked.append((curve[..., 2] - curve[..., 0] > 60).sum())
     assert inked[0] == 0
     assert inked[1] > 500
+
+
+def test_a_figure_is_found_before_whatever_background_the_videos_have(tmp_path: Path) -> None:
+    black = (0, 0, 0)
+    usual = glance_at(write_block_video(tmp_path / "usual.mkv", [40, 44, 48] * 10))
+    dark = glance_at(write_block_video(tmp_path / "dark.mkv", [40, 44, 48] * 10, black), black)
+    assert 0.1 < usual.presence.mean() < 0.5
+    np.testing.assert_allclose(dark.presence, usual.presence, atol=0.05)
