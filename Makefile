@@ -132,7 +132,7 @@ guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh
 	$(BIN)/python -m tools.handbook.guide build/guide
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m tools.guide_pictures build/guide
 
-desk-way: setup-browser  ## Go the desk's whole way in a browser, and show it in docs/desk-way.md.
+desk-way: setup-browser  ## Go the desk's whole way in a browser, and take the pictures of docs/desk-way.md.
 	$(BIN)/python -m tools.desk_way
 
 deploy-page: $(VENV)/.developed  ## Bring the files that docs/deploy.md shows up to date.

@@ -31,26 +31,22 @@ UNDER_WAY: Final = re.compile(r"\d of \d|^Done")
 """What the page of a job says once there is something to see."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Stop:
     """Somewhere on the way.
 
     Attributes
     ----------
-    name : str
-        Of its picture.
-    title, words : str
-        Its heading, and what is done there, for docs/desk-way.md.
     page : Page
         Shows it.
+    name : str
+        Of its picture.
     kind : {'researchers', 'participants', 'document'}
         Whose page it is; a document is what a job has written.
     """
 
-    name: str
-    title: str
-    words: str
     page: Page
+    name: str
     kind: Literal["researchers", "participants", "document"] = "researchers"
 
 
@@ -104,12 +100,7 @@ def walk_the_desk(
 
 def _join(page: Page, link: str) -> Iterator[Stop]:
     page.goto(link)
-    yield Stop(
-        name="join",
-        title="Join",
-        words="`motionjury desk` prints a link. Open it, and choose a name and a password.",
-        page=page,
-    )
+    yield Stop(page, "join")
     join(page, link)
     expect(page.get_by_text("You do not belong to a study yet.")).to_be_visible()
 
@@ -117,12 +108,7 @@ def _join(page: Page, link: str) -> Iterator[Stop]:
 def _make(page: Page, participants: int) -> Iterator[Stop]:
     follow(page.get_by_role("link", name="Make a study"))
     page.get_by_role("radio", name="pairwise").check()
-    yield Stop(
-        name="protocol",
-        title="Make a study",
-        words="Choose what participants do, and in which language.",
-        page=page,
-    )
+    yield Stop(page, "protocol")
     press(page, "Next")
     page.get_by_label("Name", exact=True).fill(STUDY)
     page.get_by_label("Participants").fill(str(participants))
@@ -131,20 +117,10 @@ def _make(page: Page, participants: int) -> Iterator[Stop]:
     page.get_by_label("Institution").fill("Institute of Gestures")
     page.get_by_label("Contact").fill("gestures@example.org")
     page.get_by_role("heading", level=1).scroll_into_view_if_needed()
-    yield Stop(
-        name="describe",
-        title="Describe it",
-        words="The template's answers are filled in. Name the study, and change what you like.",
-        page=page,
-    )
+    yield Stop(page, "describe")
     press(page, "Make the study")
     expect(page.get_by_role("heading", level=1)).to_have_text(TITLE)
-    yield Stop(
-        name="made",
-        title="The study's page",
-        words="It says what is still missing. Every further step begins here.",
-        page=page,
-    )
+    yield Stop(page, "made")
 
 
 def _set(page: Page, size: int) -> Iterator[Stop]:
@@ -165,13 +141,7 @@ def _set(page: Page, size: int) -> Iterator[Stop]:
     page.get_by_role("link", name=f"line {line}").click()
     selected = "area => area.value.slice(area.selectionStart, area.selectionEnd)"
     assert text.evaluate(selected) == 'avatr = "alex"'
-    yield Stop(
-        name="settings",
-        title="Change its settings",
-        words="`study.toml` holds everything about the study, with a comment at each key. What is "
-        "wrong is named with its line and is not saved.",
-        page=page,
-    )
+    yield Stop(page, "settings")
     text.fill(wanted)
     press(page, "Save")
     expect(page.get_by_role("status")).to_have_text("Saved.")
@@ -184,13 +154,7 @@ def _bring_in(page: Page, recordings: list[Path]) -> Iterator[Stop]:
     press(page, "Upload")
     expect(page.get_by_role("row")).to_have_count(1 + len(recordings))
     page.get_by_role("button", name="Bring into the study").scroll_into_view_if_needed()
-    yield Stop(
-        name="bring-in",
-        title="Bring in speech",
-        words="Upload recordings and a table that describes them; motion and videos come in the "
-        "same way.",
-        page=page,
-    )
+    yield Stop(page, "bring-in")
     press(page, "Bring into the study")
     _end(page)
     _back(page)
@@ -223,106 +187,48 @@ def _make_ready(page: Page) -> Iterator[Stop]:
     _back(page)
     _begin(page, "Render")
     expect(page.locator("#live").get_by_text(UNDER_WAY).first).to_be_visible()
-    yield Stop(
-        name="render",
-        title="Make motion and videos",
-        words="*Generate* makes the motion, *Render* the videos. A job goes on when you close the "
-        "page; you can stop it, and it resumes where it was.",
-        page=page,
-    )
+    yield Stop(page, "render")
     _end(page)
     _back(page)
     _run(page, "Check")
-    yield Stop(
-        name="check",
-        title="Check",
-        words="*Check* finds what can go wrong before people take part, and says what to do.",
-        page=page,
-    )
+    yield Stop(page, "check")
     _back(page)
     _run(page, "Plan")
-    yield Stop(
-        name="plan",
-        title="Plan",
-        words="*Plan* simulates how many participants and segments a difference needs.",
-        page=page,
-    )
+    yield Stop(page, "plan")
     _back(page)
     follow(page.get_by_role("link", name="All segments and conditions"))
-    yield Stop(
-        name="material",
-        title="Look at the material",
-        words="Each segment in each condition. A click plays it.",
-        page=page,
-    )
+    yield Stop(page, "material")
     _back(page)
 
 
 def _try(page: Page) -> Iterator[Stop]:
     study = page.url
     expect(page.get_by_text("ready for participants")).to_be_visible()
-    yield Stop(
-        name="ready",
-        title="The study is served",
-        words="As soon as its videos are there, the study answers at its address. Copy it for "
-        "whoever takes part.",
-        page=page,
-    )
+    yield Stop(page, "ready")
     press(page, "Preview")
     follow(page.get_by_role("link", name="1", exact=True))
     expect(page.locator("#play")).to_be_visible()
-    yield Stop(
-        name="preview",
-        title="Preview",
-        words="*Preview* shows each trial as participants see it.",
-        page=page,
-        kind="participants",
-    )
+    yield Stop(page, "preview", "participants")
     page.goto(study)
     press(page, "Take part as a test")
     expect(page.get_by_text("This is a test participation")).to_be_visible()
-    yield Stop(
-        name="test",
-        title="Take part as a test",
-        words="A test goes the whole way, takes no place and never counts.",
-        page=page,
-        kind="participants",
-    )
+    yield Stop(page, "test", "participants")
     page.goto(study)
 
 
 def _rehearse(page: Page) -> Iterator[Stop]:
     _run(page, "Rehearse")
     follow(page.get_by_role("link", name="What it found"))
-    yield Stop(
-        name="rehearsal",
-        title="Rehearse",
-        words="Simulated participants take the whole study. What the analysis finds stands beside "
-        "what they were given.",
-        page=page,
-        kind="document",
-    )
+    yield Stop(page, "rehearsal", "document")
     page.go_back()
     _back(page)
 
 
 def _take_home(page: Page) -> Iterator[Stop]:
     _run(page, "Report")
-    yield Stop(
-        name="take-home",
-        title="Take home",
-        words="The report, the answers and the folder for another lab are made, opened and "
-        "downloaded here. Until somebody has answered, they show the rehearsal.",
-        page=page,
-    )
+    yield Stop(page, "take-home")
     follow(page.get_by_role("link", name="Open the report"))
-    yield Stop(
-        name="report",
-        title="The report",
-        words="As it will look, with the rehearsal's numbers.",
-        page=page,
-        kind="document",
-    )
+    yield Stop(page, "report", "document")
     page.go_back()
     _back(page)
 
@@ -338,41 +244,19 @@ def _take_part(visitor: Page, address: str) -> Iterator[Stop]:
             question.get_by_text("slightly A", exact=True).click()
         expect(visitor.locator("#watched")).to_have_text("Watched ✓")
         if number == 1:
-            yield Stop(
-                name="participant",
-                title="A participant comes",
-                words="Whoever opens the address takes part.",
-                page=visitor,
-                kind="participants",
-            )
+            yield Stop(visitor, "participant", "participants")
         visitor.locator("#next").click()
     expect(visitor.locator("#completion-code")).to_be_visible()
-    yield Stop(
-        name="code",
-        title="and is done",
-        words="Each who finishes gets a code.",
-        page=visitor,
-        kind="participants",
-    )
+    yield Stop(visitor, "code", "participants")
 
 
 def _watch(page: Page) -> Iterator[Stop]:
     press(page, "Watch")
     expect(page.locator(".truth")).to_contain_text("1 of ")
     expect(page.get_by_role("navigation")).to_contain_text(NAME)
-    yield Stop(
-        name="watch",
-        title="Watch",
-        words="How far the study is, when it will be done, what needs a decision, and who left.",
-        page=page,
-    )
+    yield Stop(page, "watch")
     follow(page.get_by_role("link", name="Study sessions"))
     follow(page.get_by_role("row").last.get_by_role("link"))
     expect(page.locator(".events")).to_contain_text("Trial 1 was shown")
     page.locator(".events li").last.scroll_into_view_if_needed()
-    yield Stop(
-        name="session",
-        title="One study session",
-        words="What one participant was shown, played and answered, moment by moment.",
-        page=page,
-    )
+    yield Stop(page, "session")

@@ -5,6 +5,7 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -79,7 +80,9 @@ def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
     assert {name: problems for name, problems in found.items() if problems} == {}
 
 
-def _upload_long_recording(page: Page, recording: Path, *, look_at_waiting: object) -> None:
+def _upload_long_recording(
+    page: Page, recording: Path, *, look_at_waiting: Callable[[], None]
+) -> None:
     """Upload a recording whose third piece is lost, again and again, until the page is left."""
     assert recording.stat().st_size > 3 * LARGEST_PIECE
     pattern = f"**/uploads?*offset={2 * LARGEST_PIECE}"
@@ -91,7 +94,6 @@ def _upload_long_recording(page: Page, recording: Path, *, look_at_waiting: obje
     page.get_by_label("Files", exact=True).set_input_files(recording)
     page.get_by_role("button", name="Upload").click()
     expect(page.get_by_text("Waiting for the server")).to_be_visible()
-    assert callable(look_at_waiting)
     look_at_waiting()
     page.unroute(pattern)
     page.reload()
