@@ -32,30 +32,22 @@ EVERY: Final = 0.2
 """Seconds between two pictures that are looked at."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pictures:
-    """Small grey pictures of a video.
+Pictures = NDArray[np.float32]
+"""Small grey pictures of a video, 0 (black) to 255; of shape (N, H, W)."""
 
-    Attributes
-    ----------
-    grey : ndarray, shape (N, H, W), float32
-        0 (black) to 255.
+
+def unlike(one: Pictures, other: Pictures) -> float:
+    """Return the mean difference of grey where most differs, as far as both videos last.
+
+    A limb covers a small part of the picture: of each pair of pictures, the tenth of the pixels
+    that differ most is counted.
     """
-
-    grey: NDArray[np.float32]
-
-    def unlike(self, other: Pictures) -> float:
-        """Return the mean difference of grey where most differs, as far as both last.
-
-        A limb covers a small part of the picture: of each pair of pictures, the tenth of the
-        pixels that differ most is counted.
-        """
-        both = min(len(self.grey), len(other.grey))
-        if both == 0 or self.grey.shape[1:] != other.grey.shape[1:]:
-            return 255.0
-        apart = np.abs(self.grey[:both] - other.grey[:both]).reshape(both, -1)
-        most = max(1, apart.shape[1] // 10)
-        return float(np.partition(apart, -most, axis=1)[:, -most:].mean())
+    both = min(len(one), len(other))
+    if both == 0 or one.shape[1:] != other.shape[1:]:
+        return 255.0
+    apart = np.abs(one[:both] - other[:both]).reshape(both, -1)
+    most = max(1, apart.shape[1] // 10)
+    return float(np.partition(apart, -most, axis=1)[:, -most:].mean())
 
 
 def pictures_of(video: Path) -> Pictures | None:
@@ -74,7 +66,7 @@ def pictures_of(video: Path) -> Pictures | None:
                 grey.append(small.to_ndarray().astype(np.float32))
     except (av.FFmpegError, OSError):
         return None
-    return Pictures(np.stack(grey)) if grey else None
+    return np.stack(grey) if grey else None
 
 
 LEAST_METRES: Final = 0.02
@@ -208,9 +200,9 @@ def catch_picture_findings(material: Material) -> Iterator[Finding]:
                 shown[name] = pictures
         if {study.catch.condition, study.catch_against} <= set(shown):
             pair = shown[study.catch.condition], shown[study.catch_against]
-            caught[segment] = pair[0].unlike(pair[1])
+            caught[segment] = unlike(*pair)
         compared = [shown[name] for name in shown if name in study.conditions]
-        usual += [a.unlike(b) for a, b in combinations(compared, 2)]
+        usual += [unlike(a, b) for a, b in combinations(compared, 2)]
     if not caught:
         return
     between = median(usual) if usual else 0.0

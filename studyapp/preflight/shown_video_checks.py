@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -187,24 +186,10 @@ def _structure_findings(material: Material) -> Iterator[Finding]:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Weight:
-    """What is loaded in one study session, in bytes.
+def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> tuple[int, int]:
+    """Return the bytes that the heaviest page of a study session loads, and all pages together.
 
-    Attributes
-    ----------
-    heaviest : int
-        For the page that loads most: its own videos, and those fetched ahead for the next one.
-    total : int
-        For all pages together; what was fetched ahead is loaded once.
-    """
-
-    heaviest: int
-    total: int
-
-
-def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Weight:
-    """Return what the trials of a study session load.
+    A page loads its own videos, and fetches ahead those of the next one, which are loaded once.
 
     Parameters
     ----------
@@ -215,7 +200,7 @@ def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Wei
     """
     pages = [sum(sizes.get(content, 0) for content in trial.shown) for trial in plan]
     with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
-    return Weight(heaviest=max(with_next, default=0), total=sum(pages))
+    return max(with_next, default=0), sum(pages)
 
 
 def weight_findings(material: Material) -> Iterator[Finding]:
@@ -224,8 +209,7 @@ def weight_findings(material: Material) -> Iterator[Finding]:
     if not sizes:
         return
     weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
-    heaviest = max(weight.heaviest for weight in weights)
-    total = max(weight.total for weight in weights)
+    heaviest, total = map(max, zip(*weights, strict=True))
     yield finding("page-weight", page=heaviest / MEGABYTE, total=total / MEGABYTE)
     allowed = material.study.watching.megabytes_per_page
     if heaviest > allowed * MEGABYTE:
