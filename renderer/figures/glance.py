@@ -13,7 +13,7 @@ from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from renderer.look import BACKGROUND, Colour
+from renderer.look import Look
 
 MOMENTS: Final = 7
 SIDE: Final = 112
@@ -63,8 +63,15 @@ class Glance:
     remarks: tuple[str, ...]
 
 
-def glance_at(video: Path, background: Colour = BACKGROUND) -> Glance:
+def glance_at(video: Path, look: Look | None = None) -> Glance:
     """Return what `video` shows of a figure before a plain background.
+
+    Parameters
+    ----------
+    video : Path
+        The video of one clip.
+    look : Look or None
+        How it was rendered; None for the usual look.
 
     Raises
     ------
@@ -81,9 +88,10 @@ def glance_at(video: Path, background: Colour = BACKGROUND) -> Glance:
             "the video cannot be read", where=video, remedy="Delete it and render again"
         ) from error
     count = len(frames)
+    shown = look or Look()
     chosen = [int((place + 0.5) * count / MOMENTS) for place in range(MOMENTS)]
     light = frames @ _LIGHT
-    figure = np.abs(light - round(float(_LIGHT @ background))) > _DIFFERENT
+    figure = np.abs(light - round(float(_LIGHT @ shown.background))) > _DIFFERENT
     change = np.abs(np.diff(light, axis=0))
     either = figure[1:] | figure[:-1]
     movement = (change * either).sum(axis=(1, 2)) / np.maximum(either.sum(axis=(1, 2)), 1)
@@ -97,7 +105,7 @@ def glance_at(video: Path, background: Colour = BACKGROUND) -> Glance:
         remarks=(
             *_stillness(largest <= _STILL, rate),
             *_restlessness(movement * rate / _RATE, rate),
-            *_absence(figure),
+            *_absence(figure, cropped=shown.framing in ("face", "hands")),
         ),
     )
 
@@ -142,11 +150,14 @@ def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
         yield f"jumps at {times} s" + (f" and {len(jumps) - 3} times more" * (len(jumps) > 3))
 
 
-def _absence(figure: NDArray[np.bool_]) -> Iterator[str]:
-    """Yield whether the figure is missing or reaches over an edge; the lower one always may."""
+def _absence(figure: NDArray[np.bool_], *, cropped: bool) -> Iterator[str]:
+    """Yield whether the figure is missing or reaches over an edge; the lower one always may.
+
+    Where only a part of it is framed, it may reach over any.
+    """
     empty = figure.mean(axis=(1, 2)) < _EMPTY
     if empty.any():
         yield f"nobody in the picture {np.mean(empty):.0%} of the time"
     out = figure[:, 0].any(axis=1) | figure[:, :, [0, -1]].any(axis=(1, 2))
-    if np.mean(out) > _LARGE_SHARE:
+    if not cropped and np.mean(out) > _LARGE_SHARE:
         yield f"out of the picture {np.mean(out):.0%} of the time"

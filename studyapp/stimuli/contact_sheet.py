@@ -13,9 +13,9 @@ from motion.files import digest, replacing, write_text
 from motion.segment import Segment
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
-from renderer.look import BACKGROUND, CELL_VERSION
+from renderer.look import CELL_VERSION
 from studyapp.stimuli.motion_pages import MotionPages
-from studyapp.stimuli.shown_motion import background_of
+from studyapp.stimuli.render_plan import video_look
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ShownVideo, shown_videos
 from studyapp.study.settings.study import Study
@@ -106,8 +106,7 @@ def _entry(place: Path, clip: ShownVideo | None, study: Study, condition: str) -
     video = f"../../{clip.file.relative_to(place.parent.parent).as_posix()}"
     if not kept.exists():
         try:
-            background = BACKGROUND if brought else background_of(study)
-            cell = draw_cell(glance_at(clip.file, background))
+            cell = draw_cell(glance_at(clip.file, None if brought else video_look(study)))
         except InputError as error:
             return SheetCell(cell=None, remark=error.what, video=video)
         with replacing(kept) as draft:

@@ -67,7 +67,7 @@ class RenderPlan:
         shown = read_motion_shown(folder, study, tuple(segments.values()))
         body, model = body_file(folder, study), shown_body(folder, study)
         matrix = expression_matrix_file(folder, study)
-        look = _look(study)
+        look = video_look(study)
         framed = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
         camera = study_camera(framed, study, model)
         chosen = () if look.background == BACKGROUND else (look.background,)
@@ -221,7 +221,8 @@ def _clip_file(condition: str, name: str) -> str:
     return f"videos/clips/{condition}/{name}.mp4"
 
 
-def _look(study: Study) -> Look:
+def video_look(study: Study) -> Look:
+    """Return how the study's videos look."""
     video = study.video
     return Look(
         size=video.size,
@@ -236,4 +237,4 @@ def _look(study: Study) -> Look:
 def study_camera(clips: Iterable[MotionClip], study: Study, body: BodyModel) -> Camera:
     """Return the camera of a study's `clips`, frozen channels still; leave the catch motion out."""
     standing = [stand_on_ground(clip, body.joints(clip.betas)) for clip in clips]
-    return frame_clips(standing, body, _look(study))
+    return frame_clips(standing, body, video_look(study))

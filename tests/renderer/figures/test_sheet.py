@@ -21,6 +21,7 @@ from renderer.figures.sheet import (
     sheet_page,
     sheet_pictures,
 )
+from renderer.look import Look
 from tests.renderer.figures.small_videos import write_block_video
 
 
@@ -161,8 +162,15 @@ def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path
 
 
 def test_a_figure_is_found_before_whatever_background_the_videos_have(tmp_path: Path) -> None:
-    black = (0, 0, 0)
+    black = Look(background=(0, 0, 0))
     usual = glance_at(write_block_video(tmp_path / "usual.mkv", [40, 44, 48] * 10))
-    dark = glance_at(write_block_video(tmp_path / "dark.mkv", [40, 44, 48] * 10, black), black)
+    dark = glance_at(write_block_video(tmp_path / "dark.mkv", [40, 44, 48] * 10, (0, 0, 0)), black)
     assert 0.1 < usual.presence.mean() < 0.5
     np.testing.assert_allclose(dark.presence, usual.presence, atol=0.05)
+
+
+def test_who_is_framed_in_part_may_reach_over_any_edge(tmp_path: Path) -> None:
+    video = write_block_video(tmp_path / "video.mkv", [-20, -18, -16] * 10)
+    said = "out of the picture 100% of the time"
+    assert said in glance_at(video, Look(framing="full_body")).remarks
+    assert said not in glance_at(video, Look(framing="face")).remarks
