@@ -307,19 +307,7 @@ def rating_results(
     margin: float | None = None,
     family: Family = EVERYTHING,
 ) -> RatingResults:
-    """Analyse ratings.
-
-    Parameters
-    ----------
-    table : AnswerTable
-        Of the rating layout.
-    left_out : LeftOut
-        Who is left out.
-    margin : float, optional
-        Difference of two means, in scores, that does not matter.
-    family : Family
-        Which tests decide.
-    """
+    """Analyse ratings; a margin is a difference of two means, in scores, that does not matter."""
     analysed = left_out.analysed
     conditions: list[RatedCondition] = []
     differences: list[RatingContrast] = []
