@@ -8,7 +8,7 @@
 "use strict";
 (() => {
 const BACKGROUND = 0xececee, SKELETON = 0x0072b2, GROUND = 0xd9d9dd;
-const FIGURES_IN_A_ROW = 3;
+const NARROW = 500;  // pixels, in which two figures stand side by side, else three
 const LARGEST_ANGLE = 0.56 * Math.PI;  // from straight above to a little below the ground
 let running = null;
 
@@ -254,7 +254,7 @@ class Player {
     this.performers = clips.map(clip => new Performer(avatar, geometry, clip));
     const seconds = Math.max(...this.performers.map(performer => performer.seconds));
     this.clock = speech ? new SpeechClock(seconds, speech) : new Clock(seconds);
-    this.columns = Math.min(clips.length, FIGURES_IN_A_ROW);
+    this.columns = Math.min(clips.length, figure.clientWidth < NARROW ? 2 : 3);
     this.rows = Math.ceil(clips.length / this.columns);
     this.view = scene.camera;
     this.camera = new THREE.PerspectiveCamera(scene.camera.field_of_view, 1, 0.1, 60);

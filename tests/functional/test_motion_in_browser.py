@@ -24,7 +24,14 @@ from tests.functional.browsing import (
 )
 from tests.functional.conftest import SECONDS
 from tests.functional.joining import join
-from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
+from tests.functional.looking import (
+    LAPTOP,
+    SIZES,
+    barriers,
+    expect_to_fit_a_phone,
+    photograph,
+    resize,
+)
 from tests.studyapp.takes import write_motion
 
 pytestmark = IN_A_BROWSER
@@ -69,6 +76,12 @@ def test_motion_turns_around_at_the_desk_and_in_a_preview(browser: Browser, lab:
         page.get_by_role("button", name="Play rule_based, mismatched, broken").click()
         expect_motion(page, "rule_based", "mismatched", "broken")
         look_at(page, "segment")
+        resize(page, SIZES["phone"])
+        page.reload()
+        page.get_by_role("button", name="Play rule_based, mismatched, broken").click()
+        expect(page.locator(".motion-viewer")).to_have_attribute("data-rows", "2")
+        photograph(page, "motion-segment-narrow", resized=False)
+        resize(page, LAPTOP)
         page.goto(f"{address}/research/studies/tiny/")
         press(page, "Watch")
         page.goto(f"{address}/tiny/research/preview/0/1/1/")

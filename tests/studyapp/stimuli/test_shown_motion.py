@@ -6,16 +6,19 @@ from typing import Any
 import numpy as np
 
 from motion.clip import MotionClip
+from motion.segment import Segment
 from renderer.look import FIRST_AVATAR
 from studyapp.stimuli.shown_motion import (
     body_file,
     expression_matrix_file,
     left_out,
+    segment_scene,
     shown_abilities,
     shown_body,
 )
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.preflight.test_preflight import change
+from tests.studyapp.takes import write_motion, write_speech
 
 
 def _clip(**face: Any) -> MotionClip:
@@ -55,3 +58,24 @@ def test_each_condition_is_told_once(folder: StudyFolder) -> None:
     assert sentence.startswith("one: ")
     _name_matrix(folder, (52, 100))
     assert left_out(shown, shown_abilities(folder, folder.study())) == ()
+
+
+def test_another_segments_speech_is_heard_no_longer_than_the_motion(folder: StudyFolder) -> None:
+    folder.speech.mkdir()
+    write_speech(folder.speech / "take.wav", 5.0)
+    short, long, gone = (
+        Segment(name=name, wav=wav, start=start, end=end, speaker="robin", emotion="neutral")
+        for name, wav, start, end in (
+            ("short", "take.wav", 0.0, 2.0),
+            ("long", "take.wav", 2.0, 5.0),
+            ("gone", "gone.wav", 0.0, 2.0),
+        )
+    )
+    write_motion(folder.clip("ours", "short"), 2.0)
+
+    def heard(speech: Segment | None) -> float | None:
+        found, missing = segment_scene(folder, folder.study(), short, ["ours"], heard=speech)
+        assert (list(found.clips), missing) == (["ours"], {})
+        return None if found.speech is None else round(found.speech.duration, 3)
+
+    assert [heard(each) for each in (short, long, gone, None)] == [2.0, 2.0, None, None]
