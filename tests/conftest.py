@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.tiny_study import write_tiny_study
+from tests.support.studies.tiny_study import write_tiny_study
 
 # Machines that run tests may be busy; how long one example takes says nothing about the code.
 # Where changes are judged, each run draws the same examples, so that it judges the change alone.
@@ -56,7 +56,7 @@ def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def tiny_study(tiny_study_template: Path, tmp_path: Path) -> Path:
-    """Return a study folder of its own, ready to be served: see `tests.tiny_study`."""
+    """Return a study folder of its own, ready to be served."""
     folder = tmp_path / "study"
     shutil.copytree(tiny_study_template, folder)
     return folder

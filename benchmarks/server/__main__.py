@@ -38,10 +38,10 @@ from numpy.typing import NDArray
 from benchmarks.server.load import arrive, judge, keep_arriving, live
 from benchmarks.server.report_flood import STORED, report_flood_waits
 from benchmarks.server.slow_readers import slow_readers
-from tests.support.databases import BACKENDS, Backend, FreshDatabase, fresh_database
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
-from tests.support.study_server import StudyServer, study_server
-from tests.support.visitor import REPORT_EVERY, Kind, Ledger
+from tests.support.servers.databases import BACKENDS, Backend, FreshDatabase, fresh_database
+from tests.support.servers.study_server import StudyServer, study_server
+from tests.support.servers.visitor import REPORT_EVERY, Kind, Ledger
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 Milliseconds = NDArray[np.float64]
 

@@ -22,12 +22,12 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.bookkeeping import answer_checks
-from tests.support.databases import Backend, fresh_database
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.said import secrets_in
-from tests.support.study_server import HOST, StudyServer, study_server
-from tests.support.visitor import Ledger, StrandedError, Visitor
-from tests.support.wire import Wire
+from tests.support.servers.databases import Backend, fresh_database
+from tests.support.servers.study_server import HOST, StudyServer, study_server
+from tests.support.servers.visitor import Ledger, StrandedError, Visitor
+from tests.support.servers.wire import Wire
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 CALM_SECONDS: Final = (0.2, 2.0)
 """Between two kills, at least and at most."""

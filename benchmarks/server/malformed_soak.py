@@ -13,15 +13,15 @@ from pathlib import Path
 from typing import Final
 
 from studyapp.database.engine import Database
-from tests.support.databases import Backend, fresh_database
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
-from tests.support.malformed_requests import Known, malformed_requests
-from tests.support.page_scan import seen_form, seen_videos
 from tests.support.said import secrets_in
-from tests.support.stored import everything_stored
-from tests.support.study_server import HOST, study_server
-from tests.support.visitor import Ledger, Visitor
-from tests.support.wire import Wire
+from tests.support.servers.databases import Backend, fresh_database
+from tests.support.servers.malformed_requests import Known, malformed_requests
+from tests.support.servers.page_scan import seen_form, seen_videos
+from tests.support.servers.study_server import HOST, study_server
+from tests.support.servers.visitor import Ledger, Visitor
+from tests.support.servers.wire import Wire
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.studies.stored import everything_stored
 
 AT_ONCE: Final = 16
 ANSWER_SECONDS: Final = 30.0

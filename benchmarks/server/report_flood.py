@@ -25,12 +25,12 @@ import numpy as np
 
 from benchmarks.server.load import Arrived, arrive, beside
 from studyapp.session.watch_evidence import MOST_INTERVALS, MOST_REPORTS
-from tests.support.databases import BACKENDS, FreshDatabase, fresh_database
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
-from tests.support.page_scan import SeenVideo, seen_videos
-from tests.support.study_server import HOST, study_server
-from tests.support.visitor import Kind, Ledger, StrandedError, Visitor
-from tests.support.wire import LostConnectionError, Wire
+from tests.support.servers.databases import BACKENDS, FreshDatabase, fresh_database
+from tests.support.servers.page_scan import SeenVideo, seen_videos
+from tests.support.servers.study_server import HOST, study_server
+from tests.support.servers.visitor import Kind, Ledger, StrandedError, Visitor
+from tests.support.servers.wire import LostConnectionError, Wire
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 OTHERS: Final = 192
 """Participants who take part in real time."""

@@ -12,7 +12,7 @@ import sys
 
 from benchmarks.server.kill_soak import Strain, kill_soak
 from benchmarks.server.malformed_soak import malformed_soak
-from tests.support.databases import BACKENDS
+from tests.support.servers.databases import BACKENDS
 
 
 def main() -> None:

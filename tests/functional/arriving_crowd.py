@@ -17,7 +17,7 @@ from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import Visit, study_client
 from studyapp.study.folder import StudyFolder
-from tests.support.stored import opened
+from tests.support.studies.stored import opened
 
 AS_REAL = 1.0
 """How fast the clock runs of a study that is not rehearsed."""

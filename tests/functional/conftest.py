@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page
 from studyapp.database.engine import Database, sqlite_url
 from tests.functional.browsing import launched, serving, watched_page
 from tests.support.compiled_once import compiled_once
-from tests.tiny_study import write_tiny_study
+from tests.support.studies.tiny_study import write_tiny_study
 
 SECONDS = 1.0
 """Length of every video here: they are played in real time."""

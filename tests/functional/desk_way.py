@@ -16,7 +16,7 @@ from playwright.sync_api import Page, expect
 
 from tests.functional.browsing import expect_trial, follow, press
 from tests.functional.joining import NAME, join
-from tests.studyapp.takes import write_speech
+from tests.support.studies.takes import write_speech
 
 STUDY: Final = "first-study"
 TITLE: Final = "Which speaker do you prefer?"

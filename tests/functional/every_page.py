@@ -22,7 +22,7 @@ from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.functional.browsing import follow
 from tests.functional.looking import expect_videos
-from tests.local_server import listening
+from tests.support.servers.local_server import listening
 
 KINDS = {
     "#answers": "trial",

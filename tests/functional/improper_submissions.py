@@ -19,7 +19,7 @@ from studyapp.rehearsal.visit import Visit
 from studyapp.study.design.trial import AnswerKey
 from studyapp.study.settings.questions import LONGEST_TEXT, FormQuestion
 from studyapp.web.participants.participant import FORM_FIELD
-from tests.support.stored import everything_stored
+from tests.support.studies.stored import everything_stored
 
 PLAYED = {"batch": 0, "intervals": [[0.0, 1.0]]}
 

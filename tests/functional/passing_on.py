@@ -8,7 +8,7 @@ from http.client import HTTPConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
-from tests.local_server import answering
+from tests.support.servers.local_server import answering
 
 OF_ONE_CONNECTION = {"connection", "keep-alive", "transfer-encoding"}
 

@@ -10,10 +10,10 @@ import av
 import numpy as np
 from PIL import Image, ImageDraw
 
-from tests.finished_study import write_study_of_one_video
-from tests.redefining import redefine
-from tests.support.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
-from tests.tiny_study import BACKGROUND, write_tiny_study
+from tests.support.studies.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
+from tests.support.studies.finished_study import write_study_of_one_video
+from tests.support.studies.redefining import redefine
+from tests.support.studies.tiny_study import BACKGROUND, write_tiny_study
 
 SIZE: Final = 360
 FRAME_RATE: Final = 15
@@ -232,7 +232,7 @@ title = "Better"
 text = "Which is better?"
 {PAGE}""",
 }
-"""What the study files say; `composed` is written by `tests.tiny_study`."""
+"""What the study files say; `composed` is written by `tests.support.studies.tiny_study`."""
 
 NAMES: Final = ("composed", *STUDIES)
 

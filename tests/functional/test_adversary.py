@@ -33,7 +33,7 @@ from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
 from tests.functional.adversary.mp4_facts import facts_of
 from tests.functional.adversary.studies import STUDIES, write_study
 from tests.functional.adversary.telling import stimulus_facts, trial_facts
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.studies.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
 

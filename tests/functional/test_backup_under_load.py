@@ -20,12 +20,12 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, Response, StudySession, Trial
 from studyapp.rehearsal.bookkeeping import AnswerPlace
 from studyapp.study.folder import StudyFolder
-from tests.support.databases import BACKENDS, Backend
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
-from tests.support.study_server import HOST, study_server
-from tests.support.throwaway_postgresql import programs, throwaway_postgresql
-from tests.support.visitor import Ledger, Visitor
-from tests.support.wire import Wire
+from tests.support.servers.databases import BACKENDS, Backend
+from tests.support.servers.study_server import HOST, study_server
+from tests.support.servers.throwaway_postgresql import programs, throwaway_postgresql
+from tests.support.servers.visitor import Ledger, Visitor
+from tests.support.servers.wire import Wire
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 PEOPLE = 12
 TRIALS = 5

@@ -16,10 +16,10 @@ import pytest
 from studyapp.custody.deployment import PROXIES, Proxy
 from studyapp.web.worker import REQUEST_SECONDS
 from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
-from tests.hanging_lines import hanging, slow_body, whole_video
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import filled
+from tests.support.hanging_lines import hanging, slow_body, whole_video
+from tests.support.researchers_at_hand import PASSWORD
 
 pytestmark = pytest.mark.slow
 

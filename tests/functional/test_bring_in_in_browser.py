@@ -15,7 +15,7 @@ from studyapp.desk.inbox import LARGEST_PIECE
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import join
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
-from tests.studyapp.takes import write_motion, write_speech
+from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = IN_A_BROWSER
 

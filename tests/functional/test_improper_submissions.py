@@ -12,11 +12,11 @@ from sqlalchemy import select
 from studyapp.database.tables import Trial
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
-from tests.finished_study import write_short_video
 from tests.functional.improper_submissions import Attacker
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
-from tests.support.stored import opened
+from tests.support.studies.finished_study import write_short_video
+from tests.support.studies.stored import opened
 
 TRIALS = {
     "the same answers twice": 200,

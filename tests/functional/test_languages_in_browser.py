@@ -12,12 +12,12 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import running
-from tests.finished_study import write_study_of_one_video
 from tests.functional.browsing import IN_A_BROWSER, expect_watched, watched_page
 from tests.functional.every_page import first_trial, shown
 from tests.functional.shown_studies import STUDIES, write_figure_video
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
+from tests.support.studies.finished_study import write_study_of_one_video
 
 pytestmark = IN_A_BROWSER
 

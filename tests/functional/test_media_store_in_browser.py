@@ -20,7 +20,7 @@ from tests.functional.browsing import (
     launched,
     serving,
 )
-from tests.studyapp.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
+from tests.support.servers.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
 
 pytestmark = IN_A_BROWSER
 

@@ -32,7 +32,7 @@ from tests.functional.looking import (
     photograph,
     resize,
 )
-from tests.studyapp.takes import write_motion
+from tests.support.studies.takes import write_motion
 
 pytestmark = IN_A_BROWSER
 

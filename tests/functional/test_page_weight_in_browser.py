@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, Response
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown, walk
 from tests.functional.shown_studies import write_shown_study
-from tests.redefining import redefine
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

@@ -17,7 +17,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Response, StudySession, Trial
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS
 from tests.functional.looking import SIZES, photograph
-from tests.redefining import redefine
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

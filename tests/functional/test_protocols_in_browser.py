@@ -11,7 +11,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Response
-from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
     begin_study,
@@ -23,7 +22,8 @@ from tests.functional.browsing import (
 )
 from tests.functional.every_page import shown
 from tests.functional.looking import expect_videos, photograph
-from tests.redefining import redefine
+from tests.support.studies.finished_study import write_finished_study, write_short_video
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

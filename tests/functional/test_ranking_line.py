@@ -14,9 +14,9 @@ from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from motion.formats.beat_tracks import write_arkit_json
-from tests.edited_study import edited
 from tests.generators.diffsheg.small_network import written_network
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
+from tests.support.studies.edited_study import edited
 
 pytestmark = pytest.mark.slow
 

@@ -20,8 +20,8 @@ from tests.functional.arriving_crowd import arriving_crowd
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, watched_page
 from tests.functional.joining import NAME, join
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
-from tests.redefining import redefine
-from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.support.researchers_at_hand import PASSWORD
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

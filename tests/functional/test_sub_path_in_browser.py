@@ -19,7 +19,7 @@ from tests.functional.mturk_frame import (
     launched_for_frames,
 )
 from tests.functional.passing_on import passing_on
-from tests.redefining import redefine
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

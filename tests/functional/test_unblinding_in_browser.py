@@ -19,8 +19,8 @@ from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
 from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.figures_at_hand import FiguresMeanwhile
+from tests.support.figures_at_hand import FiguresMeanwhile
+from tests.support.studies.answered_study import answer_study
 
 pytestmark = IN_A_BROWSER
 

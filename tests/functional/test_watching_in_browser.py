@@ -13,7 +13,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Trial, Video
-from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
     PATIENCE_MS,
@@ -24,7 +23,8 @@ from tests.functional.browsing import (
     playing_on,
     wait_until,
 )
-from tests.redefining import redefine
+from tests.support.studies.finished_study import write_finished_study, write_short_video
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

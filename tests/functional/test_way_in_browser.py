@@ -14,8 +14,8 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, WatchRecord
 from tests.functional.browsing import IN_A_BROWSER, follow, playing_on
 from tests.functional.looking import LAPTOP, photograph
-from tests.redefining import redefine
-from tests.support.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
+from tests.support.studies.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
+from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 

@@ -11,9 +11,9 @@ from generators.interface import Generator, SpeechSegment
 from generators.registry import generator_names
 from motion.clip import MotionClip
 from motion.segment import Segment
-from tests.fingerprint import fingerprint
 from tests.generators.conftest import ClipsInMemory
 from tests.motion.random_clips import clip_of
+from tests.support.fingerprint import fingerprint
 
 # What each version gives, by the name and the version of the generator. Where a change is wanted,
 # raise the generator's version and write its new numbers here.

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE, forget_bit_rates, pad_to_equal_size
-from tests.encoded import Told, write_video
+from tests.support.encoded import Told, write_video
 
 NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
 

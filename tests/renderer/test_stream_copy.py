@@ -13,7 +13,7 @@ from motion.errors import InputError
 from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.loudness import at_common_loudness
 from renderer.stream_copy import copy_video, end_of, write_dubbed
-from tests.encoded import Told, write_video
+from tests.support.encoded import Told, write_video
 
 LASTS = Fraction(2071, 1000)
 SOURCES = {

@@ -23,8 +23,8 @@ from renderer.framing import Camera
 from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
 from renderer.pair import write_pair
 from renderer.stream_copy import copy_video, write_dubbed
-from tests.fingerprint import fingerprint
 from tests.renderer.conftest import SECONDS
+from tests.support.fingerprint import fingerprint
 
 BLOCK = 16
 """Pixels over which colours are averaged, so that rounding cannot be seen in them."""

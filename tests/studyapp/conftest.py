@@ -22,18 +22,18 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
-from tests.finished_study import write_finished_study, write_short_video
-from tests.studyapp.emptying import empty
-from tests.studyapp.figures_at_hand import FiguresAtHand
-from tests.studyapp.s3_stand_in import Store, s3_stand_in, use_keys
-from tests.studyapp.takes import write_motion, write_speech
-from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.compiled_once import compiled_once
-from tests.support.throwaway_postgresql import (
+from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
+from tests.support.servers.throwaway_postgresql import (
     ThrowawayPostgresql,
     programs,
     throwaway_postgresql,
 )
+from tests.support.studies.emptying import empty
+from tests.support.studies.finished_study import write_finished_study, write_short_video
+from tests.support.studies.takes import write_motion, write_speech
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 DatabaseKind = Literal["sqlite", "postgresql"]
 OwnStudy = Callable[[str], StudyFolder]

@@ -19,12 +19,12 @@ from studyapp.database.engine import sqlite_url
 from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
 from studyapp.web.worker import HELD_SECONDS, REQUEST_SECONDS
-from tests.hanging_lines import hanging, slow_body, whole_video
-from tests.support.fabricated_study import StudyShape, write_fabricated_study
-from tests.support.page_scan import seen_videos
-from tests.support.study_server import HOST, study_server
-from tests.support.visitor import Ledger, Visitor
-from tests.support.wire import Wire
+from tests.support.hanging_lines import hanging, slow_body, whole_video
+from tests.support.servers.page_scan import seen_videos
+from tests.support.servers.study_server import HOST, study_server
+from tests.support.servers.visitor import Ledger, Visitor
+from tests.support.servers.wire import Wire
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 HEAVY = (
     *("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny"),

@@ -12,8 +12,8 @@ from generators.diffsheg.train import features_of
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats.ted_npz import AXES
-from tests.fingerprint import fingerprint
 from tests.generators.s2ue.small_network import FACE, standing
+from tests.support.fingerprint import fingerprint
 from tests.training.data.recordings import (
     DOWN,
     write_beat_motion,

@@ -30,8 +30,8 @@ from motion.segment import EMOTIONS
 from motion.skeleton import joint_index
 from renderer.look import default_body
 from tests.analysis.evaluators.published_weights import seeded_weights
-from tests.fingerprint import fingerprint
 from tests.generators.conftest import syllables
+from tests.support.fingerprint import fingerprint
 
 # Where a change is wanted, raise the version in the module and write its new numbers here.
 JOINTS = {"1": [-0.7307, 0.09075]}

@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.server.kill_soak import Strain, kill_soak
 from benchmarks.server.malformed_soak import malformed_soak
-from tests.support.databases import Backend
-from tests.support.throwaway_postgresql import programs
+from tests.support.servers.databases import Backend
+from tests.support.servers.throwaway_postgresql import programs
 
 
 @pytest.mark.slow

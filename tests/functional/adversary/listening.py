@@ -14,9 +14,9 @@ from werkzeug.test import TestResponse
 
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import filled
+from tests.support.studies.taking_part_steps import SetClock
 
 MOST_STEPS: Final = 40
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
+from tests.support.studies.answered_study import answer_study
 
 
 @pytest.fixture

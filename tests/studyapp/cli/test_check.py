@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from studyapp.preflight.finding import CheckRecord, Finding
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 
 
 def check(folder: Path, *options: str, errors: bool = False) -> str:

@@ -23,12 +23,12 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.intake import extend
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import write_finished_study, write_short_video
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.command_line import run
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import SetClock
-from tests.support.stored import opened
+from tests.support.command_line import run
+from tests.support.read_once import read_once
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.finished_study import write_finished_study, write_short_video
+from tests.support.studies.stored import opened
+from tests.support.studies.taking_part_steps import SetClock
 
 REASON = '=cmd; wrote to us, "fell asleep"'
 

@@ -10,11 +10,11 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import LINES, log_change
 from studyapp.session.arrivals import Arrival
-from tests.studyapp.command_line import run
-from tests.studyapp.exported import responses_table
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import SetClock, taking_part
-from tests.support.stored import opened, writing
+from tests.support.command_line import run
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.stored import opened, writing
+from tests.support.studies.taking_part_steps import SetClock, taking_part
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
 

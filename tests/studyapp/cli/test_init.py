@@ -12,7 +12,7 @@ from studyapp.preflight.check import check
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.recruitment import Channel
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 
 
 @pytest.mark.parametrize("template", ["pairwise", "rating", "ranking", "mismatch", "three-systems"])

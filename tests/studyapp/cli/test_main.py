@@ -11,7 +11,7 @@ from motion.errors import InputError
 from studyapp.cli import main as front
 from studyapp.cli.main import main
 from tests.analysis.results.made_tables import ranking_table
-from tests.studyapp.takes import write_motion
+from tests.support.studies.takes import write_motion
 
 Refused = Callable[..., tuple[int, str]]
 

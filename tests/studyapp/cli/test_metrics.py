@@ -8,7 +8,7 @@ import pytest
 
 from motion.clip import MotionClip
 from motion.formats import write_clip
-from tests.studyapp.command_line import refused, run
+from tests.support.command_line import refused, run
 
 
 @pytest.fixture

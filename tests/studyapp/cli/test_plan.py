@@ -9,7 +9,7 @@ import pytest
 
 from studyapp.study.study_file import new_study
 from tests.analysis.results.made_tables import ranking_table
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 
 SMALL = ("--participants", "6,12", "--items", "5", "--effect", "0.8", "--processes", "1")
 

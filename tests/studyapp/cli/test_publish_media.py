@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from studyapp.web.media_store import FILE
-from tests.studyapp.command_line import run
-from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store
+from tests.support.command_line import run
+from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
 
 ADDRESS = "https://study.example.org/studies/one/"
 

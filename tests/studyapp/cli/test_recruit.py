@@ -16,9 +16,9 @@ from studyapp.preflight.recruiting_checks import made_findings
 from studyapp.recruitment.record import draw_codes
 from studyapp.session.arrivals import Arrival
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.command_line import run
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
-from tests.studyapp.taking_part_steps import taking_part
+from tests.support.command_line import run
+from tests.support.studies.taking_part_steps import taking_part
 
 ADDRESS = "https://study.example.org/"
 

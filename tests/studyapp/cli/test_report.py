@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.analysis.results.made_tables import pairwise_table, ranking_table, rating_table
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 
 MADE = {"pairwise": pairwise_table, "ranking": ranking_table, "rating": rating_table}
 

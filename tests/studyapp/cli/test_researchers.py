@@ -11,8 +11,8 @@ from studyapp.researchers.account import accounts
 from studyapp.researchers.credentials import new_secret, turn_on
 from studyapp.researchers.links import choose_password, first_owner_link, join
 from studyapp.researchers.logins import log_in
-from tests.studyapp.command_line import run
-from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.support.command_line import run
+from tests.support.researchers_at_hand import PASSWORD
 
 pytestmark = pytest.mark.usefixtures("cheap_passwords")
 

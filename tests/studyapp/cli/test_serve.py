@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from studyapp.cli import serve_command
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 
 
 @pytest.fixture

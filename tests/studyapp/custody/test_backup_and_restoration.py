@@ -23,9 +23,9 @@ from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.support.stored import reading
-from tests.support.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.studies.stored import reading
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 PEOPLE = ("visit-of-one", "visit-of-two")
 

@@ -22,12 +22,12 @@ from studyapp.session.arrivals import Arrival, note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.exported import responses_table, study_sessions_table
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.support.asked_forms import ADULT, FORM
-from tests.support.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.read_once import read_once
+from tests.support.servers.both_databases import BOTH
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.studies.asked_forms import ADULT, FORM
+from tests.support.studies.exported import responses_table, study_sessions_table
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
 SITTING = "sitting-of-this-person"

@@ -25,7 +25,7 @@ from studyapp.custody.deployment import (
     planned_deployment,
 )
 from studyapp.custody.server_files import deployed_files, write_deployment
-from tests.support.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
 """A folder whose name means something in every kind of file."""

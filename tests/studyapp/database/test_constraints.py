@@ -22,7 +22,7 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
-from tests.support.stored import filled
+from tests.support.studies.stored import filled
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
 NEW = {"token": "y"}

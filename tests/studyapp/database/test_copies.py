@@ -23,7 +23,7 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 """For what is the same on both databases."""

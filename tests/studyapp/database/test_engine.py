@@ -25,7 +25,7 @@ from studyapp.database.engine import (
 from studyapp.database.postgresql import Turn, take_turn, taking_time
 from studyapp.database.sqlite import keeper_of
 from studyapp.database.tables import Place
-from tests.support.throwaway_postgresql import ThrowawayPostgresql
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)

@@ -15,8 +15,8 @@ from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.researchers_at_hand import PASSWORD
 
 Researcher = Callable[..., ResearchBrowser]
 Joined = Callable[[Role], ResearchBrowser]

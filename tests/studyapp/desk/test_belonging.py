@@ -11,8 +11,8 @@ from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import accounts, shut_out
 from studyapp.researchers.links import invite, join
 from tests.studyapp.desk.conftest import Researcher
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.researchers_at_hand import PASSWORD
 
 TINY = "/research/studies/tiny/"
 INSIDE = "/tiny/research/"

@@ -12,8 +12,8 @@ from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.jobs import job_standings
 from studyapp.desk.lab import Lab
 from tests.studyapp.desk.conftest import Joined, Researcher
-from tests.studyapp.takes import write_motion
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.studies.takes import write_motion
 
 TINY = "/research/studies/tiny/"
 UPLOADS = f"{TINY}uploads"

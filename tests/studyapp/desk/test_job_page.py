@@ -8,10 +8,10 @@ from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.jobs import Job
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.audit import logged_changes, looks
-from tests.studyapp.answered_study import answer_study
 from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.studies.answered_study import answer_study
 
 TINY = "/research/studies/tiny/"
 JOBS = f"{TINY}jobs/"

@@ -15,9 +15,9 @@ from studyapp.researchers.audit import logged_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
 from tests.studyapp.desk.conftest import Joined
-from tests.studyapp.takes import write_motion
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.studies.takes import write_motion
 
 TINY = "/research/studies/tiny/"
 MATERIAL = f"{TINY}material"

@@ -10,8 +10,8 @@ from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from tests.redefining import redefine
 from tests.studyapp.test_server import HEAVY
+from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
 

@@ -20,9 +20,9 @@ from studyapp.monitoring.alarms import SMTP, WEBHOOK, AlarmChannels, raise_alarm
 from studyapp.session.arrivals import count_newcomer
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Alarms
-from tests.local_server import listening
-from tests.studyapp.made_study import make_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.servers.local_server import listening
+from tests.support.studies.made_study import make_study
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 @dataclass

@@ -17,8 +17,8 @@ from studyapp.session.ending import FEWEST_LEFT_OUT, withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.watch_evidence import Playback
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def people(database: Database, served: ServedStudy, clock: SetClock) -> None:

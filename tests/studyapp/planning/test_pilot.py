@@ -6,8 +6,8 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.planning.pilot import read_pilot
-from tests.studyapp.answered_study import answer_study
 from tests.studyapp.conftest import OwnStudy
+from tests.support.studies.answered_study import answer_study
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from studyapp.planning.planned_study import (
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import new_study
-from tests.studyapp.made_study import make_segments, make_study
+from tests.support.studies.made_study import make_segments, make_study
 
 SEGMENTS = make_segments(["anger", "sadness", "fear"] * 4)
 

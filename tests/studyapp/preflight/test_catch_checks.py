@@ -12,8 +12,8 @@ import pytest
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from studyapp.preflight.catch_checks import catch_motion_findings, difference, pictures_of, unlike
-from tests.encoded import Told, write_video
-from tests.studyapp.made_study import make_study
+from tests.support.encoded import Told, write_video
+from tests.support.studies.made_study import make_study
 
 FRAMES = 40
 

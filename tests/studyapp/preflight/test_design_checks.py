@@ -10,7 +10,7 @@ import pytest
 from studyapp.preflight.design_checks import balance_findings
 from studyapp.preflight.material import Material
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.made_study import make_segments, make_study
+from tests.support.studies.made_study import make_segments, make_study
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.study_file import new_study
-from tests.edited_study import edited
-from tests.studyapp.takes import write_motion, write_speech
+from tests.support.studies.edited_study import edited
+from tests.support.studies.takes import write_motion, write_speech
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:

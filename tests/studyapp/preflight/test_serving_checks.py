@@ -14,8 +14,8 @@ from studyapp.database.tables import IntakeChange
 from studyapp.preflight.material import Material
 from studyapp.preflight.serving_checks import address_findings, read_findings, serving_findings
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.answered_study import answer_study
-from tests.support.stored import filled, writing
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.stored import filled, writing
 
 
 def material(root: Path) -> Material:

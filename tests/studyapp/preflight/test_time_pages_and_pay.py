@@ -27,8 +27,8 @@ from studyapp.preflight.time_checks import (
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.study_file import new_study
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.made_study import make_segments, make_study
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.made_study import make_segments, make_study
 
 PAGE = {
     "consent": "You agree.",

@@ -27,8 +27,8 @@ from studyapp.preflight.sound_checks import silent_share, sound_findings
 from studyapp.study.design.trial import Content, PlannedTrial, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
-from tests.encoded import Told, write_video
 from tests.studyapp.conftest import OwnStudy
+from tests.support.encoded import Told, write_video
 
 
 def shown(folder: StudyFolder, condition: str, segment: str = "one", *, sound: bool = True) -> Path:

@@ -10,7 +10,7 @@ from typing import Any
 from flask import Flask, abort, jsonify, request
 from flask.typing import ResponseReturnValue
 
-from tests.local_server import listening
+from tests.support.servers.local_server import listening
 
 TOKEN = "stand-in-token-0123456789"  # noqa: S105
 

@@ -12,8 +12,8 @@ from studyapp.recruitment.invitations import (
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol, enrolled
 from studyapp.session.served_study import ServedStudy
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def test_what_is_stored_of_an_invitation_is_no_link(opened: Database, clock: SetClock) -> None:

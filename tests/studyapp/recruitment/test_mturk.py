@@ -30,8 +30,8 @@ from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.made_study import make_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.studies.made_study import make_study
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 ADDRESS = "https://study.example.org/a&b/"
 STUDY = make_study(

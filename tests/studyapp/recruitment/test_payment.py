@@ -20,8 +20,8 @@ from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 CODES = Prolific(completed="KX7QM2PWTR", screened_out="HB4NVJ9ZCD", failed_attention="WU3FGRE8KA")
 WAITING = "AWAITING REVIEW"

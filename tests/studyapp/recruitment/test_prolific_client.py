@@ -15,8 +15,8 @@ from studyapp.recruitment.prolific_client import (
     ProlificRefusedError,
     prolific_token,
 )
-from tests.studyapp.made_study import make_segments, make_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn
+from tests.support.studies.made_study import make_segments, make_study
 
 PAGE = {"consent": "You agree.", "minutes": 10}
 PROLIFIC = {

@@ -6,8 +6,8 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.recruitment.prolific import internal_name, prolific_draft
-from tests.studyapp.made_study import make_segments, make_study
 from tests.studyapp.recruitment.test_prolific_client import PAGE, PROLIFIC, draft
+from tests.support.studies.made_study import make_segments, make_study
 
 SEGMENTS = make_segments(["happiness"] * 4)
 

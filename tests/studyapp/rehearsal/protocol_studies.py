@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import COMMON, PROTOCOLS, write_study_of_one_video
+from tests.support.studies.finished_study import COMMON, PROTOCOLS, write_study_of_one_video
 
 AROUND = "sound_check = true\nbreak_every = 1\n"
 """Keys of `[page]`: the pages around the trials."""

@@ -32,10 +32,10 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
-from tests.studyapp.answered_study import answer_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
-from tests.support.stored import opened, reading
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.stored import opened, reading
 
 REAL = 2
 TRIALS = 6

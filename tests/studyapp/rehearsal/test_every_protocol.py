@@ -23,10 +23,10 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.session.ending import is_excluded
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import answering, browser
-from tests.support.stored import reading
+from tests.support.studies.finished_study import write_short_video
+from tests.support.studies.stored import reading
 
 Written = Callable[[str], StudyFolder]
 

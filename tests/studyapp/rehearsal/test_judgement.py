@@ -19,9 +19,9 @@ from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.rehearsal.protocol_studies import definition
 from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged, seen_of
+from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
 STUDIES = {

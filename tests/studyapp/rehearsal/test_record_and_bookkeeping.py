@@ -10,7 +10,7 @@ from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from tests.studyapp.made_study import make_segments
+from tests.support.studies.made_study import make_segments
 
 
 def test_the_truth_survives_its_file(

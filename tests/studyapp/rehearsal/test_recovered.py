@@ -22,7 +22,7 @@ from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
-from tests.support.stored import writing
+from tests.support.studies.stored import writing
 
 
 def rehearsed(

@@ -18,7 +18,7 @@ from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
-from tests.studyapp.made_study import make_segments
+from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS)
 

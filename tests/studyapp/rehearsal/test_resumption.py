@@ -12,7 +12,7 @@ from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
-from tests.support.stored import filled, opened
+from tests.support.studies.stored import filled, opened
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 

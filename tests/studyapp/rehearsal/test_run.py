@@ -29,11 +29,11 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
-from tests.studyapp.exported import responses_table
-from tests.studyapp.made_study import pair_plan
-from tests.studyapp.read_once import read_once
 from tests.studyapp.rehearsal.steps import seen_of
-from tests.support.stored import opened, reading
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.made_study import pair_plan
+from tests.support.studies.stored import opened, reading
 
 ANSWER = ["rater", "position", "question", "left_condition", "right_condition", "value"]
 

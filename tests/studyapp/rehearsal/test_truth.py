@@ -20,8 +20,8 @@ from studyapp.study.design.trial import AnswerKey
 from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.reading import parse_study
 from studyapp.study.settings.study import Study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.rehearsal.steps import seen_of
+from tests.support.studies.made_study import make_segments
 
 CONDITIONS = ("ours", "theirs", "real")
 SEGMENTS = make_segments(["anger"] * 3)

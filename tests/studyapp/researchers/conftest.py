@@ -10,8 +10,8 @@ from studyapp.database.engine import Database
 from studyapp.researchers.account import Account, Role
 from studyapp.researchers.links import choose_password, invite, join, link_of, offer_new_password
 from studyapp.researchers.logins import WrongLoginError, log_in, logged_in
-from tests.studyapp.researchers_at_hand import HERE, PASSWORD, joined
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.researchers_at_hand import HERE, PASSWORD, joined
+from tests.support.studies.taking_part_steps import SetClock
 
 NEW = "seven quiet bicycles"
 

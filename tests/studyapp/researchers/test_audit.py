@@ -5,9 +5,9 @@ from __future__ import annotations
 from studyapp.database.engine import Database
 from studyapp.researchers.audit import StudyState, logged_changes, looks, note_look
 from studyapp.results.stored_answers import stored_answers
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.read_once import read_once
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import SetClock
 
 STATE = StudyState(finished=12, planned=25, answers=300)
 

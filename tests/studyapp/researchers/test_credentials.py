@@ -22,7 +22,7 @@ from studyapp.researchers.credentials import (
 )
 from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door
-from tests.studyapp.researchers_at_hand import HERE, PASSWORD
+from tests.support.researchers_at_hand import HERE, PASSWORD
 
 
 @pytest.mark.parametrize(

@@ -21,9 +21,9 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.read_once import read_once
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def exclude(database: Database, clock: SetClock, number: int, reason: str = "asleep") -> None:

@@ -26,10 +26,10 @@ from studyapp.researchers.interim_figures import (
 from studyapp.results.looks import agreement_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.figures_at_hand import FiguresAtHand
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 REST = RESTS["results"].total_seconds()
 Ask = Callable[[], Kept]

@@ -15,7 +15,7 @@ from studyapp.researchers.links import (
     usable_links,
 )
 from tests.studyapp.researchers.conftest import NEW, Door
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.studies.taking_part_steps import SetClock
 
 
 def test_a_newer_link_for_the_first_owner_replaces_the_older(

@@ -18,7 +18,7 @@ from studyapp.researchers.attempts import (
 )
 from studyapp.researchers.logins import IDLE, LONGEST, change_password
 from tests.studyapp.researchers.conftest import Door
-from tests.studyapp.researchers_at_hand import HERE, PASSWORD
+from tests.support.researchers_at_hand import HERE, PASSWORD
 
 ELSEWHERE = "192.0.2.9"
 

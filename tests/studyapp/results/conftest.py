@@ -19,9 +19,9 @@ from motion.segment import write_segments
 from studyapp.database.tables import StudySession
 from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.answered_study import answer_study
-from tests.studyapp.taking_part_steps import SetClock
-from tests.support.stored import opened
+from tests.support.studies.answered_study import answer_study
+from tests.support.studies.stored import opened
+from tests.support.studies.taking_part_steps import SetClock
 
 Answered = Callable[..., StudyFolder]
 

@@ -9,9 +9,9 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.results.answer_table import MIDDLE, StudyAnswers, study_answers
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import PROTOCOLS
-from tests.studyapp.exported import responses_table
-from tests.studyapp.read_once import read_once
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.finished_study import PROTOCOLS
 
 Once = Callable[..., Path]
 

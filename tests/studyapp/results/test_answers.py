@@ -12,7 +12,7 @@ from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import leave
-from tests.studyapp.taking_part_steps import taking_part
+from tests.support.studies.taking_part_steps import taking_part
 
 
 @pytest.fixture

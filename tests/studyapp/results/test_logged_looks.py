@@ -21,7 +21,7 @@ from studyapp.results.looks import earlier_looks, note_way_out
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import Answered
-from tests.support.stored import opened, writing
+from tests.support.studies.stored import opened, writing
 
 NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
 

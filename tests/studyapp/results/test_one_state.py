@@ -21,7 +21,7 @@ from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Reader = Callable[[StudyFolder, Path], object]
 

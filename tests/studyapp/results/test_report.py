@@ -10,8 +10,8 @@ import pytest
 from studyapp.results.report import report, report_table
 from studyapp.results.report_subject import report_presets
 from studyapp.study.study_file import new_study
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.conftest import Answered
+from tests.support.studies.finished_study import PROTOCOLS
 
 
 def shares(results: dict[str, Any]) -> dict[tuple[str, ...], float]:

@@ -11,8 +11,8 @@ from PIL import Image
 from motion.errors import InputError
 from studyapp.results.report_subject import COUNT, NO_VIDEOS, SIDE, Stills, frames_at, study_stills
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import SEGMENTS, write_finished_study, write_short_video
 from tests.renderer.figures.small_videos import write_block_video
+from tests.support.studies.finished_study import SEGMENTS, write_finished_study, write_short_video
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ import pytest
 from studyapp.database.engine import Database
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.redefining import redefine
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.studies.redefining import redefine
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Open = Callable[..., Participant]
 

@@ -24,8 +24,8 @@ from studyapp.session.enrolment import enrol
 from studyapp.session.participation import look
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
 from tests.studyapp.session.ledger import good_value
-from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.three_arms import three_arms
+from tests.support.studies.taking_part_steps import SetClock
+from tests.support.studies.three_arms import three_arms
 
 Deed = Literal["arrive", "look", "take trial", "withdraw"]
 Outcome = Literal["place", "full", "going on", "answered", "ended", "withdrawn", "refused"]

@@ -10,7 +10,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
-from tests.studyapp.three_arms import LEASE_MINUTES, PRESENTATIONS
+from tests.support.studies.three_arms import LEASE_MINUTES, PRESENTATIONS
 
 PlaceKey = tuple[str, int]
 

@@ -14,7 +14,7 @@ from studyapp.session.refusal import (
 )
 from studyapp.session.watch_evidence import Playback
 from studyapp.study.settings.recruitment import CODE_LENGTH, CODE_LETTERS
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 
 def stored(participant: Participant) -> list[tuple[str, int]]:

@@ -7,7 +7,7 @@ import pytest
 from studyapp.session.participation import leave_break
 from studyapp.session.shown_trials import expected_seconds, minutes_left
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from sqlalchemy import func, select
 from studyapp.database.tables import FormAnswer, Place, StudySession, Trial
 from studyapp.session.refusal import IneligibleError, UnacceptableError, UnknownAddressError
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 COMPREHENSION = """
 [[form.comprehension]]

@@ -23,8 +23,8 @@ from studyapp.session.refusal import (
 )
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.studyapp.three_arms import three_arms
+from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.three_arms import three_arms
 
 
 def held(opened: Database) -> list[int]:

@@ -15,9 +15,9 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
 from studyapp.study.settings.questions import Reason
-from tests.studyapp.exported import responses_table
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Arrive = Callable[[str], Participant]
 

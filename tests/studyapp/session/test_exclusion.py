@@ -7,10 +7,10 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
-from tests.studyapp.exported import responses_table
-from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.taking_part_steps import Participant
 
 
 def arrive(open_changed: Open, *, replace: bool = True, max_failed: int = 0) -> Participant:

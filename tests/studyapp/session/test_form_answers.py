@@ -8,10 +8,10 @@ from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
 from studyapp.session.form_answers import answer_form
 from studyapp.session.refusal import ConflictError, UnacceptableError
-from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
-from tests.support.asked_forms import ABOUT, ADULT, FORM
+from tests.support.read_once import read_once
+from tests.support.studies.asked_forms import ABOUT, ADULT, FORM
+from tests.support.studies.taking_part_steps import Participant
 
 
 @pytest.fixture

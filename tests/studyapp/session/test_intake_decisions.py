@@ -21,7 +21,7 @@ from studyapp.session.intake import (
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 

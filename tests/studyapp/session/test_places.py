@@ -13,8 +13,8 @@ from studyapp.session.places import release_stale
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.state import find
 from studyapp.session.versions import open_study
-from tests.studyapp.taking_part_steps import Participant, SetClock
-from tests.studyapp.three_arms import three_arms
+from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.three_arms import three_arms
 
 Many = list[Participant]
 

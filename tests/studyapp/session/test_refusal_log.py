@@ -15,7 +15,7 @@ from studyapp.session.refusal import (
     UnknownAddressError,
     note_refusal,
 )
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def note(participant: Participant, refusal: RefusalError, token: str | None = None) -> None:

@@ -26,7 +26,6 @@ from studyapp.session.participation import look
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.emptying import empty
 from tests.studyapp.session.ledger import (
     Ledger,
     Person,
@@ -34,8 +33,9 @@ from tests.studyapp.session.ledger import (
     good_value,
     holders_stored,
 )
-from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.three_arms import three_arms
+from tests.support.studies.emptying import empty
+from tests.support.studies.taking_part_steps import SetClock
+from tests.support.studies.three_arms import three_arms
 
 WHO = st.integers(min_value=0, max_value=100)
 

@@ -15,11 +15,11 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.session.versions import open_study
-from tests.studyapp.emptying import empty
 from tests.studyapp.session.crowd_process import Crowd, Deed, Done, Round, Step
 from tests.studyapp.session.ledger import PlaceKey
-from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.three_arms import LEASE_MINUTES, three_arms
+from tests.support.studies.emptying import empty
+from tests.support.studies.taking_part_steps import SetClock
+from tests.support.studies.three_arms import LEASE_MINUTES, three_arms
 
 PROCESSES = 4
 PEOPLE = 14

@@ -17,11 +17,11 @@ from studyapp.session.refusal import (
 )
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.settings.study import Study
-from tests.studyapp.exported import study_sessions_table
-from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
-from tests.support.asked_forms import ABOUT, ADULT, FORM
+from tests.support.read_once import read_once
+from tests.support.studies.asked_forms import ABOUT, ADULT, FORM
+from tests.support.studies.exported import study_sessions_table
+from tests.support.studies.taking_part_steps import Participant
 
 SOUND_CHECK = ("[page]\n", "[page]\nsound_check = true\n")
 

@@ -17,10 +17,10 @@ from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study
-from tests.redefining import redefine
-from tests.studyapp.added_condition import add_condition, make_videos_anew
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.read_once import read_once
+from tests.support.studies.added_condition import add_condition, make_videos_anew
+from tests.support.studies.redefining import redefine
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Change = Callable[..., ServedStudy]
 

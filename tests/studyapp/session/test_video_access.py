@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from studyapp.session.video_access import content_of
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 
 def test_only_the_present_and_the_following_video_are_given_out(

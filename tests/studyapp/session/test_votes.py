@@ -8,7 +8,7 @@ from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trial_rows import votes_so_far
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 
 def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str], float]:

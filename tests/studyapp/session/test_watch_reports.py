@@ -11,7 +11,7 @@ from studyapp.session.refusal import (
     UnacceptableError,
 )
 from studyapp.session.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant
 
 UNCOUNTED = {
     "fast": Playback(rate=1.5),

@@ -22,12 +22,12 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import promise_made
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.redefining import redefine
-from tests.studyapp.exported import responses_table
-from tests.studyapp.read_once import read_once
 from tests.studyapp.session.conftest import Open
-from tests.studyapp.taking_part_steps import Participant
-from tests.support.asked_forms import ADULT, ELIGIBILITY
+from tests.support.read_once import read_once
+from tests.support.studies.asked_forms import ADULT, ELIGIBILITY
+from tests.support.studies.exported import responses_table
+from tests.support.studies.redefining import redefine
+from tests.support.studies.taking_part_steps import Participant
 
 ABOUT_THEM: tuple[type[Base], ...] = (
     Trial,

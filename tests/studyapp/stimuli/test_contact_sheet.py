@@ -9,15 +9,15 @@ from PIL import Image
 from studyapp.stimuli.contact_sheet import write_contact_sheet
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, Stimuli, read_stimuli, write_stimuli
-from tests.finished_study import (
+from tests.renderer.figures.small_videos import write_block_video
+from tests.support.studies.finished_study import (
     PROTOCOLS,
     SEGMENTS,
     write_finished_study,
     write_short_video,
 )
-from tests.renderer.figures.small_videos import write_block_video
-from tests.studyapp.takes import write_motion
-from tests.tiny_study import SECONDS
+from tests.support.studies.takes import write_motion
+from tests.support.studies.tiny_study import SECONDS
 
 CONDITIONS = ("rule_based", "mismatched", "broken")
 

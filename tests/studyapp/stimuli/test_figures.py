@@ -21,7 +21,7 @@ from studyapp.stimuli.figure_material import FigureMaterial
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.still_figures import Choice, Print, write_overlay, write_still
 from studyapp.study.folder import StudyFolder
-from tests.edited_study import edited
+from tests.support.studies.edited_study import edited
 
 pytestmark = pytest.mark.slow
 

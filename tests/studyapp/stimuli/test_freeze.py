@@ -15,8 +15,8 @@ from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.shown_motion import read_motion_shown
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
-from tests.edited_study import edited
-from tests.finished_study import PROTOCOLS
+from tests.support.studies.edited_study import edited
+from tests.support.studies.finished_study import PROTOCOLS
 
 FROZEN = ("face", "lower_body", "root")
 

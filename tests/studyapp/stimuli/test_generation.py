@@ -12,7 +12,7 @@ from motion.placement import place
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
-from tests.edited_study import edited
+from tests.support.studies.edited_study import edited
 
 MakeTake = Callable[..., Take]
 

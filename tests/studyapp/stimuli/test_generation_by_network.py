@@ -12,8 +12,8 @@ from motion.errors import InputError
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
-from tests.edited_study import edited
 from tests.generators.diffsheg.small_network import written_network
+from tests.support.studies.edited_study import edited
 from training.hearing.hubert import stand_in
 
 

@@ -23,7 +23,7 @@ from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import sources
 from studyapp.study.settings.reading import read_study
-from tests.edited_study import edited
+from tests.support.studies.edited_study import edited
 
 
 class SwaySettings(ModelSettings):

@@ -13,8 +13,8 @@ from studyapp.cli.main import group
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
-from tests.encoded import Told, write_video
-from tests.studyapp.takes import write_motion, write_speech
+from tests.support.encoded import Told, write_video
+from tests.support.studies.takes import write_motion, write_speech
 
 WHO = ("--speaker", "ada", "--emotion", "anger")
 

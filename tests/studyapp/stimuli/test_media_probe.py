@@ -6,7 +6,7 @@ import av
 import numpy as np
 
 from studyapp.stimuli.media_probe import Flaw, flaw_of
-from tests.encoded import Told, write_video
+from tests.support.encoded import Told, write_video
 
 
 def test_sound_alone_and_other_formats_are_no_video(tmp_path: Path) -> None:

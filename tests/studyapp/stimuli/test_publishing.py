@@ -12,8 +12,8 @@ from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.web.media_store import FILE, Place, Published, digests_of, read_published
-from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store, forget_keys
-from tests.tiny_study import write_pair_video
+from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store, forget_keys
+from tests.support.studies.tiny_study import write_pair_video
 
 ORIGIN = "https://study.example.org"
 

@@ -19,9 +19,9 @@ from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.study_file import new_study
-from tests.edited_study import edited
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.conftest import OwnStudy
+from tests.support.studies.edited_study import edited
+from tests.support.studies.finished_study import PROTOCOLS
 
 pytestmark = pytest.mark.slow
 

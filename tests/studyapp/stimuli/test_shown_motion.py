@@ -18,7 +18,7 @@ from studyapp.stimuli.shown_motion import (
 )
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.preflight.test_preflight import change
-from tests.studyapp.takes import write_motion, write_speech
+from tests.support.studies.takes import write_motion, write_speech
 
 
 def _clip(**face: Any) -> MotionClip:

@@ -23,8 +23,8 @@ from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, read_stimuli
-from tests.encoded import Told, write_video
-from tests.finished_study import write_finished_study
+from tests.support.encoded import Told, write_video
+from tests.support.studies.finished_study import write_finished_study
 
 LOUD = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
 LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)

@@ -18,8 +18,8 @@ from renderer.encoder import SOUND_RATE
 from studyapp.cli.main import group
 from studyapp.stimuli import video_takes
 from studyapp.stimuli.video_takes import LEFT_OUT, import_video
-from tests.encoded import Told, write_video
 from tests.motion.random_clips import random_clip
+from tests.support.encoded import Told, write_video
 from training.data.folders import read_takes
 
 SECONDS = 8

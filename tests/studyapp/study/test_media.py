@@ -19,10 +19,10 @@ from studyapp.study.media import (
     read_stimuli,
     write_stimuli,
 )
-from tests.finished_study import PROTOCOLS, SEGMENTS
 from tests.studyapp.conftest import OwnStudy
-from tests.studyapp.made_study import make_study
-from tests.studyapp.takes import write_speech
+from tests.support.studies.finished_study import PROTOCOLS, SEGMENTS
+from tests.support.studies.made_study import make_study
+from tests.support.studies.takes import write_speech
 
 OTHER = Stimulus(condition="ours", segment="one", speech="two")
 MUTED = Stimulus(condition="ours", segment="one", speech=None)

@@ -14,8 +14,8 @@ from flask import Flask
 
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
-from tests.redefining import redefine
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.studies.redefining import redefine
+from tests.support.studies.taking_part_steps import SetClock
 
 Serve = Callable[..., Flask]
 

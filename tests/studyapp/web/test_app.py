@@ -11,8 +11,8 @@ from motion.errors import InputError
 from studyapp.web.app import create_app, window_name
 from studyapp.web.participants import participant
 from studyapp.web.protection import AT_ONCE, KEPT, Pace
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
+from tests.support.studies.taking_part_steps import SetClock
 
 
 def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> None:

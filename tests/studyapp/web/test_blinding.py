@@ -21,10 +21,10 @@ from werkzeug.test import TestResponse
 
 from studyapp.database.tables import Trial, Video
 from studyapp.web.running import attach, running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
+from tests.support.studies.taking_part_steps import SetClock
 
 CONDITIONS = r"rule_based|mismatched|broken|ground_truth|Ours \(full"
 SECRETS = re.compile(

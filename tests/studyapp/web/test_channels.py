@@ -14,12 +14,12 @@ from studyapp.recruitment.invitations import make_invitations
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.sent_by import COOKIE
 from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
 from tests.studyapp.web.visitor import Visitor, stored_in
-from tests.support.asked_forms import FORM
+from tests.support.studies.asked_forms import FORM
+from tests.support.studies.taking_part_steps import SetClock
 
 CODES = {
     "completed": "KX7QM2PWTR",

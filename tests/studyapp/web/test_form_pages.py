@@ -10,7 +10,7 @@ from studyapp.database.tables import FormAnswer
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import stored_in
-from tests.support.asked_forms import FORM, SCALE
+from tests.support.studies.asked_forms import FORM, SCALE
 
 
 @pytest.fixture

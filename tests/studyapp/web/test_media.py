@@ -14,9 +14,9 @@ from studyapp.database.tables import StudySession, Video
 from studyapp.study.media import read_stimuli, write_stimuli
 from studyapp.web.running import attach, running
 from studyapp.web.worker import StudyWorker
-from tests.studyapp.added_condition import make_videos_anew
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.studies.added_condition import make_videos_anew
+from tests.support.studies.taking_part_steps import SetClock
 
 
 @pytest.fixture

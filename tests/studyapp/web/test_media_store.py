@@ -21,7 +21,9 @@ from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
 from studyapp.web.running import running
-from tests.studyapp.s3_stand_in import (
+from tests.studyapp.web.conftest import Serve
+from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.servers.s3_stand_in import (
     BUCKET,
     KEY,
     Store,
@@ -29,9 +31,7 @@ from tests.studyapp.s3_stand_in import (
     s3_stand_in,
     use_keys,
 )
-from tests.studyapp.taking_part_steps import SetClock
-from tests.studyapp.web.conftest import Serve
-from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.studies.taking_part_steps import SetClock
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ from motion.errors import InputError
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.mounting import checked_prefix
 from studyapp.web.running import running
-from tests.studyapp.researchers_at_hand import PASSWORD
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
-from tests.support.asked_forms import FORM
+from tests.support.researchers_at_hand import PASSWORD
+from tests.support.studies.asked_forms import FORM
+from tests.support.studies.taking_part_steps import SetClock
 
 PREFIX = "/studies/one"
 ADDRESSES = ("href", "src", "action", "data-address", "data-watched-url", "content")

@@ -15,11 +15,11 @@ from studyapp.study.settings.study import Study
 from studyapp.web.language import speak
 from studyapp.web.running import running
 from tests.functional.shown_studies import NAMES, write_shown_study
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.taking_part_steps import SetClock
 
 
 @pytest.fixture(scope="module")

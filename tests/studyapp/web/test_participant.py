@@ -12,10 +12,10 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession, Trial
 from studyapp.web.protection import AT_ONCE
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.studies.taking_part_steps import SetClock
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ import pytest
 from flask import Flask, abort
 from werkzeug.exceptions import default_exceptions
 
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.taking_part_steps import SetClock
 
 WEB = Path(__file__).parents[3] / "studyapp" / "web"
 

@@ -11,9 +11,9 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, Response
 from studyapp.web.running import attach, running
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 TOO_MUCH = "More of the video was reported as played than there was time for."
 ANSWERED = "You have already answered this page, and your first answer is stored."

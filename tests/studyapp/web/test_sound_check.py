@@ -18,9 +18,9 @@ from studyapp.database.tables import StudySession
 from studyapp.study.settings.presentation import Language
 from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.taking_part_steps import SetClock
 
 
 def heard(sound: bytes) -> tuple[NDArray[np.float64], int]:

@@ -13,10 +13,10 @@ from sqlalchemy import select
 from motion.segment import EMOTIONS
 from studyapp.database.tables import Response, Trial, Video
 from studyapp.web.participants.trial_page import EMOTION_WORDS
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, filled, stored_in
+from tests.support.studies.taking_part_steps import SetClock
 
 Arrive = Callable[..., Visitor]
 

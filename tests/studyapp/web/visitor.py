@@ -12,8 +12,8 @@ from sqlalchemy import Select, select
 
 from studyapp.database.tables import StudySession
 from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
+from tests.support.studies.taking_part_steps import SetClock
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
 WATCHED = {"batch": 0, "intervals": [[0.0, 2.0]]}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.studyapp.cli.material.conftest import CORPUS, RATE
-from tests.studyapp.command_line import refused, run
+from tests.support.command_line import refused, run
 
 
 def test_numbers_that_make_no_corpus_are_refused_before_anything_is_written(tmp_path: Path) -> None:

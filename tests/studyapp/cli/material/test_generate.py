@@ -10,7 +10,7 @@ from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from studyapp.study.study_file import new_study
 from tests.generators.diffsheg.small_network import written_network
-from tests.studyapp.command_line import refused, run
+from tests.support.command_line import refused, run
 
 
 @pytest.fixture

@@ -12,8 +12,8 @@ from bs4 import BeautifulSoup
 from motion.audio import read_audio
 from motion.formats import read_motion
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
-from tests.studyapp.command_line import refused, run
-from tests.studyapp.takes import write_motion, write_speech
+from tests.support.command_line import refused, run
+from tests.support.studies.takes import write_motion, write_speech
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from analysis.evaluators.evaluator import load_evaluator
 from motion.formats import write_clip
 from tests.analysis.evaluators.swinging import SWINGS, swinging
-from tests.studyapp.command_line import refused, run
+from tests.support.command_line import refused, run
 from tests.support.short_training import short_training
 from training.device import torch_threads
 

@@ -11,7 +11,7 @@ import pytest
 from generators.registry import generator_names, trainable_names, trainable_of
 from motion.errors import InputError
 from motion.formats import read_clip
-from tests.studyapp.command_line import run
+from tests.support.command_line import run
 from tests.support.short_training import short_training
 
 

@@ -10,7 +10,7 @@ import pytest
 from studyapp.session.arrivals import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.export.people import FORM, SAID
-from tests.studyapp.taking_part_steps import taking_part
+from tests.support.studies.taking_part_steps import taking_part
 
 
 @pytest.fixture(scope="session")

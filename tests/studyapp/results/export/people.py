@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.study.folder import StudyFolder
-from tests.support.stored import reading
+from tests.support.studies.stored import reading
 
 FORMULA = '=HYPERLINK("http://example.org/?" & A1, "me")'
 

@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.exported import responses_table, study_sessions_table
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.read_once import read_once
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.exported import responses_table, study_sessions_table
+from tests.support.studies.taking_part_steps import Participant
 
 
 def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant) -> None:

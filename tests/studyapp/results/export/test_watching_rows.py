@@ -10,9 +10,9 @@ from studyapp.results.export.rows import refusals_table, watching_table
 from studyapp.session.ending import withdraw
 from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
 from studyapp.session.watch_evidence import Playback
-from tests.studyapp.both_databases import BOTH
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant
+from tests.support.read_once import read_once
+from tests.support.servers.both_databases import BOTH
+from tests.support.studies.taking_part_steps import Participant
 
 
 @BOTH

@@ -23,10 +23,10 @@ from studyapp.results.export.columns import (
 )
 from studyapp.results.export.writing import Exported, export
 from studyapp.study.folder import StudyFolder
-from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
-from tests.studyapp.taking_part_steps import SetClock
-from tests.support.stored import writing
+from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.stored import writing
+from tests.support.studies.taking_part_steps import SetClock
 
 Answered = Callable[[str], StudyFolder]
 

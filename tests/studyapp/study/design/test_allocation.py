@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS
 from studyapp.study.design.allocation import even_quotas, planned_trials
-from tests.studyapp.made_study import make_segments
+from tests.support.studies.made_study import make_segments
 
 AVAILABLE = st.dictionaries(
     st.sampled_from(EMOTIONS), st.integers(min_value=1, max_value=9), min_size=1

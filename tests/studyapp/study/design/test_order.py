@@ -11,7 +11,7 @@ from studyapp.study.design.order import (
     scattered,
 )
 from studyapp.study.design.trial import Kind, PlannedTrial
-from tests.studyapp.made_study import make_segments
+from tests.support.studies.made_study import make_segments
 
 SEEDS = st.integers(0, 2**32 - 1)
 

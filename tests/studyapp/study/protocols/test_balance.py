@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from motion.segment import EMOTIONS
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.study import Study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import KEYS, make
+from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS * 4)
 PLACES = st.integers(1, 40)

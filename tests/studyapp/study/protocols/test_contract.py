@@ -14,13 +14,13 @@ from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.reading import ALIASES, PROTOCOLS, parse_study
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import arm_digest, design_digest
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import (
     KEYS,
     in_order,
     make,
     obedient,
 )
+from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS * 2)
 PROTOCOL_NAMES = st.sampled_from(sorted(KEYS))

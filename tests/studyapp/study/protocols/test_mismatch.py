@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.study_file import new_study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import make, question
+from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from motion.segment import EMOTIONS
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from tests.studyapp.made_study import make_segments, make_study, pair_plan
+from tests.support.studies.made_study import make_segments, make_study, pair_plan
 
 
 @st.composite

@@ -9,8 +9,8 @@ from motion.segment import Segment
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.study_file import new_study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import make
+from tests.support.studies.made_study import make_segments
 
 BLOCKS = [
     {"name": "long", "conditions": ["ours", "theirs", "static"], "trials": 8, "shortest": 30},

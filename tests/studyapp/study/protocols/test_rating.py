@@ -11,8 +11,8 @@ from motion.segment import EMOTIONS
 from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.study_file import new_study
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import LABELS, make, question
+from tests.support.studies.made_study import make_segments
 
 
 def scale(name: str, **more: Any) -> RatingQuestion:

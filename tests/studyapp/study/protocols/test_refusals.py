@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from tests.studyapp.made_study import make_segments
 from tests.studyapp.study.protocols.made_protocols import KEYS, LABELS, make, question
+from tests.support.studies.made_study import make_segments
 
 FIT = question("q")
 LONG = {"name": "long", "conditions": ["ours", "theirs"], "trials": 8, "shortest": 30}

@@ -10,7 +10,7 @@ from studyapp.study.settings.recruitment import (
     draw_code,
     guessable,
 )
-from tests.studyapp.made_study import make_study
+from tests.support.studies.made_study import make_study
 
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 

@@ -9,9 +9,9 @@ from flask import Flask
 
 from studyapp.database.engine import Database
 from studyapp.web.running import running
-from tests.studyapp.researchers_at_hand import joined
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.researchers_at_hand import joined
+from tests.support.studies.taking_part_steps import SetClock
 
 NAMES = {"owner": "Ada", "analyst": "Charles", "viewer": "Mary"}
 

@@ -6,8 +6,8 @@ from flask import Flask
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.page_reader import PageReader
+from tests.support.researchers_at_hand import PASSWORD
 
 LOGIN = "/research/log-in"
 

@@ -16,10 +16,10 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
-from tests.studyapp.read_once import read_once
-from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.read_once import read_once
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 ONE = "/research/study-sessions/1"
 LIST = "/research/study-sessions"

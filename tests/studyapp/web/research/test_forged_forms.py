@@ -7,10 +7,10 @@ from itertools import product
 from studyapp.researchers.account import accounts
 from studyapp.researchers.links import usable_links
 from studyapp.web.research.page import form_code
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
 from tests.studyapp.web.research.test_access import MAY, PLACE
+from tests.support.researchers_at_hand import PASSWORD
 
 POSTS = sorted(rule for method, rule in MAY if method == "POST" and "/preview/" not in rule)
 

@@ -6,13 +6,13 @@ from itertools import product
 
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.links import invite, join
-from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.research.test_access import MAY, PLACE
 from tests.studyapp.web.visitor import Visitor
+from tests.support.researchers_at_hand import PASSWORD
 
 SCRIPT = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>"
 

@@ -12,11 +12,11 @@ from flask import Flask
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.web.research.motion_scenes import WantedScene, scenes_of, scenes_of_trial
-from tests.studyapp.takes import write_motion
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.takes import write_motion
+from tests.support.studies.taking_part_steps import SetClock
 
 CONDITIONS = ("rule_based", "mismatched", "broken")
 SESSION = "/research/study-sessions/1/1/motion"

@@ -16,11 +16,11 @@ from studyapp.researchers.attempts import MOST_OF_NAME
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.research.page import COOKIE
 from studyapp.web.running import attach, client_address, running
-from tests.studyapp.researchers_at_hand import PASSWORD
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
+from tests.support.researchers_at_hand import PASSWORD
+from tests.support.studies.taking_part_steps import SetClock
 
 NAME = COOKIE.name("tiny")
 

@@ -19,14 +19,14 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import running
-from tests.finished_study import PROTOCOLS
-from tests.studyapp.researchers_at_hand import joined
-from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
+from tests.support.researchers_at_hand import joined
+from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.taking_part_steps import SetClock
 
 OWN = ("action", "src", "data-watched-url", "data-watched", "data-following", "data-next-batch")
 """What belongs to one participant or address."""

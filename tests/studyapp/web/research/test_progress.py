@@ -14,9 +14,9 @@ from studyapp.session.intake import decided
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def people(app: Flask, clock: SetClock) -> None:

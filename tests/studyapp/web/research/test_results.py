@@ -10,10 +10,10 @@ from flask import Flask
 
 from studyapp.researchers.audit import logged_changes, looks
 from studyapp.web.running import running
-from tests.studyapp.figures_at_hand import FiguresAtHand
-from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 RESULTS = "/research/results"
 

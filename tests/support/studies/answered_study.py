@@ -8,7 +8,7 @@ import numpy as np
 
 from studyapp.session.answers import answer
 from studyapp.session.shown_trials import ShownTrial
-from tests.studyapp.taking_part_steps import Participant, taking_part
+from tests.support.studies.taking_part_steps import Participant, taking_part
 
 
 def answer_study(

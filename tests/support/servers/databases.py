@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Final, Literal
 
 from studyapp.database.engine import sqlite_url
-from tests.support.processes import family_cpu_seconds
-from tests.support.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
+from tests.support.servers.processes import family_cpu_seconds
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
 
 Backend = Literal["sqlite", "postgresql"]
 BACKENDS: Final[tuple[Backend, ...]] = ("sqlite", "postgresql")

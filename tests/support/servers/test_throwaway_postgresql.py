@@ -11,8 +11,8 @@ import pytest
 from sqlalchemy import create_engine, text
 
 from motion.errors import InputError
-from tests.support import throwaway_postgresql as module
-from tests.support.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
+from tests.support.servers import throwaway_postgresql as module
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
 
 pytestmark = pytest.mark.skipif(
     module.programs() is None, reason="PostgreSQL (Debian's package) is not installed"
@@ -61,7 +61,7 @@ def copies_go_their_own_way(server: ThrowawayPostgresql) -> None:
 
 
 PROGRAM = """
-from tests.support.throwaway_postgresql import throwaway_postgresql
+from tests.support.servers.throwaway_postgresql import throwaway_postgresql
 with throwaway_postgresql(durable=False) as server:
     print(server.folder, flush=True)
     input()

@@ -6,7 +6,7 @@ from studyapp.database.engine import Database
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
 from studyapp.researchers.logins import log_in, logged_in
-from tests.studyapp.taking_part_steps import SetClock
+from tests.support.studies.taking_part_steps import SetClock
 
 PASSWORD = "correct horse battery"  # noqa: S105 - it opens nothing but tests
 HERE = "192.0.2.1"

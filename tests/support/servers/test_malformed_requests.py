@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from tests.support.malformed_requests import Known, malformed_requests
+from tests.support.servers.malformed_requests import Known, malformed_requests
 
 KNOWN = Known(pages=["/take/me"], trials=["trial"], videos=["video"])
 

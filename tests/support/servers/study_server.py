@@ -18,7 +18,7 @@ from typing import Final
 from motion.errors import InputError
 from studyapp.rehearsal.server import free_port
 from studyapp.web.server import THREADS, WORKERS, run_server
-from tests.support.processes import children, cpu_seconds, is_running
+from tests.support.servers.processes import children, cpu_seconds, is_running
 
 HOST: Final = "127.0.0.1"
 SPEED: Final = 10_000.0

@@ -9,7 +9,7 @@ from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.finished_videos import finished_video
 from studyapp.study.folder import StudyFolder
-from tests.tiny_study import write_pair_video
+from tests.support.studies.tiny_study import write_pair_video
 
 SEGMENTS = ("one", "two", "three")
 

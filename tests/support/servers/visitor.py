@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from studyapp.rehearsal.bookkeeping import AnswerPlace
-from tests.support.page_scan import SeenForm, seen_files, seen_form, seen_videos
-from tests.support.wire import LostConnectionError, Reply, Wire
+from tests.support.servers.page_scan import SeenForm, seen_files, seen_form, seen_videos
+from tests.support.servers.wire import LostConnectionError, Reply, Wire
 
 Kind = Literal["consent", "start", "begin", "page", "file", "media", "watched", "answers"]
 """What a request is for."""

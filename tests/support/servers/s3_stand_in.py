@@ -22,7 +22,7 @@ from xml.sax.saxutils import escape
 
 import pytest
 
-from tests.local_server import answering
+from tests.support.servers.local_server import answering
 
 KEY = "AKIASTANDIN"
 SECRET = "a-secret-that-must-never-be-seen"  # noqa: S105 - of this stand-in alone

@@ -26,7 +26,7 @@ from studyapp.session.versions import open_study
 from studyapp.session.video_access import content_to_send
 from studyapp.session.watch_evidence import Playback, Report, Watched
 from studyapp.session.watch_reports import record_watched
-from tests.support.stored import opened
+from tests.support.studies.stored import opened
 
 Result = TypeVar("Result")
 ANSWERS = {"rhythm": "1", "emotion": "-2"}

@@ -8,7 +8,7 @@ from typing import Final
 
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.media import VideoFile
-from tests.studyapp.made_study import make_segments, make_study
+from tests.support.studies.made_study import make_segments, make_study
 
 LEASE_MINUTES: Final = 45
 PRESENTATIONS: Final = 3
