@@ -94,9 +94,10 @@ def note_way_out(
         else "That you looked is logged, and later reports say so."
     )
     seen = "the report shows" if way == "report" else "the answers show"
+    have = "has" if state.finished == 1 else "have"
     return (
-        f"{state.finished} of {state.planned} planned participants have finished. To stop, extend "
-        f"or change the study because of what {seen} makes false findings likelier. "
+        f"{state.finished} of {state.planned} planned participants {have} finished. To stop, "
+        f"extend or change the study because of what {seen} makes false findings likelier. "
         f"{logged}"
     )
 
