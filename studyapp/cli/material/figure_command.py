@@ -14,7 +14,7 @@ from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
-    from studyapp.stimuli.still_figures import Choice, Print
+    from studyapp.stimuli.figures.stills import Choice, Print
 
 _OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
@@ -114,7 +114,7 @@ def command() -> None:
 @output
 def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     """Write one frame of one condition as PNG."""
-    from studyapp.stimuli.still_figures import write_still
+    from studyapp.stimuli.figures.stills import write_still
 
     name = f"still-{choice['segment']}-{choice['condition']}-{choice['seconds']:g}s.png"
     path = output or folder.figures / name
@@ -151,7 +151,7 @@ def strip(
     **options: Any,
 ) -> None:
     """Write a strip: a row for each condition, a column for each key word."""
-    from studyapp.stimuli.still_figures import write_strip
+    from studyapp.stimuli.figures.stills import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
     write_strip(folder, choice, printed, count=count, wave=wave, skeleton=skeleton)
@@ -185,7 +185,7 @@ def overlay(
     Several moments make a trail, older ones fainter; several conditions or motion files are
     tinted, each in a colour of its own.
     """
-    from studyapp.stimuli.still_figures import write_overlay
+    from studyapp.stimuli.figures.stills import write_overlay
 
     choice, printed = _split(folder, "overlay", output, options)
     write_overlay(folder, choice, printed, motions=motions)
@@ -210,7 +210,7 @@ def overlay(
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
     """Write a video of several conditions side by side, each with its name."""
-    from studyapp.stimuli.figure_grids import write_grid_of
+    from studyapp.stimuli.figures.grids import write_grid_of
 
     slow = "" if options["speed"] == 1 else f"-slow{options['speed']:g}"
     path = output or folder.figures / f"grid-{options['segment']}{slow}.mp4"
@@ -223,7 +223,7 @@ def _split(
     folder: StudyFolder, kind: str, output: Path | None, options: dict[str, Any]
 ) -> tuple[Choice, Print]:
     """Return what a figure shows and how it is printed."""
-    from studyapp.stimuli.still_figures import Choice, Print
+    from studyapp.stimuli.figures.stills import Choice, Print
 
     outputs = (
         (output,)

@@ -54,7 +54,7 @@ def command(
     click.echo(f"Rendered {counted(count.made, 'video')}, kept {count.kept} that still fit.")
     if sheet:
         # Imported here: it needs matplotlib's fonts, and rendering alone does not.
-        from studyapp.stimuli.contact_sheet import write_contact_sheet
+        from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 
         with progress("sheet", "clip") as show:
             page = write_contact_sheet(folder, threads=processes, on_done=show)
@@ -124,7 +124,7 @@ def preview_command(
 ) -> None:
     """Show each motion FILE in three dimensions, as a video, GLB or BVH; no study is needed."""
     # Imported here: drawing takes a second to load, and a wrong option should be told at once.
-    from studyapp.stimuli.motion_preview import (
+    from studyapp.stimuli.figures.motion_preview import (
         PAGE,
         distinct_names,
         read_previewed,

@@ -17,7 +17,7 @@ from studyapp.preflight.material import Material
 from studyapp.preflight.shown_video_checks import shown_video_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.session.served_study import ServedStudy
-from studyapp.stimuli.contact_sheet import write_contact_sheet
+from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.stimuli.rendering import render
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.design.trial import Stimulus

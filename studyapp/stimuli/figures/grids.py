@@ -11,7 +11,7 @@ from motion.errors import InputError
 from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import SLOWEST, GridLayout, Panel, write_grid
 from renderer.figures.skeleton_lines import Place
-from studyapp.stimuli.figure_material import FigureMaterial
+from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.study.folder import StudyFolder
 
 WIDEST: Final = 1920

@@ -16,10 +16,10 @@ from motion.formats import read_clip, write_clip
 from renderer.figures.strip import Moment
 from renderer.look import BACKGROUND
 from studyapp.cli.main import group
-from studyapp.stimuli.figure_grids import write_grid_of
-from studyapp.stimuli.figure_material import FigureMaterial
+from studyapp.stimuli.figures.grids import write_grid_of
+from studyapp.stimuli.figures.material import FigureMaterial
+from studyapp.stimuli.figures.stills import Choice, Print, write_overlay, write_still
 from studyapp.stimuli.recordings import Take, import_take
-from studyapp.stimuli.still_figures import Choice, Print, write_overlay, write_still
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.edited_study import edited
 

@@ -19,7 +19,7 @@ from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip
 from renderer.shown_clip import frame_at
-from studyapp.stimuli.figure_material import FigureMaterial, check_distinct
+from studyapp.stimuli.figures.material import FigureMaterial, check_distinct
 from studyapp.study.folder import StudyFolder
 
 

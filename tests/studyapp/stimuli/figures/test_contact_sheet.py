@@ -6,7 +6,7 @@ import pytest
 from bs4 import BeautifulSoup
 from PIL import Image
 
-from studyapp.stimuli.contact_sheet import write_contact_sheet
+from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from tests.renderer.figures.small_videos import write_block_video

@@ -14,7 +14,7 @@ from motion.segment import Segment
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
 from renderer.look import CELL_VERSION
-from studyapp.stimuli.motion_pages import MotionPages
+from studyapp.stimuli.figures.motion_pages import MotionPages
 from studyapp.stimuli.render_plan import video_look
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ShownVideo, shown_videos
