@@ -99,6 +99,7 @@ def packed_scene(
     return {
         "speech": None if scene.speech is None else keep(_mp3(scene.speech)),
         "camera": asdict(frame_clips(scene.clips.values(), body, look)),
+        "background": "#{:02x}{:02x}{:02x}".format(*look.background),
         "clips": [
             {"name": name, "source": keep(track(clip, body))} for name, clip in scene.clips.items()
         ],

@@ -7,7 +7,7 @@
    clock, which is the speech where there is any. */
 "use strict";
 (() => {
-const BACKGROUND = 0xececee, SKELETON = 0x0072b2, GROUND = 0xd9d9dd;
+const SKELETON = 0x0072b2;
 const NARROW = 500;  // pixels, in which two figures stand side by side, else three
 const LARGEST_ANGLE = 0.56 * Math.PI;  // from straight above to a little below the ground
 let running = null;
@@ -102,7 +102,7 @@ function twistAngle(turn, axis) {
 }
 
 class Performer {
-  constructor(avatar, geometry, clip) {
+  constructor(avatar, geometry, clip, background) {
     this.avatar = avatar;
     this.clip = clip;
     this.twists = twistsOf(avatar);
@@ -121,10 +121,11 @@ class Performer {
     this.mesh.bind(new THREE.Skeleton(this.bones));
     this.lines = this.skeletonLines();
     const floor = new THREE.Mesh(
-      new THREE.CircleGeometry(0.7, 48), new THREE.MeshBasicMaterial({ color: GROUND }));
+      new THREE.CircleGeometry(0.7, 48),
+      new THREE.MeshBasicMaterial({ color: 0, transparent: true, opacity: 0.08 }));
     floor.rotation.x = -Math.PI / 2;
     floor.position.y = avatar.ground - 0.002;
-    this.scene = litScene();
+    this.scene = litScene(background);
     this.scene.add(this.mesh, this.lines, floor);
     this.frame = -1;
   }
@@ -180,9 +181,9 @@ class Performer {
   }
 }
 
-function litScene() {
+function litScene(background) {
   const scene = new THREE.Scene();
-  scene.background = new THREE.Color(BACKGROUND);
+  scene.background = new THREE.Color(background);
   scene.add(new THREE.AmbientLight(0xeceff7, 1.2));
   for (const [x, y, z, strength] of [[-0.55, 0.75, 0.95, 2.0], [0.95, 0.15, 0.55, 0.7], [0.35, 0.65, -0.9, 1.0]]) {
     const light = new THREE.DirectionalLight(0xffffff, strength);
@@ -251,7 +252,8 @@ class Player {
   constructor(figure, scene, avatar, clips, speech) {
     this.figure = figure;
     const geometry = bodyOf(avatar);
-    this.performers = clips.map(clip => new Performer(avatar, geometry, clip));
+    this.performers = clips.map(
+      clip => new Performer(avatar, geometry, clip, scene.background));
     const seconds = Math.max(...this.performers.map(performer => performer.seconds));
     this.clock = speech ? new SpeechClock(seconds, speech) : new Clock(seconds);
     this.columns = Math.min(clips.length, figure.clientWidth < NARROW ? 2 : 3);

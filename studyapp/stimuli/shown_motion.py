@@ -180,6 +180,7 @@ def study_look(folder: StudyFolder, study: Study) -> Look:
         frame_rate=study.video.frame_rate,
         framing=study.video.framing,
         view=study.video.view,
+        background=background_of(study),
         avatar=study.video.avatar,
         expression_matrix=expression_matrix_file(folder, study),
     )
