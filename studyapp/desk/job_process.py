@@ -46,6 +46,8 @@ def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
     own, lock = Path(arguments[0]), int(arguments[1])
     os.nice(LESS_URGENT)
+    # A server that a script began in the background ignores it, and so would all that it begins.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     job = Job.model_validate_json((own / DESCRIPTION).read_bytes())
     study = own.parent.parent
     environment = {

@@ -102,6 +102,8 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
     code = (
         "import os, signal, sys; from pathlib import Path; "
         "from tests.studyapp.desk.job_watching import SLOW, begin; "
+        # As in a script's background.
+        "signal.signal(signal.SIGINT, signal.SIG_IGN); "
         "begin(Path(sys.argv[1]), *SLOW); os.killpg(0, signal.SIGKILL)"
     )
     server = subprocess.run([sys.executable, "-c", code, str(jobs)], process_group=0, check=False)
@@ -112,8 +114,10 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
         assert time.monotonic() < deadline
         time.sleep(0.05)
     assert all(os.getpriority(os.PRIO_PROCESS, each) >= 10 for each in running)
+    wait_until_under_way(jobs)
     stop_job(jobs, "try", by="Ada")
     assert wait_until_ended(jobs).state == "stopped"
+    assert "goes on where it stopped" in job_log(jobs, "try", most=10_000)
     wait_for_nobody(tiny_study)
 
 
