@@ -119,15 +119,15 @@ def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(
     cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
 ) -> None:
     once = replace(long_job, name="once", frames=None, video=tmp_path / "once" / "once.mp4")
-    jobs = [once, long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
-    with (
-        killing_writers(video_of(once).parent, times=1) as killed_once,
-        killing_writers(video_of(long_job).parent, times=100) as killed,
-    ):
-        done, lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
-    assert (len(killed_once), len(killed)) == (1, 4)
-    assert done.error is None
+    with killing_writers(video_of(once).parent, times=1) as killed:
+        (done,) = run_jobs([once], processes=1, cluster=cluster_of_two)
+    assert (len(killed), done.error) == (1, None)
     assert video_of(once).exists()
+    # Not beside the other: Dask blames a worker's death on what waited there as well.
+    jobs = [long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
+    with killing_writers(video_of(long_job).parent, times=100) as killed:
+        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    assert len(killed) == 4
     assert "ended early" in str(lost.error)
     assert pair.because_of == "long"
     assert [outcome.error for outcome in rest] == [None, None]
