@@ -64,6 +64,11 @@ _GREY: Final = dict.fromkeys((
     "shoes", "teeth", "tongue", "mouth", "sclera", "pupil", "lash", "soles",
 ), "#a8a49f")  # fmt: skip
 
+_PLAIN: Final = {
+    "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
+}  # fmt: skip
+"""The figure of those who are nobody in particular."""
+
 RECIPES: Final = (
     Recipe(
         name="alex",
@@ -160,10 +165,7 @@ RECIPES: Final = (
     Recipe(
         name="grey",
         height=1.75,
-        phenotype={
-            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
-            "proportions": 0.6,
-        },
+        phenotype=_PLAIN,
         at_rest=_FRIENDLY,
         top="suit",
         palette=_GREY,
@@ -171,19 +173,13 @@ RECIPES: Final = (
     Recipe(
         name="mannequin",
         height=1.74,
-        phenotype={
-            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
-            "proportions": 0.6,
-        },
+        phenotype=_PLAIN,
         palette=_GREY,
     ),
     Recipe(
         name="skeleton",
         height=1.74,
-        phenotype={
-            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
-            "proportions": 0.6,
-        },
+        phenotype=_PLAIN,
         # The sides have the colours that a skeleton laid over a figure gives them.
         palette={"bone": "#74747c", "left bone": "#d55e00", "right bone": "#0072b2"},
     ),
