@@ -27,9 +27,7 @@ from studyapp.desk.jobs import (
     Job,
     command_line,
 )
-
-LESS_URGENT: Final = 10
-"""Than the server that participants wait for."""
+from studyapp.side_process import LESS_URGENT
 
 LOOKS_EVERY: Final = 0.3
 """Seconds."""

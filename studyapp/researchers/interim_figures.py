@@ -8,9 +8,7 @@ go away meanwhile.
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -36,6 +34,7 @@ from studyapp.database.tables import (
     StudyVersion,
 )
 from studyapp.researchers.audit import StudyState, answers_so_far
+from studyapp.side_process import SideProcessError, output_of
 
 FORMAT: Final = 2
 """Of the documents; to be raised where they change, so that older ones are computed anew."""
@@ -132,22 +131,13 @@ class FigureProcess:
         NoFiguresError
             If the process says why it cannot, fails, or takes too long.
         """
-        # Without -P, a folder that happens to be called like a package would be taken for it.
-        command = [sys.executable, "-P", "-m", PROGRAM, str(self.folder), what]
-        environment = {
-            **os.environ,
-            "DATABASE_URL": self.database_url,
-            "OPENBLAS_NUM_THREADS": "1",
-            "OMP_NUM_THREADS": "1",
-        }
         try:
-            done = subprocess.run(  # noqa: S603 - our own program
-                command,
-                env=environment,
-                capture_output=True,
-                text=True,
-                timeout=seconds,
-                check=False,
+            found = output_of(
+                PROGRAM,
+                str(self.folder),
+                what,
+                seconds=seconds,
+                environment={"DATABASE_URL": self.database_url},
             )
         except subprocess.TimeoutExpired:
             raise NoFiguresError(
@@ -156,10 +146,9 @@ class FigureProcess:
             ) from None
         except OSError as error:
             raise NoFiguresError(f"The process could not be started ({error.strerror}).") from error
-        if done.returncode:
-            lines = done.stderr.strip().splitlines()
-            raise NoFiguresError(lines[-1] if lines else f"It ended with {done.returncode}.")
-        return done.stdout
+        except SideProcessError as error:
+            raise NoFiguresError(str(error) or f"It ended with {error.status}.") from None
+        return found.decode()
 
 
 RESTS: Final[dict[What, timedelta]] = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
@@ -26,6 +25,7 @@ from studyapp.researchers.interim_figures import Basis, Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import of_present_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
+from studyapp.side_process import give_way
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -174,8 +174,6 @@ DOCUMENTS: Final[dict[str, Callable[[StudyFolder], Document]]] = {
     "results": results_so_far,
 }
 PROCESSOR_SECONDS: Final = 120
-LESS_URGENT: Final = 10
-"""Than the server that participants wait for."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -191,6 +189,5 @@ def main(arguments: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    os.nice(LESS_URGENT)
-    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS))
+    give_way(PROCESSOR_SECONDS)
     sys.exit(main(sys.argv[1:]))

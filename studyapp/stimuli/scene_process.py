@@ -8,8 +8,6 @@ the segment that is heard, and empty for silence. Motion is called by its label 
 from __future__ import annotations
 
 import json
-import os
-import resource
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -19,12 +17,11 @@ from typing import Final
 from motion.errors import InputError
 from renderer.viewer.avatar import packed_avatar
 from renderer.viewer.page import data_address, packed_scene, viewed_body
+from studyapp.side_process import give_way
 from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
 
 PROCESSOR_SECONDS: Final = 60
-LESS_URGENT: Final = 10
-"""Than the server that participants wait for."""
 
 
 def scene(root: str, segment: str, speech: str, *labelled: str) -> bytes:
@@ -68,6 +65,5 @@ def main(arguments: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    os.nice(LESS_URGENT)
-    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS))
+    give_way(PROCESSOR_SECONDS)
     sys.exit(main(sys.argv[1:]))

@@ -7,9 +7,7 @@ server must not. Nothing of it is kept, so that nothing of it is ever out of dat
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,6 +19,7 @@ from typing import Final
 
 from flask import Response, abort, current_app, send_from_directory
 
+from studyapp.side_process import SideProcessError, output_of
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.web.participants.trial_page import letter
 
@@ -143,17 +142,11 @@ class _NothingMadeError(Exception):
 
 def _made(*arguments: str) -> bytes:
     """Return what the process writes."""
-    # Without -P, a folder that happens to be called like a package would be taken for it.
-    command = [sys.executable, "-P", "-m", PROGRAM, *arguments]
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     with _AT_ONCE:
         try:
-            done = subprocess.run(  # noqa: S603 - our own program
-                command, env=environment, capture_output=True, timeout=SECONDS, check=False
-            )
+            return output_of(PROGRAM, *arguments, seconds=SECONDS)
         except subprocess.TimeoutExpired:
             raise _NothingMadeError(f"Packing it took longer than {SECONDS} seconds") from None
-    if done.returncode:
-        lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
-        raise _NothingMadeError(lines[-1] if lines else f"Packing it ended with {done.returncode}")
-    return done.stdout
+        except SideProcessError as error:
+            why = str(error) or f"Packing it ended with {error.status}"
+            raise _NothingMadeError(why) from None

@@ -1,0 +1,79 @@
+"""Work in a process beside the server's: of lower priority, and loading what a server must not."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Mapping
+from typing import Final
+
+LESS_URGENT: Final = 10
+"""Than the server that participants wait for."""
+
+
+class SideProcessError(Exception):
+    """The process has failed; the message is the last line that it wrote, or empty.
+
+    Parameters
+    ----------
+    message : str
+        The last line.
+    status : int
+        With which it ended.
+    """
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+def output_of(
+    program: str, *arguments: str, seconds: float, environment: Mapping[str, str] | None = None
+) -> bytes:
+    """Return what one of our modules writes when it is run in a process of its own.
+
+    Parameters
+    ----------
+    program : str
+        The module's name: it may belong to a room above the one that asks.
+    *arguments : str
+        What it is called with.
+    seconds : float
+        How long it may take.
+    environment : mapping of str to str, optional
+        What it finds there besides; for what may hold a password.
+
+    Raises
+    ------
+    SideProcessError
+        If it ends with another status than 0.
+    subprocess.TimeoutExpired
+        If it takes too long. It has ended then.
+    OSError
+        If it cannot be started.
+    """
+    done = subprocess.run(  # noqa: S603 - our own program
+        # Without -P, a folder that happens to be called like a package would be taken for it.
+        [sys.executable, "-P", "-m", program, *arguments],
+        env={
+            **os.environ,
+            **(environment or {}),
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        },
+        capture_output=True,
+        timeout=seconds,
+        check=False,
+    )
+    if done.returncode:
+        lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
+        raise SideProcessError(lines[-1] if lines else "", done.returncode)
+    return done.stdout
+
+
+def give_way(processor_seconds: int) -> None:
+    """Let this process come after the server's, and end once it has used the processor so long."""
+    os.nice(LESS_URGENT)
+    resource.setrlimit(resource.RLIMIT_CPU, (processor_seconds, processor_seconds))
