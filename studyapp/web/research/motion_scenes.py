@@ -15,13 +15,14 @@ from importlib.resources import files
 from itertools import count
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import Final
+from typing import Any, Final
 
-from flask import Response, abort, current_app, send_from_directory
+from flask import Response, abort, current_app, send_from_directory, url_for
 
 from studyapp.side_process import SideProcessError, output_of
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.web.participants.trial_page import letter
+from studyapp.web.research.page import page
 
 PROGRAM: Final = "studyapp.stimuli.scene_process"
 """It belongs to a room above this one, and is called by name, as a stranger would."""
@@ -99,6 +100,24 @@ def _lettered(players: Mapping[int, Content]) -> Iterator[tuple[str, Stimulus]]:
     for number, content in sorted(players.items()):
         for stimulus in content:
             yield letter(next(numbers)) if number else "Reference", stimulus
+
+
+def motion_page(
+    scenes: Sequence[WantedScene], endpoint: str, *, back: tuple[str, str], **place: Any
+) -> str:
+    """Return the page on which the motion of a trial is turned around.
+
+    Parameters
+    ----------
+    endpoint : str
+        Sends a scene of the trial, by `place` and its number.
+    back : (str, str)
+        The address to go back to, and what is there.
+    **place
+        Which trial it is, its `position` among others.
+    """
+    addresses = [url_for(endpoint, scene=number, **place) for number in range(len(scenes))]
+    return page("motion", scenes=scenes, addresses=addresses, back=back, **place)
 
 
 def send_scene(folder: Path, wanted: Sequence[WantedScene], number: int) -> Response:

@@ -21,7 +21,12 @@ from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.mounting import address_to_try
 from studyapp.web.participants.trial_page import trial_page
-from studyapp.web.research.motion_scenes import WantedScene, scenes_of_trial, send_scene
+from studyapp.web.research.motion_scenes import (
+    WantedScene,
+    motion_page,
+    scenes_of_trial,
+    send_scene,
+)
 from studyapp.web.research.page import display_name, page, researcher
 from studyapp.web.running import running
 
@@ -89,18 +94,13 @@ def previewed_video(arm: int, place: int, position: int, number: int) -> Respons
 
 def previewed_motion(arm: int, place: int, position: int) -> ResponseReturnValue:
     """Show the motion of a previewed trial, to be turned around."""
-    scenes = _scenes(arm, place, position)
-    return page(
-        "motion",
+    return motion_page(
+        _scenes(arm, place, position),
+        "research.previewed_scene",
         back=(_address(arm, place, position), f"Preview of trial {position}"),
+        arm=arm,
+        place=place,
         position=position,
-        scenes=scenes,
-        addresses=[
-            url_for(
-                "research.previewed_scene", arm=arm, place=place, position=position, scene=number
-            )
-            for number in range(len(scenes))
-        ],
     )
 
 

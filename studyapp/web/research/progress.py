@@ -35,7 +35,12 @@ from studyapp.session.ending import JUDGED
 from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media import send_video
-from studyapp.web.research.motion_scenes import WantedScene, scenes_of_trial, send_scene
+from studyapp.web.research.motion_scenes import (
+    WantedScene,
+    motion_page,
+    scenes_of_trial,
+    send_scene,
+)
 from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
 from studyapp.web.running import running
 
@@ -176,19 +181,16 @@ def shown_motion(data: Data, number: int, position: int) -> ResponseReturnValue:
     scenes = _scenes(data, number, position)
     if not scenes:
         abort(404)
-    here = url_for("research.study_session", data=data, number=number)
-    return page(
-        "motion",
+    return motion_page(
+        scenes,
+        "research.shown_scene",
+        back=(
+            url_for("research.study_session", data=data, number=number),
+            f"Study session {number}",
+        ),
         data=data,
-        back=(here, f"Study session {number}"),
+        number=number,
         position=position,
-        scenes=scenes,
-        addresses=[
-            url_for(
-                "research.shown_scene", data=data, number=number, position=position, scene=scene
-            )
-            for scene in range(len(scenes))
-        ],
     )
 
 
