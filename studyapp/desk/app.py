@@ -18,7 +18,7 @@ from studyapp.desk.pages import desk_pages
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.web.app import LARGEST_REQUEST, SCRIPT_SECONDS, StudyWeb, health_pages
 from studyapp.web.protection import protect
-from studyapp.web.running import attach
+from studyapp.web.site import attach
 
 if TYPE_CHECKING:
     from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment

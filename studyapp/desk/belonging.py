@@ -16,7 +16,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.database.tables import Event
-from studyapp.desk.lab import OpenedStudy, lab, opened
+from studyapp.desk.lab import OpenedStudy, current_lab, opened
 from studyapp.desk.page import page
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Account, Right, take_identity
@@ -27,7 +27,7 @@ from studyapp.researchers.logins import WrongLoginError, begin_login, end_login,
 from studyapp.web.research import own_account
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
-from studyapp.web.running import client_address
+from studyapp.web.site import client_address
 
 
 def study_token(token: str, study: str) -> str:
@@ -41,14 +41,14 @@ def study_token(token: str, study: str) -> str:
 
 def enter_study(study: OpenedStudy, token: str) -> None:
     """Log the researcher in in the study, for as long as the desk's login of `token` lasts."""
-    here, own = lab(), study_token(token, study.name)
-    now = here.clock.now()
+    lab, own = current_lab(), study_token(token, study.name)
+    now = lab.clock.now()
     if logged_in(study.database, own, now, by_hand=True) and logged_in(
-        here.database, own, now, by_hand=True
+        lab.database, own, now, by_hand=True
     ):
         return
     for database, account in (
-        (here.database, researcher()),
+        (lab.database, researcher()),
         (study.database, study.account),
     ):
         end_login(database, own)
@@ -62,8 +62,8 @@ def log_out() -> ResponseReturnValue:
     """Log out of the desk, and of all studies that were opened from it in this browser."""
     token = visitor_cookie()
     if token is not None:
-        own = [study_token(token, study.name) for study in lab().studies()]
-        end_login(lab().database, *own)
+        own = [study_token(token, study.name) for study in current_lab().studies()]
+        end_login(current_lab().database, *own)
     return own_account.log_out()
 
 
@@ -75,7 +75,7 @@ def own_study(study: LabStudy, account: Account) -> None:
     InputError
         If somebody owns it.
     """
-    clock = lab().clock
+    clock = current_lab().clock
     token = first_owner_link(study.database, clock)
     if token is None:
         raise InputError(
@@ -94,7 +94,7 @@ def own_study(study: LabStudy, account: Account) -> None:
 
 def take_over(study: str) -> ResponseReturnValue:
     """Own a study that nobody owns, such as one that was made on the command line."""
-    found = lab().study(study)
+    found = current_lab().study(study)
     if found is None:
         abort(404)
     own_study(found, researcher())
@@ -108,14 +108,14 @@ def study_link(study: str, token: str) -> ResponseReturnValue:
 
 def use_study_link(study: str, token: str) -> ResponseReturnValue:
     """Join the study."""
-    here, found = lab(), lab().study(study)
+    lab, found = current_lab(), current_lab().study(study)
     try:
-        if found is None or link_of(found.database, token, here.clock.now()).role is None:
+        if found is None or link_of(found.database, token, lab.clock.now()).role is None:
             raise UnusableLinkError
         if opened(found, researcher()) is None:
             join(
                 found.database,
-                here.clock,
+                lab.clock,
                 token,
                 name=request.form.get("name", ""),
                 password=new_token(),
@@ -129,11 +129,11 @@ def use_study_link(study: str, token: str) -> ResponseReturnValue:
 
 
 def _link_page(study: str, token: str, problem: InputError | None = None) -> ResponseReturnValue:
-    here, found = lab(), lab().study(study)
+    lab, found = current_lab(), current_lab().study(study)
     try:
         if found is None:
             raise UnusableLinkError
-        link = link_of(found.database, token, here.clock.now())
+        link = link_of(found.database, token, lab.clock.now())
         if link.role is None:
             # A password is of no use where one logs in at the desk.
             raise UnusableLinkError
@@ -151,19 +151,19 @@ def own_account_there() -> ResponseReturnValue:
 def bring_account() -> ResponseReturnValue:
     """Tie an account in a study, whose password is given, to the one at the desk."""
     name, given = request.form.get("study", ""), request.form.get("name", "")
-    found, identity = lab().study(name.strip()), researcher().identity
+    found, identity = current_lab().study(name.strip()), researcher().identity
     try:
         if found is None or identity is None:
             raise WrongLoginError
         token = log_in(
             found.database,
-            lab().clock,
+            current_lab().clock,
             name=given,
             password=request.form.get("password", ""),
             code=request.form.get("code", ""),
             address=client_address(),
         )
-        account = logged_in(found.database, token, lab().clock.now(), by_hand=True)
+        account = logged_in(found.database, token, current_lab().clock.now(), by_hand=True)
         end_login(found.database, token)
         if account is None:
             raise WrongLoginError

@@ -17,7 +17,7 @@ from motion.segment import EMOTIONS
 from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE, Inbox, Upload, WrongOffsetError
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import StudyPage, page
 from studyapp.researchers.account import Right
 from studyapp.study.folder import BRINGABLE
@@ -48,18 +48,18 @@ def take_piece(study: OpenedStudy) -> ResponseReturnValue:
     if not (offset.isascii() and offset.isdecimal()):
         abort(400)
     try:
-        here = _inbox(study).append(_stated(), int(offset), request.get_data())
+        lab = _inbox(study).append(_stated(), int(offset), request.get_data())
     except WrongOffsetError as error:
         return jsonify(offset=error.offset), 409
     except InputError as error:
         return _refusal(error)
-    return jsonify(offset=here)
+    return jsonify(offset=lab)
 
 
 def take_files(study: OpenedStudy) -> ResponseReturnValue:
     """Take small files from a form."""
     inbox = _inbox(study)
-    now = round(lab().clock.now().timestamp() * 1000)
+    now = round(current_lab().clock.now().timestamp() * 1000)
     try:
         for sent in request.files.getlist("files"):
             content = sent.read()

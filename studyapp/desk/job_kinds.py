@@ -8,7 +8,7 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.desk.belonging import study_token
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import answers_so_far
 from studyapp.researchers.logins import unblinded_because
@@ -75,7 +75,7 @@ def reason_to_look(study: OpenedStudy) -> str | None:
     with study.database.reading() as session:
         if not answers_so_far(session):
             return ""
-    now, served, token = lab().clock.now(), study.study.served(), visitor_cookie()
+    now, served, token = current_lab().clock.now(), study.study.served(), visitor_cookie()
     over = "" if served is None else over_because(study.database, served, now)
     own = "" if token is None else study_token(token, study.name)
     return over or unblinded_because(study.database, own, now) or None
@@ -90,12 +90,12 @@ RECORD: Final = "jobs/check/findings.json"
 
 
 def _check(study: OpenedStudy, form: Form) -> tuple[str, ...]:
-    has_address = lab().origin and study.study.served() is not None
+    has_address = current_lab().origin and study.study.served() is not None
     return (
         "check",
         "--record",
         RECORD,
-        *(["--address", f"{lab().origin}/{study.name}/"] if has_address else []),
+        *(["--address", f"{current_lab().origin}/{study.name}/"] if has_address else []),
     )
 
 

@@ -20,7 +20,7 @@ from studyapp.desk.job_kinds import (
     segment_names,
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import Section, StudyPage, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
@@ -40,7 +40,7 @@ def job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
 def start_job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
     """Run a job."""
     found = _opened(study, kind)
-    now = lab().clock.now()
+    now = current_lab().clock.now()
     try:
         command = found.command(study, request.form)
         begun = Job(
@@ -111,7 +111,7 @@ def _opened(study: OpenedStudy, kind: str) -> JobKind:
 
 def _log(study: OpenedStudy, event: Event, detail: str) -> None:
     with study.database.writing() as session:
-        log_change(session, lab().clock.now(), event, by=study.account.name, detail=detail)
+        log_change(session, current_lab().clock.now(), event, by=study.account.name, detail=detail)
 
 
 def _page(study: OpenedStudy, kind: JobKind, *, problem: InputError | None = None) -> str:

@@ -15,7 +15,7 @@ from studyapp.database.engine import Database
 from studyapp.desk.studies import NAME, RESERVED, LabStudy
 from studyapp.researchers.account import Account, account_of_identity
 from studyapp.study.folder import StudyFolder
-from studyapp.web.running import EXTENSION, Desk
+from studyapp.web.site import EXTENSION, Desk
 
 ACCOUNTS: Final = "desk.db"
 """The desk's database in its folder: the tables of a study's, of which those of accounts are used.
@@ -24,7 +24,7 @@ ACCOUNTS: Final = "desk.db"
 
 @dataclass(frozen=True, kw_only=True)
 class Lab:
-    """A folder of studies with a desk; see `studyapp.web.running.Site`.
+    """A folder of studies with a desk; see `studyapp.web.site.Site`.
 
     Attributes
     ----------
@@ -111,6 +111,6 @@ def opened(study: LabStudy, account: Account) -> OpenedStudy | None:
     return None if found is None else OpenedStudy(study=study, account=found)
 
 
-def lab() -> Lab:
+def current_lab() -> Lab:
     """Return the desk that the present request is for."""
     return cast(Lab, current_app.extensions[EXTENSION])

@@ -9,7 +9,7 @@ from flask import abort
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.desk.lab import OpenedStudy, lab, opened
+from studyapp.desk.lab import OpenedStudy, current_lab, opened
 from studyapp.desk.page import page
 from studyapp.desk.studies import LabStudy, Standing
 from studyapp.researchers.account import Right, has_owner
@@ -29,8 +29,8 @@ class Line:
 
 def overview() -> ResponseReturnValue:
     """List the researcher's studies."""
-    here = lab()
-    found = (opened(study, researcher()) for study in here.studies())
+    lab = current_lab()
+    found = (opened(study, researcher()) for study in lab.studies())
     lines = [
         Line(study=each, title=title_of(each), standing=each.study.standing())
         for each in found
@@ -38,7 +38,7 @@ def overview() -> ResponseReturnValue:
     ]
     unowned = [
         study.name
-        for study in here.studies()
+        for study in lab.studies()
         if researcher().may(Right.MANAGE) and _is_unowned(study)
     ]
     return page("overview", lines=lines, unowned=unowned)

@@ -12,7 +12,7 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.desk.belonging import own_study
-from studyapp.desk.lab import lab
+from studyapp.desk.lab import current_lab
 from studyapp.desk.page import page
 from studyapp.desk.studies import check_study_name
 from studyapp.researchers.account import Right
@@ -68,13 +68,13 @@ def make_study() -> ResponseReturnValue:
     """Make the study, and have the researcher own it."""
     try:
         name = check_study_name(request.form.get("name", "").strip())
-        root = lab().folder / name
+        root = current_lab().folder / name
         text = drafted(_wanted(name, root), where=StudyFolder(root).definition.name)
         _make_folder(root)
         write_text(StudyFolder(root).definition, text)
     except InputError as error:
         return _page(request.form.to_dict(), error), 422
-    study = lab().study(name)
+    study = current_lab().study(name)
     if study is None:
         abort(404)
     own_study(study, researcher())

@@ -17,7 +17,7 @@ from motion.segment import Segment
 from studyapp.database.tables import Event
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import Section, StudyPage, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
@@ -290,7 +290,7 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
         cell.brought.unlink(missing_ok=True)
         log_change(
             session,
-            lab().clock.now(),
+            current_lab().clock.now(),
             Event.MATERIAL_REMOVED,
             by=study.account.name,
             detail=cell.brought.relative_to(study.folder.root).as_posix(),

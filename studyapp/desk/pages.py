@@ -20,7 +20,7 @@ from studyapp.desk import (
     settings_page,
     study_page,
 )
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import DUTIES, Section, StudyPage
 from studyapp.desk.wording import at_the_desk, problem_at_the_desk
 from studyapp.researchers.account import Right
@@ -95,7 +95,7 @@ def _guard_studies(rights: dict[str, Right]) -> Callable[[], ResponseReturnValue
             return None
         name = (request.view_args or {})["study"]
         g.sections = SECTIONS
-        g.opened_study = found = lab().study_of(name, researcher())
+        g.opened_study = found = current_lab().study_of(name, researcher())
         if found is None:
             return problem_page(
                 "There is no such study among yours",

@@ -13,7 +13,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError, listed
 from studyapp.database.tables import Event
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import StudyPage, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
@@ -103,7 +103,7 @@ def _save(study: OpenedStudy, text: str, seen: str) -> None:
         lines = sum(line[0] != "@" for line in differing)
         log_change(
             session,
-            lab().clock.now(),
+            current_lab().clock.now(),
             Event.DEFINITION_EDITED,
             by=study.account.name,
             detail=f"{lines} lines removed or added",

@@ -24,7 +24,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.running import Desk
+from studyapp.web.site import Desk
 
 NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")
 """Names of folders that can be part of an address as they are."""

@@ -9,7 +9,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.desk.belonging import enter_study, study_token
-from studyapp.desk.lab import OpenedStudy, lab
+from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.list_page import title_of
 from studyapp.desk.page import StudyPage, page
 from studyapp.recruitment.invitations import make_test_participation
@@ -21,7 +21,7 @@ from studyapp.web.research.page import COOKIE, visitor_cookie
 def study_page(study: OpenedStudy) -> ResponseReturnValue:
     """Show how far a study is, and what can be done with it."""
     served = study.study.served()
-    address = f"{lab().origin}/{study.name}/"
+    address = f"{current_lab().origin}/{study.name}/"
     return page(
         "study",
         study=study,
@@ -59,7 +59,9 @@ def take_part_as_test(study: OpenedStudy) -> ResponseReturnValue:
     served = study.study.served()
     if served is None:
         raise _not_ready()
-    own = make_test_participation(study.folder.root, served, lab().clock, by=study.account.name)
+    own = make_test_participation(
+        study.folder.root, served, current_lab().clock, by=study.account.name
+    )
     return redirect(f"/{study.name}{path_to_try(own)}", 303)
 
 

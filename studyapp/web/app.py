@@ -29,7 +29,7 @@ from studyapp.web.mounting import HEALTH, at_sub_path, checked_prefix, with_test
 from studyapp.web.participants import entrance, participant, sound_check
 from studyapp.web.protection import keep_pace, protect
 from studyapp.web.research.pages import research_pages
-from studyapp.web.running import Desk, Running, attach, site
+from studyapp.web.site import Desk, StudySite, attach, current_site
 
 if TYPE_CHECKING:
     from _typeshed.wsgi import WSGIApplication
@@ -117,7 +117,7 @@ def create_app(
     app.jinja_env.undefined = StrictUndefined
     app.jinja_env.globals.update(window_name=window_name, longest_text=LONGEST_TEXT, tried=tried)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
-    here = Running(
+    site = StudySite(
         served=served,
         database=Database.open(url),
         clock=Clock(speed=rehearsal_speed or 1.0),
@@ -129,9 +129,9 @@ def create_app(
         origin=origin,
         desk=desk,
     )
-    open_study(here.database, served, here.clock, new_version=tried)
-    attach(app, here)
-    keep_pace(app, here.clock)
+    open_study(site.database, served, site.clock, new_version=tried)
+    attach(app, site)
+    keep_pace(app, site.clock)
     speak(app, language_of(served.study.page.language))
     app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)
@@ -173,7 +173,7 @@ health_pages = Blueprint("health", __name__)
 def health() -> Response:
     """Say whether answers can be stored; nothing of the study is told."""
     known = cast(Health, current_app.extensions.setdefault(HEALTH, Health()))
-    if not known.is_well(site().database, current_app.logger):
+    if not known.is_well(current_site().database, current_app.logger):
         return Response("Answers cannot be stored.\n", 503, mimetype="text/plain")
     return Response("ok\n", mimetype="text/plain")
 

@@ -28,7 +28,7 @@ from studyapp.session.refusal import (
 )
 from studyapp.study.settings.presentation import Message
 from studyapp.web.language import _, say
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 STATUS: Final[dict[type[RefusalError], int]] = {
     UnknownAddressError: 404,
@@ -120,10 +120,10 @@ def _hold_nul(values: MultiDict[str, str]) -> bool:
 
 def note(refusal: RefusalError) -> None:
     """Note for the researcher that a participant's request was refused."""
-    here, token = running(), (request.view_args or {}).get("token")
+    site, token = study_site(), (request.view_args or {}).get("token")
     if token is not None and request.endpoint is not None:
         asked = request.endpoint.rpartition(".")[2]
-        note_refusal(here.database, token, asked, refusal, here.clock)
+        note_refusal(site.database, token, asked, refusal, site.clock)
 
 
 def told(refusal: RefusalError) -> str:
@@ -144,7 +144,7 @@ def _page(messages: tuple[Message, Message], status: int) -> ResponseReturnValue
     what, remedy = messages
     return render_template(
         "problem.html",
-        study=running().study,
+        study=study_site().study,
         what=say(what),
         remedy=say(remedy),
         back=url_for("participant.stand", token=token) if known else None,

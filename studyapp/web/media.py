@@ -14,7 +14,7 @@ from motion.errors import InputError
 from studyapp.session.video_access import content_of, content_to_send, earlier_contents
 from studyapp.study.design.trial import Content
 from studyapp.web.media_store import KEPT_SECONDS as REDIRECT_SECONDS
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 
 class FilePart:
@@ -60,15 +60,15 @@ def video(token: str) -> Response:
 
     The headers are the same for every file: its name and age would tell videos apart.
     """
-    here = running()
+    site = study_site()
     if request.method == "HEAD":
-        content = content_of(here.database, token)
+        content = content_of(site.database, token)
     else:
-        content = content_to_send(here.database, token, here.clock)
-    found = here.served.videos.get(content) if content is not None else None
+        content = content_to_send(site.database, token, site.clock)
+    found = site.served.videos.get(content) if content is not None else None
     if content is None or found is None:
         abort(404)
-    here.record.require_unchanged()
+    site.record.require_unchanged()
     elsewhere = _in_store(token, content)
     if elsewhere is not None:
         return elsewhere
@@ -82,11 +82,11 @@ def _in_store(token: str, content: Content) -> Response | None:
 
     It has to where a page asks for its own copy: then the store may be down.
     """
-    here = running()
-    if here.store is None or request.method != "GET" or OWN_COPY in request.args:
+    site = study_site()
+    if site.store is None or request.method != "GET" or OWN_COPY in request.args:
         return None
     try:
-        address = here.store.address(content, earlier_contents(here.database, token))
+        address = site.store.address(content, earlier_contents(site.database, token))
     except InputError as error:
         # Such as keys that have expired. The file is here as well.
         current_app.logger.error("A video is sent from here: %s", error.what)
@@ -108,10 +108,10 @@ def _left_to_proxy(file: Path) -> Response | None:
 
     None where there is no such proxy, or it cannot reach the file: a link to outside the study.
     """
-    here = running()
-    if here.accel_prefix is None or not file.is_relative_to(here.folder):
+    site = study_site()
+    if site.accel_prefix is None or not file.is_relative_to(site.folder):
         return None
-    inner = quote(f"{here.accel_prefix.rstrip('/')}/{file.relative_to(here.folder).as_posix()}")
+    inner = quote(f"{site.accel_prefix.rstrip('/')}/{file.relative_to(site.folder).as_posix()}")
     return Response(mimetype="video/mp4", headers={"X-Accel-Redirect": inner})
 
 

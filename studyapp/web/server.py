@@ -25,7 +25,7 @@ from studyapp.session.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.web.media_store import MediaStore
 from studyapp.web.mounting import checked_prefix
-from studyapp.web.running import believed_proxies, running
+from studyapp.web.site import believed_proxies, study_site
 from studyapp.web.worker import StudyWorker
 
 RETRY_SECONDS: Final = 1.0
@@ -182,7 +182,7 @@ def serve_application(
         "proc_name": "motionjury",
         "control_socket_disable": True,
         # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
-        # is read in `studyapp.web.running`. The sub-path is ours to name.
+        # is read in `studyapp.web.site`. The sub-path is ours to name.
         "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
         "forwarder_headers": "",
     }
@@ -198,9 +198,9 @@ def serve_application(
 def _watch_for_alarms(app: Flask) -> None:
     """Tell researchers what happens to the study of `app`; a rehearsal concerns nobody."""
     with app.app_context():
-        here = running()
-    if here.clock.speed == 1.0 and (channels := AlarmChannels.of(here.study)).is_any:
-        watch_for_alarms(here.database, here.served, here.clock, channels.send)
+        site = study_site()
+    if site.clock.speed == 1.0 and (channels := AlarmChannels.of(site.study)).is_any:
+        watch_for_alarms(site.database, site.served, site.clock, channels.send)
 
 
 def _allow_descriptors() -> None:

@@ -19,7 +19,7 @@ from studyapp.session.ending import move_on
 from studyapp.session.enrolment import enrol
 from studyapp.session.state import current_trial, find, note
 from studyapp.web.app import create_app
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.functional.browsing import follow
 from tests.functional.looking import expect_videos
 from tests.support.servers.local_server import listening
@@ -46,15 +46,15 @@ def shown(study: Path) -> Iterator[tuple[str, Flask]]:
             yield address, app
     finally:
         with app.app_context():
-            running().database.close()
+            study_site().database.close()
 
 
 def first_trial(page: Page, address: str, app: Flask) -> None:
     """Show the first trial of a participant who has agreed and read the instructions elsewhere."""
     with app.app_context():
-        here = running()
-        token = enrol(here.database, here.served, Arrival(visit=token_hex(16)), here.clock)
-        begin(here.database, here.served, token, here.clock)
+        site = study_site()
+        token = enrol(site.database, site.served, Arrival(visit=token_hex(16)), site.clock)
+        begin(site.database, site.served, token, site.clock)
     page.goto(f"{address}/take/{token}")
     expect(page.locator(".play").first).to_be_visible()
     expect_videos(page)
@@ -114,13 +114,13 @@ def leave_trial(page: Page, app: Flask) -> None:
     """Settle the trial behind the page's back, since nobody has watched it."""
     token = page.url.rsplit("/", 1)[1]
     with app.app_context():
-        here = running()
-        with here.database.writing() as session:
+        site = study_site()
+        with site.database.writing() as session:
             study_session = find(session, token)
             trial = current_trial(study_session)
             assert trial is not None
-            note(session, trial, unplayable_at=here.clock.now())
-            move_on(session, study_session, here.study, here.clock.now())
+            note(session, trial, unplayable_at=site.clock.now())
+            move_on(session, study_session, site.study, site.clock.now())
     page.reload()
     expect(page.locator(f"#answers [name=trial][value='{trial.token}']")).to_have_count(0)
 
@@ -141,5 +141,5 @@ def spoken_digits(page: Page, app: Flask) -> str:
     """Return the digits that the participant whose page this is hears."""
     token = page.url.partition("/take/")[2].partition("/")[0]
     found = select(StudySession.sound_digits).where(StudySession.token == token)
-    with app.app_context(), running().database.reading() as session:
+    with app.app_context(), study_site().database.reading() as session:
         return session.scalars(found).one()

@@ -26,7 +26,7 @@ from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.finished_videos import finished_video
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.functional.adversary import unlike_videos
 from tests.functional.adversary.guessing import Guess, Received, guesses
 from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
@@ -77,10 +77,10 @@ def heard(made: Callable[[str], StudyFolder]) -> Callable[[str], Heard]:
         with app.app_context(), pytest.MonkeyPatch.context() as patch:
             # The same tokens, and so the same guesses, each time.
             patch.setattr("secrets.token_urlsafe", seeded_tokens())
-            here = running()
-            attach(app, replace(here, clock=clock))
+            site = study_site()
+            attach(app, replace(site, clock=clock))
             sessions = [Listener(app, clock).hear() for _ in range(SESSIONS)]
-        here.database.close()
+        site.database.close()
         return Heard(folder, sessions, questions=not STUDIES[name].instructs)
 
     return take_part

@@ -11,7 +11,7 @@ from sqlalchemy import select
 
 from studyapp.database.tables import Trial
 from studyapp.web.app import create_app
-from studyapp.web.running import EXTENSION
+from studyapp.web.site import EXTENSION
 from tests.functional.improper_submissions import Attacker
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of

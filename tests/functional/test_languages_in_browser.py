@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of, speak
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.functional.browsing import IN_A_BROWSER, expect_watched, watched_page
 from tests.functional.every_page import first_trial, shown
 from tests.functional.shown_studies import STUDIES, write_figure_video
@@ -44,7 +44,7 @@ def in_language(browser: Browser, folder: Path, language: Language) -> Iterator[
         speak(app, language)
         first_trial(page, address, app)
         with app.app_context():
-            study = running().study
+            study = study_site().study
         yield page, study
 
 

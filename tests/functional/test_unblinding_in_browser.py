@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import looks
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
@@ -43,9 +43,9 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         watched_page(browser, address) as page,
     ):
         with app.app_context():
-            here = running()
-        figures = FiguresMeanwhile(here.folder, here.figures.database_url)
-        attach(app, replace(here, figures=figures))
+            site = study_site()
+        figures = FiguresMeanwhile(site.folder, site.figures.database_url)
+        attach(app, replace(site, figures=figures))
         join(page, link_for_owner(address, stored))
         agreement = page.get_by_role("region", name="How far participants agree")
         expect(agreement.or_(page.get_by_text("It is being computed")).first).to_be_visible()
@@ -68,8 +68,8 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         look_at(page, "overview-with-agreement")
         [look] = looks(stored)
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
-        closed = replace(here.served, study=here.study.model_copy(update={"open": False}))
-        attach(app, replace(here, figures=figures, served=closed))
+        closed = replace(site.served, study=site.study.model_copy(update={"open": False}))
+        attach(app, replace(site, figures=figures, served=closed))
         follow(page.get_by_role("link", name="Results", exact=True))
         expect(page.get_by_role("heading", level=1)).to_have_text("Results")
         expect(note).to_contain_text("The study is closed: 3 of 4 participants finished")

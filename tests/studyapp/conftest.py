@@ -21,7 +21,7 @@ from studyapp.stimuli.recordings import Take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.support.compiled_once import compiled_once
 from tests.support.figures_at_hand import FiguresAtHand
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
@@ -186,11 +186,11 @@ def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask
     shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
     made = create_app(tiny_study)
     with made.app_context():
-        here = running()
+        site = study_site()
     url = sqlite_url(tiny_study / "responses.db")
-    attach(made, replace(here, clock=clock, figures=FiguresAtHand(here.folder, url)))
+    attach(made, replace(site, clock=clock, figures=FiguresAtHand(site.folder, url)))
     yield made
-    here.database.close()
+    site.database.close()
 
 
 @pytest.fixture

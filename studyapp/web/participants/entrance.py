@@ -32,7 +32,7 @@ from studyapp.web.participants.participant import (
     to_where_they_stand,
 )
 from studyapp.web.participants.sent_by import COOKIE, VISIT, arrival_of, is_preview, names_in
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 pages = Blueprint("entrance", __name__)
 
@@ -62,12 +62,12 @@ class Entrant:
 
     def page(self, stage: Stage, *, problem: str = "") -> str:
         """Return the page of one stage; with a problem, it says what cannot be accepted."""
-        here = running()
-        study = here.study
+        site = study_site()
+        study = site.study
         return render_template(
             f"{stage}.html",
             study=study,
-            sound=here.served.has_sound,
+            sound=site.served.has_sound,
             paragraphs=_paragraphs(study),
             visit=self.visit,
             recruiter=self.recruiter,
@@ -80,17 +80,17 @@ class Entrant:
 
     def first_page(self) -> str:
         """Return the page that comes first."""
-        return self.page("eligibility" if running().study.form.eligibility else "consent")
+        return self.page("eligibility" if study_site().study.form.eligibility else "consent")
 
     def preview(self) -> str:
         """Return what the study is, for somebody who cannot begin yet."""
-        here = running()
+        site = study_site()
         return render_template(
             "preview.html",
-            study=here.study,
-            sound=here.served.has_sound,
-            paragraphs=_paragraphs(here.study),
-            devices=_devices_needed(here.study),
+            study=site.study,
+            sound=site.served.has_sound,
+            paragraphs=_paragraphs(site.study),
+            devices=_devices_needed(site.study),
         )
 
 
@@ -115,15 +115,15 @@ def consent() -> ResponseReturnValue:
     Who has a study session already is brought back to it.
     """
     entrant = _entrant()
-    here = running()
-    token = enrolled(here.database, here.served, entrant.arrival, here.clock)
+    site = study_site()
+    token = enrolled(site.database, site.served, entrant.arrival, site.clock)
     if token is not None:
         return _to_their_page(token)
     if _was_screened_out(entrant):
         return _screened_out(entrant)
     _require_welcome(entrant)
     try:
-        check_eligibility(running().study, entrant.given)
+        check_eligibility(study_site().study, entrant.given)
     except UnacceptableError as refusal:
         return entrant.page("eligibility", problem=told(refusal)), 422
     except IneligibleError:
@@ -134,13 +134,13 @@ def consent() -> ResponseReturnValue:
 @pages.post("/")
 def start() -> ResponseReturnValue:
     """Enrol the participant, or bring them back to where they were."""
-    here = running()
-    here.record.require_unchanged()
+    site = study_site()
+    site.record.require_unchanged()
     entrant = _entrant()
     if _was_screened_out(entrant):
         return _screened_out(entrant)
     try:
-        token = enrol(here.database, here.served, entrant.arrival, here.clock)
+        token = enrol(site.database, site.served, entrant.arrival, site.clock)
     except UnacceptableError as refusal:
         unclear = problems_of("eligibility", entrant.given)
         stage: Stage = "eligibility" if unclear else "consent"
@@ -153,12 +153,12 @@ def start() -> ResponseReturnValue:
 @pages.errorhandler(StudyFullError)
 def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
     """Say why nobody new is let in, and lead back whoever came from elsewhere, or has begun."""
-    here = running()
+    site = study_site()
     what, remedy = refusal.messages
-    recruitment = here.study.recruitment
+    recruitment = site.study.recruitment
     page = render_template(
         "turned_away.html",
-        study=here.study,
+        study=site.study,
         what=say(what),
         remedy=say(remedy),
         invited=recruitment.channel == "invitations",
@@ -174,29 +174,29 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
 def _to_their_page(token: str) -> Response:
     """Lead to where the participant stands, and have the browser know it again."""
     response = make_response(to_where_they_stand(token))
-    COOKIE.send(response, running().study.name, token)
+    COOKIE.send(response, study_site().study.name, token)
     return response
 
 
 def _require_welcome(entrant: Entrant) -> None:
-    here = running()
-    here.record.require_unchanged()
-    require_welcome(here.database, here.served, entrant.arrival, here.clock)
+    site = study_site()
+    site.record.require_unchanged()
+    require_welcome(site.database, site.served, entrant.arrival, site.clock)
 
 
 def _was_screened_out(entrant: Entrant) -> bool:
-    here = running()
-    if not here.study.recruitment.names_participants:
+    site = study_site()
+    if not site.study.recruitment.names_participants:
         return False
-    return was_screened_out(here.database, entrant.arrival)
+    return was_screened_out(site.database, entrant.arrival)
 
 
 def _screened_out(entrant: Entrant) -> ResponseReturnValue:
     """Say so; whom the recruiter named stays screened out, and only then is told a code."""
-    here = running()
-    named = here.study.recruitment.names_participants
+    site = study_site()
+    named = site.study.recruitment.names_participants
     if named:
-        note_screen_out(here.database, entrant.arrival, here.clock)
+        note_screen_out(site.database, entrant.arrival, site.clock)
     return screened_out_page(named=named, was_sent=bool(entrant.recruiter)), 403
 
 

@@ -22,7 +22,7 @@ from studyapp.study.settings.questions import Stage
 from studyapp.web.errors import note, told, wants_json
 from studyapp.web.language import say
 from studyapp.web.participants.trial_page import frozen_words, trial_page
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 pages = Blueprint("participant", __name__)
 
@@ -38,10 +38,10 @@ def stand(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/form/<any(demographics, closing):stage>")
 def form(token: str, stage: Stage) -> ResponseReturnValue:
     """Store what the participant says about themselves."""
-    here = running()
+    site = study_site()
     given = form_fields()
     try:
-        answer_form(here.database, here.served, token, stage, given, here.clock)
+        answer_form(site.database, site.served, token, stage, given, site.clock)
     except UnacceptableError as refusal:
         note(refusal)
         problem = told(refusal)
@@ -52,15 +52,15 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
 @pages.post("/take/<token>/begin")
 def begin_trials(token: str) -> ResponseReturnValue:
     """Leave the instructions, if they were understood."""
-    here = running()
+    site = study_site()
     given = form_fields()
     try:
-        begin(here.database, here.served, token, here.clock, answers=given)
+        begin(site.database, site.served, token, site.clock, answers=given)
     except UnacceptableError as refusal:
         note(refusal)
         return where_they_stand(token, problem=told(refusal), about=given), 422
     except IneligibleError:
-        named = here.study.recruitment.names_participants
+        named = site.study.recruitment.names_participants
         return screened_out_page(named=named, was_sent=named, has_tried=True), 403
     return to_where_they_stand(token)
 
@@ -68,23 +68,23 @@ def begin_trials(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/break")
 def end_break(token: str) -> ResponseReturnValue:
     """Go on after a break; the form of one that is over leads on too."""
-    here = running()
+    site = study_site()
     position = request.form.get("position", "")
     if not position.isdecimal() or len(position) > LONGEST_NUMBER:
         raise UnacceptableError(
             "This did not come from a break page.", "Please go on; nothing is lost."
         )
-    leave_break(here.database, here.served, token, int(position), here.clock)
+    leave_break(site.database, site.served, token, int(position), site.clock)
     return to_where_they_stand(token)
 
 
 @pages.post("/take/<token>/answers")
 def answers(token: str) -> ResponseReturnValue:
     """Store the answers of the present trial."""
-    here = running()
+    site = study_site()
     fields = {name: values for name, values in request.form.lists() if name != "trial"}
     try:
-        answer(here.database, here.served, token, request.form.get("trial", ""), fields, here.clock)
+        answer(site.database, site.served, token, request.form.get("trial", ""), fields, site.clock)
     except UnacceptableError as refusal:
         if wants_json():
             raise
@@ -97,17 +97,17 @@ def answers(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/unplayable")
 def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
-    here = running()
+    site = study_site()
     trial_token, video_token, media_error = (
         request.form.get(name, "") for name in ("trial", "video", "error")
     )
     try:
         skip_unplayable(
-            here.database,
-            here.served,
+            site.database,
+            site.served,
             token,
             trial_token,
-            here.clock,
+            site.clock,
             video_token=video_token,
             media_error=media_error,
         )
@@ -122,7 +122,7 @@ def unplayable(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/watched/<video_token>")
 def watched(token: str, video_token: str) -> ResponseReturnValue:
     """Store a report of played intervals."""
-    here = running()
+    site = study_site()
     try:
         report = read_report(request.get_data())
     except ValidationError:
@@ -130,12 +130,12 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
             "This is not a report of played intervals.", "Please reload the page."
         ) from None
     known = record_watched(
-        here.database,
-        here.served,
+        site.database,
+        site.served,
         token,
         video_token,
         report,
-        here.clock,
+        site.clock,
     )
     return jsonify(vars(known))
 
@@ -143,16 +143,16 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
 @pages.get("/take/<token>/withdraw")
 def ask_to_withdraw(token: str) -> ResponseReturnValue:
     """Ask whether the participant really wants to stop, and say what becomes of the answers."""
-    here = running()
-    promise = promise_made(here.database, token)
-    return render_template("withdraw.html", study=here.study, token=token, promise=promise)
+    site = study_site()
+    promise = promise_made(site.database, token)
+    return render_template("withdraw.html", study=site.study, token=token, promise=promise)
 
 
 @pages.post("/take/<token>/withdraw")
 def withdraw_consent(token: str) -> ResponseReturnValue:
     """Take the consent back."""
-    here = running()
-    withdraw(here.database, token, here.clock)
+    site = study_site()
+    withdraw(site.database, token, site.clock)
     return to_where_they_stand(token)
 
 
@@ -182,8 +182,8 @@ def where_they_stand(
     about : mapping of question name to text, optional
         What was answered to the questions under the instructions.
     """
-    here = running()
-    situation = look(here.database, here.served, token, here.clock)
+    site = study_site()
+    situation = look(site.database, site.served, token, site.clock)
     if situation.form is not None:
         return form_page(token, situation.form)
     if situation.trial is not None:
@@ -194,16 +194,16 @@ def where_they_stand(
         page = "break" if situation.rest is not None else situation.state
     return render_template(
         f"{page}.html",
-        study=here.study,
+        study=site.study,
         token=token,
         situation=situation,
         problem=problem,
         tries_before_leaving=TRIES_BEFORE_LEAVING,
         presentations=situation.presentations,
         practice=situation.practice,
-        frozen=frozen_words(here.study),
+        frozen=frozen_words(site.study),
         leaving=situation.leaving,
-        questions=here.study.form.comprehension,
+        questions=site.study.form.comprehension,
         given=about or {},
         problems=problems_of("comprehension", about) if about is not None else {},
     )
@@ -221,7 +221,7 @@ def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -
     has_tried : bool
         Whether they have read the instructions, and did not understand them.
     """
-    study = running().study
+    study = study_site().study
     return render_template(
         "screened_out.html",
         study=study,
@@ -233,16 +233,16 @@ def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -
 
 
 def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> str:
-    here = running()
-    here.record.require_unchanged()
-    study = here.study
+    site = study_site()
+    site.record.require_unchanged()
+    study = site.study
     return render_template(
         "trial.html",
         study=study,
         token=token,
         trial=trial,
         page=trial_page(study, trial),
-        from_store=here.store is not None,
+        from_store=site.store is not None,
         problem=problem,
         given=given,
     )
@@ -256,7 +256,7 @@ def form_page(
     token: str, stage: Stage, *, problem: str = "", given: Mapping[str, str] | None = None
 ) -> str:
     """Return the page that asks the questions of `stage`."""
-    study = running().study
+    study = study_site().study
     return render_template(
         "form.html",
         study=study,
@@ -273,7 +273,7 @@ def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
     """Return what cannot be accepted of the answers to the questions of `stage`, by question."""
     found = {
         question.name: question.problem(given.get(question.name, "").strip(), number)
-        for number, question in enumerate(running().study.form.asked(stage), start=1)
+        for number, question in enumerate(study_site().study.form.asked(stage), start=1)
     }
     return {name: say(problem) for name, problem in found.items() if problem is not None}
 

@@ -30,7 +30,7 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import MTURK_SITES
 from studyapp.session.refusal import UnacceptableError, UninvitedError
 from studyapp.study.settings.recruitment import Channel
-from studyapp.web.running import TokenCookie, newcomers_address, running
+from studyapp.web.site import TokenCookie, newcomers_address, study_site
 
 SIGNED: Final = "prolific_token"
 KEYS: Final = "https://api.prolific.com/.well-known/study/jwks.json"
@@ -149,7 +149,7 @@ def names_in(values: Mapping[str, str]) -> dict[str, str]:
     UninvitedError
         If the study takes only those whom its channel names.
     """
-    recruitment = running().study.recruitment
+    recruitment = study_site().study.recruitment
     channel = recruitment.channel
     if channel == "prolific" and recruitment.prolific.signed_for:
         return _signed_names(values.get(SIGNED, ""), recruitment.prolific.signed_for)
@@ -196,7 +196,7 @@ def _in_recruiters_letters(names: dict[str, str]) -> dict[str, str]:
 
 def is_preview(values: Mapping[str, str]) -> bool:
     """Tell whether somebody looks at the study without having decided to take part."""
-    of_mturk = running().study.recruitment.channel == "mturk"
+    of_mturk = study_site().study.recruitment.channel == "mturk"
     return of_mturk and values.get("assignmentId") == PREVIEWED
 
 
@@ -212,7 +212,7 @@ def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]
     given : mapping of question name to text
         What was answered so far.
     """
-    study = running().study
+    study = study_site().study
     arriving = partial(
         Arrival,
         form=given,
@@ -237,7 +237,7 @@ def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]
             submit_to=names["turkSubmitTo"],
         )
     if "invitation" in names:
-        return arriving(visit=invited(running().database, names["invitation"]))
+        return arriving(visit=invited(study_site().database, names["invitation"]))
     return arriving(visit=drawn)
 
 
@@ -252,7 +252,8 @@ def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
         return len(names) == len(NAMES[channel]) and names["turkSubmitTo"] in MTURK_SITES
     if channel == "invitations":
         return (
-            "invitation" in names and invited(running().database, names["invitation"]) is not None
+            "invitation" in names
+            and invited(study_site().database, names["invitation"]) is not None
         )
     return "PROLIFIC_PID" in names
 

@@ -17,7 +17,7 @@ from studyapp.study.settings.presentation import Language
 from studyapp.web.errors import note, told
 from studyapp.web.language import _
 from studyapp.web.participants.participant import to_where_they_stand, where_they_stand
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 RECORDINGS: Final = Path(__file__).parents[1] / "digit_recordings"
 RATE: Final = 16_000
@@ -68,11 +68,11 @@ pages = Blueprint("sound_check", __name__)
 @pages.get("/take/<token>/sound-check.wav")
 def sound(token: str) -> ResponseReturnValue:
     """Read the digits out. Name, size and headers are the same whatever they are."""
-    here = running()
-    digits = digits_to_speak(here.database, here.served, token)
+    site = study_site()
+    digits = digits_to_speak(site.database, site.served, token)
     # Byte ranges, since one browser plays nothing without them.
     return send_file(
-        io.BytesIO(spoken(here.study.page.language, digits)),
+        io.BytesIO(spoken(site.study.page.language, digits)),
         mimetype="audio/wav",
         conditional=True,
         etag=False,
@@ -82,10 +82,10 @@ def sound(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/sound-check")
 def check(token: str) -> ResponseReturnValue:
     """Compare what was typed with what was spoken."""
-    here = running()
+    site = study_site()
     typed = request.form.get("digits", "")
     try:
-        heard = check_sound(here.database, here.served, token, typed, here.clock)
+        heard = check_sound(site.database, site.served, token, typed, site.clock)
         problem = _("Those are not the digits that were spoken. Please try once more.")
     except UnacceptableError as refusal:
         note(refusal)
@@ -98,6 +98,6 @@ def check(token: str) -> ResponseReturnValue:
 @pages.post("/take/<token>/sound-check/unheard")
 def unheard(token: str) -> ResponseReturnValue:
     """Leave the study without having heard anything."""
-    here = running()
-    leave_unheard(here.database, here.served, token, here.clock)
+    site = study_site()
+    leave_unheard(site.database, site.served, token, site.clock)
     return to_where_they_stand(token)

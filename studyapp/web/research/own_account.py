@@ -33,13 +33,13 @@ from studyapp.web.research.page import (
     visitor_cookie,
     with_login,
 )
-from studyapp.web.running import client_address, site
+from studyapp.web.site import client_address, current_site
 
 
 def login() -> ResponseReturnValue:
     """Show the form with name and password; who is logged in goes on."""
     wanted = request.args.get("next", "")
-    desk = site().desk
+    desk = current_site().desk
     if desk is not None:
         return redirect(desk.address, 303)
     if visitor() is not None:
@@ -49,16 +49,16 @@ def login() -> ResponseReturnValue:
 
 def enter() -> ResponseReturnValue:
     """Log in."""
-    here = site()
-    if here.desk is not None:
-        return redirect(here.desk.address, 303)
+    site = current_site()
+    if site.desk is not None:
+        return redirect(site.desk.address, 303)
     name, password, code, wanted = (
         request.form.get(key, "") for key in ("name", "password", "code", "next")
     )
     try:
         token = log_in(
-            here.database,
-            here.clock,
+            site.database,
+            site.clock,
             name=name,
             password=password,
             code=code,
@@ -77,17 +77,17 @@ def log_out() -> ResponseReturnValue:
     """Log out in this browser."""
     token = visitor_cookie()
     if token is not None:
-        end_login(site().database, token)
+        end_login(current_site().database, token)
     return with_login(cast(Response, redirect(url_for("research.login"), 303)), None)
 
 
 def link(token: str) -> ResponseReturnValue:
     """Show what a one-time link is for; looking at it does not use it."""
-    here = site()
-    if here.desk is not None:
-        return redirect(f"{here.desk.address}join/{token}", 303)
+    site = current_site()
+    if site.desk is not None:
+        return redirect(f"{site.desk.address}join/{token}", 303)
     try:
-        found = link_of(here.database, token, here.clock.now())
+        found = link_of(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
     return page("link", link=found, token=token, name="", problem=None)
@@ -95,21 +95,21 @@ def link(token: str) -> ResponseReturnValue:
 
 def use_link(token: str) -> ResponseReturnValue:
     """Join, or choose a new password, and be logged in."""
-    here = site()
-    if here.desk is not None:
-        return redirect(f"{here.desk.address}join/{token}", 303)
+    site = current_site()
+    if site.desk is not None:
+        return redirect(f"{site.desk.address}join/{token}", 303)
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
     login_token: str | None
     try:
-        found = link_of(here.database, token, here.clock.now())
+        found = link_of(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
     try:
         require_same(password, again)
         if found.purpose == "new_password":
-            login_token = choose_password(here.database, here.clock, token, password=password)
+            login_token = choose_password(site.database, site.clock, token, password=password)
         else:
-            login_token = join(here.database, here.clock, token, name=name, password=password)
+            login_token = join(site.database, site.clock, token, name=name, password=password)
     except InputError as error:
         return page("link", link=found, token=token, name=name, problem=error), 422
     if login_token is None:
@@ -134,13 +134,13 @@ def own_account() -> ResponseReturnValue:
 
 def change_own_password() -> ResponseReturnValue:
     """Change the password; all other browsers are logged out."""
-    here = site()
+    site = current_site()
     old, new, again = (request.form.get(key, "") for key in ("old", "password", "again"))
     try:
         require_same(new, again)
         token = change_password(
-            here.database,
-            here.clock,
+            site.database,
+            site.clock,
             researcher_id=researcher().id,
             old=old,
             new=new,
@@ -159,12 +159,12 @@ def second_factor() -> ResponseReturnValue:
 
 def turn_on_second_factor() -> ResponseReturnValue:
     """Ask for codes from now on, and show the recovery codes once."""
-    here = site()
+    site = current_site()
     secret, code, password = (request.form.get(key, "") for key in ("secret", "code", "password"))
     try:
         codes = turn_on(
-            here.database,
-            here.clock,
+            site.database,
+            site.clock,
             researcher().id,
             secret=secret,
             code=code,
@@ -178,12 +178,12 @@ def turn_on_second_factor() -> ResponseReturnValue:
 
 def turn_off_second_factor() -> ResponseReturnValue:
     """Ask for no codes any more."""
-    here = site()
+    site = current_site()
     password = request.form.get("password", "")
     try:
         turn_off(
-            here.database,
-            here.clock,
+            site.database,
+            site.clock,
             researcher().id,
             password=password,
             address=client_address(),
@@ -194,6 +194,6 @@ def turn_off_second_factor() -> ResponseReturnValue:
 
 
 def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
-    named = address_for_device(secret, researcher=researcher().name, study=site().name)
+    named = address_for_device(secret, researcher=researcher().name, study=current_site().name)
     picture = Markup(segno.make(named).svg_inline(scale=4))  # noqa: S704 - made here of squares
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)

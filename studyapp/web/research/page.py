@@ -24,7 +24,7 @@ from studyapp.researchers.account import Account, Right
 from studyapp.researchers.credentials import new_token
 from studyapp.researchers.logins import logged_in
 from studyapp.study.folder import StudyFolder
-from studyapp.web.running import TokenCookie, running, site
+from studyapp.web.site import TokenCookie, current_site, study_site
 
 PREFIX: Final = "/research"
 FIELD: Final = "form_code"
@@ -60,16 +60,16 @@ def came_from_our_page(token: str | None) -> bool:
 
 def recognise() -> None:
     """Find out who asks, from the cookie."""
-    here = site()
-    sent = COOKIE.read(here.name)
+    site = current_site()
+    sent = COOKIE.read(site.name)
     token = sent if sent is not None and TOKEN.fullmatch(sent) else None
     g.research_cookie = token
     g.research_account = None
     if token is not None:
         by_hand = REFRESHED not in request.args
-        now = here.clock.now()
-        if here.desk is None or logged_in(here.desk.database, token, now, by_hand=by_hand):
-            g.research_account = logged_in(here.database, token, now, by_hand=by_hand)
+        now = site.clock.now()
+        if site.desk is None or logged_in(site.desk.database, token, now, by_hand=by_hand):
+            g.research_account = logged_in(site.database, token, now, by_hand=by_hand)
 
 
 def visitor() -> Account | None:
@@ -100,14 +100,14 @@ def code_for_forms() -> str:
 def keep_visitor(response: Response) -> Response:
     """Give a browser that came without a cookie the one that its forms need."""
     if "new_research_cookie" in g:
-        COOKIE.send(response, site().name, g.new_research_cookie)
+        COOKIE.send(response, current_site().name, g.new_research_cookie)
     return response
 
 
 def with_login(response: Response, token: str | None) -> Response:
     """Have the browser keep the token of a login; without one, a token that stands for nobody."""
     g.pop("new_research_cookie", None)
-    COOKIE.send(response, site().name, token or new_token())
+    COOKIE.send(response, current_site().name, token or new_token())
     return response
 
 
@@ -190,7 +190,7 @@ def _decimal(value: float) -> str:
 
 def display_name(name: str) -> str:
     """Return what a condition, an arm or a comparison of the study is called."""
-    return running().study.display_names.get(name, name)
+    return study_site().study.display_names.get(name, name)
 
 
 WORDING: Final = {
@@ -214,7 +214,7 @@ def rendered(file: str, /, **values: Any) -> str:
     """Return what the template `file` makes of `values` and of what all pages show."""
     return render_template(
         file,
-        site=site(),
+        site=current_site(),
         researcher=visitor(),
         Right=Right,
         form_field=FIELD,
@@ -251,12 +251,12 @@ def looked_at(data: Data) -> Iterator[Database]:
     InputError
         If the rehearsal's database cannot be read.
     """
-    here = running()
+    site = study_site()
     if data == "study":
-        yield here.database
+        yield site.database
         return
     try:
-        rehearsed = Database.open_for_reading(sqlite_url(StudyFolder(here.folder).rehearsal))
+        rehearsed = Database.open_for_reading(sqlite_url(StudyFolder(site.folder).rehearsal))
     except InputError as error:
         raise InputError(
             "the rehearsal cannot be read: it is damaged, or of another version of Motion Jury",
@@ -272,4 +272,4 @@ def looked_at(data: Data) -> Iterator[Database]:
 
 def is_rehearsed() -> bool:
     """Tell whether there is a rehearsal to be looked at."""
-    return StudyFolder(running().folder).rehearsal.exists()
+    return StudyFolder(study_site().folder).rehearsal.exists()

@@ -32,7 +32,7 @@ from studyapp.web.research.page import (
     visitor,
     visitor_cookie,
 )
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 READING: Final = ("GET", "HEAD", "OPTIONS")
 
@@ -261,7 +261,7 @@ def research_pages() -> Blueprint:
     harmless = {f"{NAME}.{page.view.__name__}" for page in PAGES if page.changes_nothing}
     pages.before_request(guard(needed, harmless))
     pages.after_request(keep_visitor)
-    pages.context_processor(lambda: {"study": running().study})
+    pages.context_processor(lambda: {"study": study_site().study})
     pages.register_error_handler(InputError, refuse)
     pages.register_error_handler(HTTPException, fail)
     return pages

@@ -28,47 +28,47 @@ from studyapp.web.research.motion_scenes import (
     send_scene,
 )
 from studyapp.web.research.page import display_name, page, researcher
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 MOST_PLACES = 10_000
 
 
 def preview() -> ResponseReturnValue:
     """List the trials of a place."""
-    arms = [arm.name for arm in running().study.arms]
+    arms = [arm.name for arm in study_site().study.arms]
     wanted, place = request.args.get("arm", ""), request.args.get("place", "")
     arm = arms.index(wanted) if wanted in arms else 0
     readable = place.isascii() and place.isdecimal() and len(place) < len(str(MOST_PLACES))
     number = max(1, int(place)) if readable else 1
-    tries = count_test_participations(running().folder)
+    tries = count_test_participations(study_site().folder)
     trials = _trials(arm, number)
     return page("preview", arms=arms, arm=arm, place=number, trials=trials, tries=tries)
 
 
 def try_study() -> ResponseReturnValue:
     """Let the researcher take part as a test."""
-    here = running()
-    token = make_test_participation(here.folder, here.served, here.clock, by=researcher().name)
+    site = study_site()
+    token = make_test_participation(site.folder, site.served, site.clock, by=researcher().name)
     return redirect(address_to_try(token), 303)
 
 
 def erase_tries() -> ResponseReturnValue:
     """Erase all test participations."""
-    erase_test_participations(running().folder)
+    erase_test_participations(study_site().folder)
     return redirect(url_for("research.preview"), 303)
 
 
 def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
     """Show one trial."""
     trials = _trials(arm, place)
-    here = running()
+    site = study_site()
     if not 1 <= position <= len(trials):
         abort(404)
-    trial = previewed_trial(here.served, trials, position)
+    trial = previewed_trial(site.served, trials, position)
     around = {
-        "listed": url_for("research.preview", arm=here.study.arms[arm].name, place=place),
+        "listed": url_for("research.preview", arm=site.study.arms[arm].name, place=place),
         "motion": ""
-        if here.study.only_finished
+        if site.study.only_finished
         else url_for("research.previewed_motion", arm=arm, place=place, position=position),
         "before": _address(arm, place, position - 1) if position > 1 else "",
         "after": _address(arm, place, position + 1) if position < len(trials) else "",
@@ -77,10 +77,10 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
     with current_app.request_context({**request.environ, "SCRIPT_NAME": root, "PATH_INFO": "/"}):
         return render_template(
             "research/previewed_trial.html",
-            study=here.study,
+            study=site.study,
             token=TOKEN,
             trial=trial,
-            page=trial_page(here.study, trial),
+            page=trial_page(site.study, trial),
             problem="",
             given={},
             **around,
@@ -106,7 +106,7 @@ def previewed_motion(arm: int, place: int, position: int) -> ResponseReturnValue
 
 def previewed_scene(arm: int, place: int, position: int, scene: int) -> Response:
     """Send what a viewer plays of a previewed trial."""
-    return send_scene(running().folder, _scenes(arm, place, position), scene)
+    return send_scene(study_site().folder, _scenes(arm, place, position), scene)
 
 
 def _scenes(arm: int, place: int, position: int) -> list[WantedScene]:
@@ -140,7 +140,7 @@ def previewed_answers(arm: int, place: int, position: int, what: str) -> Respons
     if position < len(trials):
         address = _address(arm, place, position + 1)
     else:
-        address = url_for("research.preview", arm=running().study.arms[arm].name, place=place)
+        address = url_for("research.preview", arm=study_site().study.arms[arm].name, place=place)
     return jsonify(next=address) if wants_json() else redirect(address, 303)
 
 
@@ -148,7 +148,7 @@ def _video(arm: int, place: int, position: int, number: int) -> VideoFile:
     content = _planned(arm, place, position).players.get(number)
     if content is None:
         abort(404)
-    return running().served.videos[content]
+    return study_site().served.videos[content]
 
 
 def _planned(arm: int, place: int, position: int) -> PlannedTrial:
@@ -159,11 +159,11 @@ def _planned(arm: int, place: int, position: int) -> PlannedTrial:
 
 
 def _trials(arm: int, place: int) -> list[PlannedTrial]:
-    here = running()
-    if arm >= len(here.study.arms) or not 1 <= place < MOST_PLACES:
+    site = study_site()
+    if arm >= len(site.study.arms) or not 1 <= place < MOST_PLACES:
         abort(404)
     # Of an adaptive study, those before anybody has answered.
-    return list(here.study.plan(here.study.arms[arm], place - 1, here.served.segments))
+    return list(site.study.plan(site.study.arms[arm], place - 1, site.served.segments))
 
 
 def _address(arm: int, place: int, position: int) -> str:

@@ -42,7 +42,7 @@ from studyapp.web.research.motion_scenes import (
     send_scene,
 )
 from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ def naming() -> Naming:
     if not researcher().may(Right.READ):
         return Naming(key=None)
     try:
-        key = PseudonymKey.read(StudyFolder(running().folder).pseudonym_key)
+        key = PseudonymKey.read(StudyFolder(study_site().folder).pseudonym_key)
     except InputError as error:
         return Naming(key=None, reason=f"Pseudonyms cannot be shown: {error.what}.")
     except OSError:
@@ -91,9 +91,9 @@ class AgreementSoFar:
 
 def overview(data: Data) -> ResponseReturnValue:
     """Show how the study goes."""
-    here = running()
+    site = study_site()
     with looked_at(data) as database:
-        found = overview_of(database, here.served, here.clock.now())
+        found = overview_of(database, site.served, site.clock.now())
     return page(
         "overview",
         data=data,
@@ -106,14 +106,14 @@ def overview(data: Data) -> ResponseReturnValue:
 
 def _agreement() -> AgreementSoFar:
     """Return how far participants agree, as it was computed last."""
-    here = running()
-    kept = kept_figures(here.database, here.clock, "agreement", here.figures)
+    site = study_site()
+    kept = kept_figures(site.database, site.clock, "agreement", site.figures)
     return AgreementSoFar(kept=kept, document=Document.read(kept.document))
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:
     """List the study sessions that a number counts; or go to the one that is called for."""
-    here = running()
+    site = study_site()
     choice, names, called = _choice(), naming(), request.args.get("called", "")
     number = _number("page") or 1
     with looked_at(data) as database:
@@ -123,7 +123,7 @@ def study_sessions(data: Data) -> ResponseReturnValue:
                 one = number_recruited(session, called)
         if one is not None:
             return redirect(url_for("research.study_session", data=data, number=one), 303)
-        found = chosen(database, here.served, choice, here.clock.now())
+        found = chosen(database, site.served, choice, site.clock.now())
         shown = page_of(found, number)
         pseudonyms = _pseudonyms(database, names, [each.progress.id for each in shown])
     return page(
@@ -138,7 +138,7 @@ def study_sessions(data: Data) -> ResponseReturnValue:
         page_number=number,
         pages=pages_of(found),
         standings=STANDINGS,
-        arms=[arm.name for arm in here.study.arms],
+        arms=[arm.name for arm in site.study.arms],
         asked={key: request.args[key] for key in CHOOSING if key in request.args},
     )
 
@@ -147,9 +147,9 @@ def study_session(
     data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
 ) -> str:
     """Show one study session with everything that happened in it, and what a form lacked."""
-    here, names = running(), naming()
+    site, names = study_site(), naming()
     with looked_at(data) as database:
-        found = one_study_session(database, here.served, number, here.clock.now())
+        found = one_study_session(database, site.served, number, site.clock.now())
         if found is None:
             abort(404)
         pseudonym = _pseudonyms(database, names, [number]).get(number, "")
@@ -159,7 +159,7 @@ def study_session(
         found=found,
         naming=names,
         pseudonym=pseudonym,
-        rules=[each.made().description for each in here.study.settled_exclusions],
+        rules=[each.made().description for each in site.study.settled_exclusions],
         problem=problem,
         reason=reason,
         longest=LONGEST_REASON,
@@ -170,7 +170,7 @@ def shown_video(data: Data, number: int, position: int, video: int) -> Response:
     """Send a video that was shown in a study session, as it is served now."""
     with looked_at(data) as database:
         content = contents_shown(database, number, position).get(video, ())
-    found = running().served.videos.get(content)
+    found = study_site().served.videos.get(content)
     if found is None:
         abort(404)
     return send_video(found.file)
@@ -196,7 +196,7 @@ def shown_motion(data: Data, number: int, position: int) -> ResponseReturnValue:
 
 def shown_scene(data: Data, number: int, position: int, scene: int) -> Response:
     """Send what a viewer plays of a trial of a study session, as the files are now."""
-    return send_scene(running().folder, _scenes(data, number, position), scene)
+    return send_scene(study_site().folder, _scenes(data, number, position), scene)
 
 
 def _scenes(data: Data, number: int, position: int) -> list[WantedScene]:
@@ -208,7 +208,7 @@ def _scenes(data: Data, number: int, position: int) -> list[WantedScene]:
 def changes() -> ResponseReturnValue:
     """Show who changed what, when and why, the newest first."""
     before = _number("before")
-    lines = logged_changes(running().database, before=before)
+    lines = logged_changes(study_site().database, before=before)
     older = lines[-1].id if len(lines) == LINES else None
     return page("changes", lines=lines, older=older)
 
@@ -258,13 +258,13 @@ DECISIONS = {"exclude": True, "reinstate": False}
 
 def decide_about(number: int) -> ResponseReturnValue:
     """Leave the participant of a study session out of the analysis, or take them in again."""
-    here, reason = running(), request.form.get("reason", "")
+    site, reason = study_site(), request.form.get("reason", "")
     try:
         excluded = DECISIONS.get(request.form.get("decision", ""))
         if excluded is None:
             raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(DECISIONS)}")
         by = researcher().name
-        decide_exclusion(here.database, here.clock, number, excluded=excluded, by=by, reason=reason)
+        decide_exclusion(site.database, site.clock, number, excluded=excluded, by=by, reason=reason)
     except InputError as error:
         return study_session("study", number, problem=error, reason=reason), 422
     return redirect(url_for("research.study_session", data="study", number=number), 303)
@@ -272,7 +272,7 @@ def decide_about(number: int) -> ResponseReturnValue:
 
 def newcomers(problem: InputError | None = None, reason: str = "") -> str:
     """Show whether newcomers are let in, who decided so, and the forms to decide otherwise."""
-    made = decided(running().database)
+    made = decided(study_site().database)
     state = made[0].state if made else "open"
     return page(
         "newcomers",
@@ -281,19 +281,19 @@ def newcomers(problem: InputError | None = None, reason: str = "") -> str:
         problem=problem,
         reason=reason,
         most=MOST_MORE,
-        link=running().study.recruitment.link(running().origin + url_for("entrance.arrive")),
+        link=study_site().study.recruitment.link(study_site().origin + url_for("entrance.arrive")),
     )
 
 
 def steer_newcomers() -> ResponseReturnValue:
     """Let newcomers in, or no longer."""
-    here, reason, sent = running(), request.form.get("reason", ""), request.form.get("state")
+    site, reason, sent = study_site(), request.form.get("reason", ""), request.form.get("state")
     state = next((known for known in STATES if known == sent), None)
     try:
         if state is None:
             raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
         by = researcher().name
-        steer(here.database, here.served, here.clock, state, by=by, reason=reason)
+        steer(site.database, site.served, site.clock, state, by=by, reason=reason)
     except InputError as error:
         return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)
@@ -301,11 +301,15 @@ def steer_newcomers() -> ResponseReturnValue:
 
 def want_more() -> ResponseReturnValue:
     """Open more places in every arm."""
-    here, reason, sent = running(), request.form.get("reason", ""), request.form.get("more", "")
+    site, reason, sent = (
+        study_site(),
+        request.form.get("reason", ""),
+        request.form.get("more", ""),
+    )
     readable = sent.isascii() and sent.isdecimal() and len(sent) <= len(str(MOST_MORE))
     try:
         more, by = int(sent) if readable else 0, researcher().name
-        extend(here.database, here.served, here.clock, more, by=by, reason=reason)
+        extend(site.database, site.served, site.clock, more, by=by, reason=reason)
     except InputError as error:
         return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)

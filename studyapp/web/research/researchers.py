@@ -24,16 +24,16 @@ from studyapp.researchers.links import (
     usable_links,
 )
 from studyapp.web.research.page import page, researcher
-from studyapp.web.running import site
+from studyapp.web.site import current_site
 
 
 def researchers(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
     """Show who belongs to the study, and who is invited."""
-    here = site()
+    site = current_site()
     return page(
         "researchers",
-        accounts=accounts(here.database),
-        links=usable_links(here.database, here.clock.now()),
+        accounts=accounts(site.database),
+        links=usable_links(site.database, site.clock.now()),
         roles=ROLES,
         rights=RIGHTS,
         problem=problem,
@@ -44,9 +44,9 @@ def researchers(problem: InputError | None = None, new_link: str = "", for_name:
 
 def invite_researcher() -> ResponseReturnValue:
     """Make an invitation, and show its link this once."""
-    here = site()
+    site = current_site()
     try:
-        token = invite(here.database, here.clock, role=_role(), by=researcher().name)
+        token = invite(site.database, site.clock, role=_role(), by=researcher().name)
     except InputError as error:
         return researchers(problem=error), 422
     return researchers(new_link=_link(token))
@@ -54,11 +54,11 @@ def invite_researcher() -> ResponseReturnValue:
 
 def offer_password(researcher_id: int) -> ResponseReturnValue:
     """Make a link for a new password, and show it this once."""
-    here = site()
-    names = {account.id: account.name for account in accounts(here.database)}
+    site = current_site()
+    names = {account.id: account.name for account in accounts(site.database)}
     try:
         name, by = names.get(researcher_id, ""), researcher().name
-        token = offer_new_password(here.database, here.clock, name=name, by=by)
+        token = offer_new_password(site.database, site.clock, name=name, by=by)
     except InputError as error:
         return researchers(problem=error), 422
     return researchers(new_link=_link(token), for_name=name)
@@ -66,29 +66,29 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
 
 def take_link_back(link_id: int) -> ResponseReturnValue:
     """Make a link unusable."""
-    here = site()
-    take_back_link(here.database, here.clock, link_id, by=researcher().name)
+    site = current_site()
+    take_back_link(site.database, site.clock, link_id, by=researcher().name)
     return redirect(url_for("research.researchers"), 303)
 
 
 def give_role(researcher_id: int) -> ResponseReturnValue:
     """Give a researcher another role."""
-    here, by = site(), researcher().name
+    site, by = current_site(), researcher().name
     return _done(
-        lambda: change_role(here.database, here.clock, researcher_id, _role(), by=by),
+        lambda: change_role(site.database, site.clock, researcher_id, _role(), by=by),
     )
 
 
 def shut_researcher_out(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in no more."""
-    here, by = site(), researcher().name
-    return _done(lambda: shut_out(here.database, here.clock, researcher_id, by=by))
+    site, by = current_site(), researcher().name
+    return _done(lambda: shut_out(site.database, site.clock, researcher_id, by=by))
 
 
 def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
-    here, by = site(), researcher().name
-    return _done(lambda: let_in_again(here.database, here.clock, researcher_id, by=by))
+    site, by = current_site(), researcher().name
+    return _done(lambda: let_in_again(site.database, site.clock, researcher_id, by=by))
 
 
 def _link(token: str) -> str:
@@ -97,7 +97,7 @@ def _link(token: str) -> str:
     It begins as the researcher said that the study's addresses do; else the browser completes it.
     What a request calls the host may be anybody's word.
     """
-    return site().origin + url_for("research.link", token=token)
+    return current_site().origin + url_for("research.link", token=token)
 
 
 def _done(change: Callable[[], None]) -> ResponseReturnValue:

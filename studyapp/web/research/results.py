@@ -21,7 +21,7 @@ from studyapp.researchers.logins import HOLDS, unblind, unblinded_because
 from studyapp.session.intake import present_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.web.research.page import page, researcher, visitor_cookie
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 
 TABLED: Final = (1, 2, 3, 5, 10, 20)
 """Numbers of looks that the page tells the rate of false positives for."""
@@ -34,19 +34,19 @@ CLOSED: Final = "the study is closed"
 
 def results() -> ResponseReturnValue:
     """Show results at the end, and before it to whoever has said why; log it; else ask why."""
-    here, token = running(), visitor_cookie()
-    over = over_because(here.database, here.served, here.clock.now())
-    because = over or unblinded_because(here.database, token or "", here.clock.now())
+    site, token = study_site(), visitor_cookie()
+    over = over_because(site.database, site.served, site.clock.now())
+    because = over or unblinded_because(site.database, token or "", site.clock.now())
     if not because:
         return _asking()
-    kept = kept_figures(here.database, here.clock, "results", here.figures)
+    kept = kept_figures(site.database, site.clock, "results", site.figures)
     awaited = kept.is_awaited and not kept.is_current
     document = None if awaited else Document.read(kept.document)
     if document is not None:
-        with here.database.writing() as session:
+        with site.database.writing() as session:
             note_look(
                 session,
-                here.clock.now(),
+                site.clock.now(),
                 document.basis.state,
                 way="page",
                 by=researcher().name,
@@ -57,7 +57,7 @@ def results() -> ResponseReturnValue:
         kept=kept,
         awaited=awaited,
         found=document,
-        looks=looks(here.database),
+        looks=looks(site.database),
         because=because,
         is_final=bool(over),
     )
@@ -75,20 +75,20 @@ def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
 
 def ask_for_results() -> ResponseReturnValue:
     """Take the reason, and go on to the results."""
-    here, token, reason = running(), visitor_cookie(), request.form.get("reason", "")
+    site, token, reason = study_site(), visitor_cookie(), request.form.get("reason", "")
     if token is None:
         abort(403)
     try:
-        unblind(here.database, here.clock, token, by=researcher().name, reason=reason)
+        unblind(site.database, site.clock, token, by=researcher().name, reason=reason)
     except InputError as error:
         return _asking(error, reason), 422
     return redirect(url_for("research.results"), 303)
 
 
 def _asking(problem: InputError | None = None, reason: str = "") -> str:
-    here = running()
-    made = looks(here.database)
-    places = places_so_far(here.database, here.served, here.clock.now())
+    site = study_site()
+    made = looks(site.database)
+    places = places_so_far(site.database, site.served, site.clock.now())
     return page(
         "unblind",
         problem=problem,

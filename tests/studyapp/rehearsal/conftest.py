@@ -17,7 +17,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.web.app import create_app
-from studyapp.web.running import EXTENSION
+from studyapp.web.site import EXTENSION
 from tests.studyapp.rehearsal.steps import SPEED, participant_of
 from tests.support.studies.made_study import make_study
 from tests.support.studies.stored import opened

@@ -31,7 +31,7 @@ from studyapp.results.export.writing import export
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.running import EXTENSION
+from studyapp.web.site import EXTENSION
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.rehearsal.steps import SPEED, browser, participant_of
 from tests.support.studies.answered_study import answer_study

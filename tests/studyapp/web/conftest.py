@@ -13,7 +13,7 @@ import pytest
 from flask import Flask
 
 from studyapp.web.app import create_app
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -42,10 +42,10 @@ def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
             redefine(folder, *changes, added=added)
             app = create_app(folder, **options)
             with app.app_context():
-                here = running()
-            closing.callback(here.database.close)
+                site = study_site()
+            closing.callback(site.database.close)
             if "rehearsal_speed" not in options:
-                attach(app, replace(here, clock=clock))
+                attach(app, replace(site, clock=clock))
             return app
 
         yield make

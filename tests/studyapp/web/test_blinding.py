@@ -20,7 +20,7 @@ from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
 from studyapp.database.tables import Trial, Video
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
@@ -157,10 +157,10 @@ def test_a_token_whose_time_is_not_now_is_like_none_at_all(
     token = list(stored_in(app, LOADED))[index].videos[0].token
     happens(visitor)
     with app.app_context():
-        here = running()
+        site = study_site()
 
     for (method, headers), prefix in product(ASKED, (None, "/inner/")):
-        attach(app, replace(here, accel_prefix=prefix))
+        attach(app, replace(site, accel_prefix=prefix))
         answers = [
             app.test_client().open(
                 f"/media/{name}.mp4", method=method, headers=headers, buffered=True

@@ -12,7 +12,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
 from studyapp.database.tables import StudySession, Video
 from studyapp.study.media import read_stimuli, write_stimuli
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.visitor import Visitor, stored_in
 from tests.support.studies.added_condition import make_videos_anew
@@ -76,8 +76,8 @@ def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
 ) -> None:
     whole = content(app, address)
     with app.app_context():
-        here = running()
-    attach(app, replace(here, accel_prefix="/study files/"))
+        site = study_site()
+    attach(app, replace(site, accel_prefix="/study files/"))
 
     answer = app.test_client().get(address, headers={"Range": "bytes=0-"})
 

@@ -13,7 +13,7 @@ from flask import Flask
 
 from studyapp.study.settings.study import Study
 from studyapp.web.language import speak
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.functional.shown_studies import NAMES, write_shown_study
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.conftest import Serve
@@ -48,7 +48,7 @@ def visitor(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Visi
 
 def study_of(app: Flask) -> Study:
     with app.app_context():
-        return running().study
+        return study_site().study
 
 
 @pytest.mark.parametrize("folder", NAMES, indirect=True)

@@ -10,7 +10,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, Response
-from studyapp.web.running import attach, running
+from studyapp.web.site import attach, study_site
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -69,7 +69,7 @@ def test_the_character_nul_is_refused_wherever_it_stands(
     app: Flask, opened: Database, participant: Participant
 ) -> None:
     with app.app_context():
-        attach(app, replace(running(), database=opened))
+        attach(app, replace(study_site(), database=opened))
     client = app.test_client()
     page = f"/take/{participant.token}"
     nowhere = ("/take/%00", "/media/%00.mp4", "/take/%00/withdraw", "/?PROLIFIC_PID=a%00b")

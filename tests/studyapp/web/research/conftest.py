@@ -8,7 +8,7 @@ import pytest
 from flask import Flask
 
 from studyapp.database.engine import Database
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researchers_at_hand import joined
 from tests.support.studies.taking_part_steps import SetClock
@@ -39,7 +39,7 @@ def hashing_costs_little(cheap_passwords: None) -> None:
 def stored(app: Flask) -> Database:
     """Return the database that the pages show."""
     with app.app_context():
-        return running().database
+        return study_site().database
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from studyapp.study.folder import StudyFolder
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.read_once import read_once
@@ -30,9 +30,9 @@ SCRIPT = "<script>alert(1)</script>"
 def people(app: Flask, clock: SetClock) -> list[Participant]:
     """Return two participants: one has finished, the other has answered a trial."""
     with app.app_context():
-        here = running()
+        site = study_site()
     done, other = (
-        Participant(here.database, here.served, clock).enrol(name).begin() for name in "ab"
+        Participant(site.database, site.served, clock).enrol(name).begin() for name in "ab"
     )
     done.take_all()
     other.take_trial()
@@ -93,9 +93,9 @@ def test_participants_go_by_the_pseudonyms_of_the_export(
     people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:
     with log_in.app.app_context():
-        here = running()
+        site = study_site()
     arrival = Arrival(recruiter_participant="pid-4711", recruiter_study="one")
-    enrol(log_in.stored, here.served, arrival, here.clock)
+    enrol(log_in.stored, site.served, arrival, site.clock)
     exported = read_once(log_in.stored, pseudonyms, drawn_key)
     analyst = log_in("analyst")
 

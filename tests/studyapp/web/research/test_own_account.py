@@ -15,7 +15,7 @@ from studyapp.database.engine import Database
 from studyapp.researchers.attempts import MOST_OF_NAME
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.research.page import COOKIE
-from studyapp.web.running import attach, client_address, running
+from studyapp.web.site import attach, client_address, study_site
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
@@ -237,7 +237,7 @@ def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
 def test_what_a_request_calls_the_host_stands_in_no_link(log_in: LogIn, origin: str) -> None:
     owner = log_in("owner")
     with log_in.app.app_context():
-        attach(log_in.app, replace(running(), origin=origin))
+        attach(log_in.app, replace(study_site(), origin=origin))
     owner.client.environ_base["HTTP_HOST"] = "evil.example.com"
 
     page = owner.post("/research/researchers/invite", role="viewer").text

@@ -18,7 +18,7 @@ from studyapp.recruitment.invitations import make_test_participation
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
@@ -43,14 +43,14 @@ def protocol_app(
     path.write_bytes(empty_sqlite.read_bytes())
     app = create_app(finished_study(request.param), database_url=sqlite_url(path))
     with app.app_context():
-        here = running()
-    with closing(here.database):
+        site = study_site()
+    with closing(site.database):
         yield app
 
 
 def opened(app: Flask) -> tuple[ResearchBrowser, Database]:
     with app.app_context():
-        database = running().database
+        database = study_site().database
     joined(database, SetClock(), "Ada")
     browser = ResearchBrowser(app)
     browser.log_in("Ada")

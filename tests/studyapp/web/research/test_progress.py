@@ -13,7 +13,7 @@ from studyapp.database.tables import StudySession
 from studyapp.session.intake import decided
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -22,9 +22,9 @@ from tests.support.studies.taking_part_steps import Participant, SetClock
 def people(app: Flask, clock: SetClock) -> None:
     """Let one finish, and another be in the middle."""
     with app.app_context():
-        here = running()
-    Participant(here.database, here.served, clock).enrol("one").begin().take_all()
-    other = Participant(here.database, here.served, clock).enrol("other").begin()
+        site = study_site()
+    Participant(site.database, site.served, clock).enrol("one").begin().take_all()
+    other = Participant(site.database, site.served, clock).enrol("other").begin()
     other.take_trial()
     other.look()
 

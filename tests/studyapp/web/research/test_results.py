@@ -9,7 +9,7 @@ import pytest
 from flask import Flask
 
 from studyapp.researchers.audit import logged_changes, looks
-from studyapp.web.running import running
+from studyapp.web.site import study_site
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.figures_at_hand import FiguresAtHand
@@ -22,15 +22,15 @@ RESULTS = "/research/results"
 def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> Iterator[FiguresAtHand]:
     monkeypatch.delenv("DATABASE_URL", raising=False)
     with app.app_context():
-        yield cast(FiguresAtHand, running().figures)
+        yield cast(FiguresAtHand, study_site().figures)
 
 
 def arrive(app: Flask, clock: SetClock, *names: str) -> None:
     """Let participants finish who do not answer all alike."""
     with app.app_context():
-        here = running()
+        site = study_site()
     for person, name in enumerate(names):
-        comer = Participant(here.database, here.served, clock).enrol(name).begin()
+        comer = Participant(site.database, site.served, clock).enrol(name).begin()
         for trial in range(6):
             if comer.look().trial is None:
                 break
@@ -102,11 +102,11 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     arrive(log_in.app, log_in.clock, "one", "two", "three")
     analyst = log_in("analyst")
     with log_in.app.app_context():
-        here = running()
-        comer = Participant(here.database, here.served, log_in.clock).enrol("four").begin()
+        site = study_site()
+        comer = Participant(site.database, site.served, log_in.clock).enrol("four").begin()
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
     assert "Results before the end" in analyst.get(RESULTS).text
-    log_in.clock.advance(minutes=here.served.study.lease_minutes + 1)
+    log_in.clock.advance(minutes=site.served.study.lease_minutes + 1)
 
     assert "being computed" in analyst.get(RESULTS).text
     figures.work()

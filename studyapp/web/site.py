@@ -72,7 +72,7 @@ class Desk:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Running:
+class StudySite:
     """The study being served, its database and its clock.
 
     Attributes
@@ -126,14 +126,14 @@ def attach(app: Flask, site: Site) -> None:
     app.extensions[EXTENSION] = site
 
 
-def site() -> Site:
+def current_site() -> Site:
     """Return where the present request's researcher logs in."""
     return cast(Site, current_app.extensions[EXTENSION])
 
 
-def running() -> Running:
+def study_site() -> StudySite:
     """Return what the present request of a study needs."""
-    return cast(Running, current_app.extensions[EXTENSION])
+    return cast(StudySite, current_app.extensions[EXTENSION])
 
 
 PROXIES: Final = "FORWARDED_ALLOW_IPS"
