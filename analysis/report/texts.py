@@ -242,6 +242,8 @@ def _environment() -> Environment:
     environment.filters |= {
         "share": partial(_cell, wording.share),
         "number": partial(_cell, wording.number),
+        "measured": lambda value, measure: _cell(wording.number_style(measure), value),
+        "difference": lambda value, measure: _cell(wording.difference_style(measure), value),
         "p": partial(_cell, wording.p_value),
         "count": _count_cell,
         "interval": _interval_cell,

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.results.grouping import Place
+from analysis.results.headline import Measure
 from analysis.results.strengths import Standing
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
@@ -65,6 +66,33 @@ def share(value: float) -> str:
     text = f"{abs(value):.2f}"
     sign = "−" if value < 0 and float(text) else ""
     return sign + (text[1:] if text.startswith("0") else text)
+
+
+MEASURES: Final[Mapping[Measure, str]] = MappingProxyType(
+    {
+        "win_share": "win share of the first",
+        "own_speech": "share of preferences for its own speech",
+        "mean_rating": "mean rating",
+        "mean_rank": "mean rank (1 is best)",
+    }
+)
+"""What a headline number is."""
+
+
+def number_style(measure: Measure) -> Callable[[float], str]:
+    """Return how numbers of `measure` are written: shares as '.63', means as '3.63'."""
+    return share if measure in ("win_share", "own_speech") else number
+
+
+def difference_style(measure: Measure) -> Callable[[float], str]:
+    """Return how differences of `measure` are written: as its numbers, with a sign."""
+    written = number_style(measure)
+
+    def with_sign(value: float) -> str:
+        text = written(value)
+        return f"+{text}" if value > 0 and text.strip("0.") else text
+
+    return with_sign
 
 
 def p_value(value: float) -> str:

@@ -115,6 +115,8 @@ class Recovery:
     ----------
     title : str
         The study's.
+    labels : mapping of str to str
+        What the study calls its conditions and comparisons, by name.
     values : tuple of (KnownValue, Estimate)
         Every number that was put in and estimated.
     differences : tuple of KnownDifference
@@ -128,6 +130,7 @@ class Recovery:
     """
 
     title: str
+    labels: Mapping[str, str]
     values: tuple[tuple[KnownValue, Estimate], ...]
     differences: tuple[KnownDifference, ...]
     kinds: tuple[KindRecovered, ...]
@@ -186,6 +189,7 @@ def recover(folder: StudyFolder) -> Recovery:
         )
     return Recovery(
         title=study.title,
+        labels=study.display_names,
         values=found_values(reports, known),
         differences=found_differences(reports, known),
         kinds=kinds_recovered(everybody, _analysed(tasks), _removed_by(tasks)),

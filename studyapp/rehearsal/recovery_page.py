@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -11,7 +9,8 @@ import pandas as pd
 from analysis.report.content import Cell, Section, Table
 from analysis.report.page import Page, render_page
 from analysis.report.tables import write_frame
-from analysis.report.wording import fixed
+from analysis.report.texts import table
+from analysis.report.wording import labelled
 from motion.files import write_text
 from studyapp.rehearsal.recovered import Recovery
 from studyapp.rehearsal.recovery_words import (
@@ -29,10 +28,11 @@ PAGE = "recovery.html"
 
 def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
     """Write page and tables into the rehearsal's folder and return the page."""
-    for name, table in recovery_tables(recovery).items():
-        write_frame(folder.rehearsal_findings / name, table)
+    for name, frame in recovery_tables(recovery).items():
+        write_frame(folder.rehearsal_findings / name, frame)
     path = folder.rehearsal_findings / PAGE
-    write_text(path, render_page(recovery_page(recovery)))
+    with labelled(recovery.labels):
+        write_text(path, render_page(recovery_page(recovery)))
     return path
 
 
@@ -45,13 +45,12 @@ def recovery_page(recovery: Recovery) -> Page:
         answer=(intervals_in_words(recovery), signs_in_words(recovery), counts_in_words(recovery)),
         picture=None,
         flow="",
-        sections=_sections(recovery, recovery_tables(recovery)),
+        sections=_sections(recovery),
     )
 
 
-def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[Section, ...]:
-    values = tables["values.csv"].drop(columns=["true_value_on_these_segments", "participants"])
-    differences = tables["differences.csv"].drop(columns=["measure", "participants"])
+def _sections(recovery: Recovery) -> tuple[Section, ...]:
+    tables = recovery_tables(recovery)
     return (
         Section(
             anchor="values",
@@ -61,14 +60,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
                 "as these. Others answer too, as they do in studies, so that what they blur is "
                 "blurred here.",
             ),
-            tables=(
-                _table(
-                    "Each true value, and its estimate after exclusions. Inside: "
-                    "whether its 95% interval, from low to high, holds the true value.",
-                    values,
-                    text_columns=["part", "question", "measure", "about"],
-                ),
-            ),
+            tables=(table("truth", recovery.values),),
         ),
         Section(
             anchor="differences",
@@ -79,14 +71,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
                 for each in recovery.differences
                 if each.sign in ("undecided", "wrong")
             ),
-            tables=(
-                _table(
-                    "How much better the first is than the second: of shares from one half, of "
-                    "ranks how much further in front. Low and high are the 95% interval.",
-                    differences,
-                    text_columns=["part", "question", "first", "second"],
-                ),
-            ),
+            tables=(table("truth_of_differences", recovery.differences),),
         ),
         Section(
             anchor="raters",
@@ -97,7 +82,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
                 _table(
                     "Participants by kind. Who is analysed and should not be is missed.",
                     tables["raters.csv"],
-                    text_columns=["kind", "description"],
+                    text_columns=2,
                     notes=(
                         "Times in a rehearsal are those of its clock, which runs faster, the "
                         "server's own delays included: rules about time find fewer here than in a "
@@ -115,7 +100,7 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
                     "What happened, as the simulated participants know it, and what the study "
                     "counts.",
                     tables["bookkeeping.csv"],
-                    text_columns=["what"],
+                    text_columns=1,
                 ),
             ),
         ),
@@ -123,17 +108,15 @@ def _sections(recovery: Recovery, tables: Mapping[str, pd.DataFrame]) -> tuple[S
 
 
 def _table(
-    caption: str, frame: pd.DataFrame, *, text_columns: list[str], notes: tuple[str, ...] = ()
+    caption: str, frame: pd.DataFrame, *, text_columns: int, notes: tuple[str, ...] = ()
 ) -> Table:
-    """Return a table of the columns of `frame` that say anything."""
-    said = frame.loc[:, [frame[name].astype(str).ne("").any() for name in frame]]
-    told_plainly = [name for name in ("kind", "measure") if name in said]
-    said = said.assign(**{name: said[name].str.replace("_", " ") for name in told_plainly})
+    """Return a table of counts; a column that says nothing is left out."""
+    shown = frame.loc[:, [frame[name].astype(str).ne("").any() for name in frame]]
     return Table(
         caption=caption,
-        header=tuple(str(name).replace("_", " ") for name in said),
-        rows=tuple(tuple(map(_cell, row)) for row in said.itertuples(index=False, name=None)),
-        text_columns=sum(name in said for name in text_columns),
+        header=tuple(str(name).replace("_", " ") for name in shown),
+        rows=tuple(tuple(map(_cell, row)) for row in shown.itertuples(index=False, name=None)),
+        text_columns=text_columns,
         notes=notes,
     )
 
@@ -142,14 +125,10 @@ def _cell(value: object) -> Cell:
     match value:
         case bool():
             return Cell(text="yes" if value else "NO")
-        case float() if math.isnan(value):
-            return Cell(text="–")
-        case float():
-            return Cell(text=fixed(value, 2), value=value)
         case int():
             return Cell(text=str(value), value=value)
         case _:
-            return Cell(text="–" if value is None else str(value))
+            return Cell(text=str(value).replace("_", " "))
 
 
 VALUES = (

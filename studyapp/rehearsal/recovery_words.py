@@ -9,11 +9,19 @@ from typing import Final
 
 from scipy.stats import binom
 
-from analysis.results.known_values import KnownDifference, Sign
+from analysis.report.wording import (
+    condition,
+    count,
+    difference_style,
+    labelled,
+    name,
+    number_style,
+    question_name,
+)
+from analysis.results.known_values import KnownDifference, KnownValue, Sign
 from analysis.stats.clustered_mean import LEVEL, Estimate
 from motion.errors import listed
 from studyapp.rehearsal.recovered import KindRecovered, Recovery
-from studyapp.rehearsal.simulation.population import Kind
 
 SIGNS: Final[Mapping[Sign, str]] = MappingProxyType(
     {
@@ -49,9 +57,9 @@ def intervals_in_words(recovery: Recovery) -> str:
     if not recovery.values:
         return "No true value could be estimated: too few answered, or ranks may be shared."
     without = len(recovery.values) - recovery.intervals
-    none = f" {_count(without, 'number')} {_has(without)} no interval." if without else ""
+    none = f" {count(without, 'number')} {_has(without)} no interval." if without else ""
     return (
-        f"{recovery.intervals - recovery.missed} of {_count(recovery.intervals, 'interval')} "
+        f"{recovery.intervals - recovery.missed} of {count(recovery.intervals, 'interval')} "
         f"{'holds' if recovery.intervals == 1 else 'hold'} the true value."
         f"{none} {chance_in_words(recovery.missed, recovery.intervals)}"
     )
@@ -63,33 +71,36 @@ def signs_in_words(recovery: Recovery) -> str:
     if not signs:
         return "No two conditions could be compared."
     parts = [f"{signs.count(sign)} {SIGNS[sign]}" for sign in SIGNS if signs.count(sign)]
-    return f"Of {_count(len(signs), 'comparison')}, {listed(parts)}."
+    return f"Of {count(len(signs), 'comparison')}, {listed(parts)}."
 
 
 def difference_in_words(difference: KnownDifference) -> str:
     """Say why the better one of two was not found, as far as that can be said."""
-    what = f"{difference.question}: {difference.first} and {difference.second}"
-    if difference.part:
-        what = f"{difference.part}, {what}"
+    what = (
+        f"{question_name(difference.part, difference.question)}: "
+        f"{condition(difference.first)} and {condition(difference.second)}"
+    )
     found, half = difference.found, difference.half_width
+    signed, written = difference_style(difference.measure), number_style(difference.measure)
+    truth = signed(difference.truth)
     if difference.sign == "wrong":
         return (
-            f"{what}: the analysis finds {found.estimate:+.2f} where {difference.truth:+.2f} is "
+            f"{what}: the analysis finds {signed(found.estimate)} where {truth} is "
             "true. A sound design errs so in at most 1 of 40 rehearsals; where the difference is "
             "small, it is chance or the luck of the segments."
         )
     if math.isnan(half):
         why = found.reason or "there are too few answers"
-        return f"{what} are not told apart ({why}); the true difference is {difference.truth:+.2f}."
-    people = _count(found.participants, "participant")
+        return f"{what} are not told apart ({why}); the true difference is {truth}."
+    people = count(found.participants, "participant")
     if abs(difference.truth) <= half:
         return (
             f"{what}: the design cannot answer this question. {people} give an interval of "
-            f"±{half:.2f}, the true difference is {difference.truth:+.2f}: see 'motionjury plan'."
+            f"±{written(half)}, the true difference is {truth}: see 'motionjury plan'."
         )
     return (
-        f"{what} are not told apart this time, though the interval of ±{half:.2f} from {people} is "
-        f"narrower than the true difference of {difference.truth:+.2f}: so it goes now and then; "
+        f"{what} are not told apart this time, though the interval of ±{written(half)} from "
+        f"{people} is narrower than the true difference of {truth}: so it goes now and then; "
         "'motionjury plan' says how often."
     )
 
@@ -108,9 +119,9 @@ def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
     )
     for kind in kinds:
         if kind.missed or kind.wrongly_excluded:
-            rules = listed([f"{count} by {rule}" for rule, count in kind.excluded_by.items()])
+            rules = listed([f"{removed} by {rule}" for rule, removed in kind.excluded_by.items()])
             yield (
-                f"  {named(kind.kind)}: {kind.came} came, {kind.analysed} analysed, "
+                f"  {name(kind.kind)}: {kind.came} came, {kind.analysed} analysed, "
                 f"{rules or 'none'}{'' if rules else ' left out'}"
             )
 
@@ -124,19 +135,10 @@ def counts_in_words(recovery: Recovery) -> str:
     by_words = {check.what: check.happened for check in recovery.checks}
     answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
     return (
-        f"All is counted right: {_count(answers, 'acknowledged answer')} stored, each once; "
+        f"All is counted right: {count(answers, 'acknowledged answer')} stored, each once; "
         f"{by_words.get('left for good', 0)} left for good, "
         f"{by_words.get('came back after leaving and finished', 0)} came back."
     )
-
-
-def named(kind: Kind) -> str:
-    """Return a kind as it is written in a table."""
-    return kind.replace("_", " ")
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _is(number: int) -> str:
@@ -151,23 +153,25 @@ HEADINGS: Final = ("question", "of", "number", "true value", "found", "interval"
 FIRST_NUMBER: Final = 3
 
 
-def recovery_lines(recovery: Recovery) -> Iterator[str]:
-    """Yield a table of true values and estimates, and sentences about all else."""
-    rows = [
-        (
-            f"{known.part}: {known.question}" if known.part else known.question,
-            known.about,
-            known.measure.replace("_", " "),
-            f"{known.value:.2f}",
-            "–" if math.isnan(found.estimate) else f"{found.estimate:.2f}",
-            f"{found.low:.2f} to {found.high:.2f}" if found.has_interval else "–",
-            _where(found, known.value),
-        )
-        for known, found in recovery.values
-    ]
-    if rows:
-        yield from _in_columns([HEADINGS, *rows])
-    yield from summary(recovery)
+def recovery_lines(recovery: Recovery) -> list[str]:
+    """Return a table of true values and estimates, and sentences about all else."""
+    with labelled(recovery.labels):
+        rows = [_row(known, found) for known, found in recovery.values]
+        table = _in_columns([HEADINGS, *rows]) if rows else ()
+        return [*table, *summary(recovery)]
+
+
+def _row(known: KnownValue, found: Estimate) -> tuple[str, ...]:
+    written = number_style(known.measure)
+    return (
+        question_name(known.part, known.question),
+        condition(known.about),
+        name(known.measure),
+        written(known.value),
+        written(found.estimate),
+        f"{written(found.low)} to {written(found.high)}" if found.has_interval else "–",
+        _where(found, known.value),
+    )
 
 
 def _where(found: Estimate, value: float) -> str:

@@ -170,14 +170,6 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
     )
 
 
-_MEASURES: Final = {
-    "pairwise": "win share of the first",
-    "mismatch": "share of preferences for its own speech",
-    "rating": "mean rating",
-    "ranking": "mean rank (1 is best)",
-}
-
-
 def sensitivity_section(report: TableReport, subject: Subject) -> Section | None:
     """Return the headline numbers with and without exclusions; None where nobody is left out."""
     if not report.sensitivity:
@@ -194,7 +186,7 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
     groups = {"analysed": "analysed", "as_planned": "as planned", "everyone": "nobody excluded"}
     if is_planned:
         del groups["as_planned"]
-    is_share = report.protocol in ("pairwise", "mismatch")
+    measure = shown[0].measure
     return Section(
         anchor="sensitivity",
         heading="With and without exclusions",
@@ -203,10 +195,10 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
             table(
                 "sensitivity_table",
                 shown,
-                measure=_MEASURES[report.protocol],
+                measure=wording.MEASURES[measure],
                 groups=groups,
                 of=lambda one: " – ".join(map(wording.condition, one.conditions)),
-                words=wording.share if is_share else wording.number,
+                words=wording.number_style(measure),
             ),
         ),
     )

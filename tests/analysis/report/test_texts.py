@@ -14,7 +14,11 @@ from analysis.report.texts import paragraphs, table
 REPORT = Path("analysis/report")
 SOURCES = "\n".join(
     path.read_text("utf-8")
-    for path in (*REPORT.rglob("*.py"), *Path("analysis/planning").glob("*.py"))
+    for path in (
+        *REPORT.rglob("*.py"),
+        *Path("analysis/planning").glob("*.py"),
+        Path("studyapp/rehearsal/recovery_page.py"),
+    )
 )
 
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from analysis.report.wording import labelled
 from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.bookkeeping import Check, Person
@@ -33,6 +34,7 @@ UNDECIDED = KnownDifference(
 RIGHT = Check(what="completed, says the report", happened=3, counted=3)
 RECOVERY = Recovery(
     title="A study",
+    labels={"ours": "Ours", "ours-theirs": "Ours against theirs"},
     values=((KNOWN, FOUND), (replace(KNOWN, question="emotion", value=0.9), FOUND)),
     differences=(UNDECIDED,),
     kinds=(),
@@ -62,9 +64,9 @@ def kinds() -> tuple[KindRecovered, ...]:
 def test_a_design_that_cannot_answer_is_told_from_bad_luck() -> None:
     said = difference_in_words(UNDECIDED)
     assert (
-        "the design cannot answer this question. 25 participants give an interval of ±0.20" in said
+        "the design cannot answer this question. 25 participants give an interval of ±.20" in said
     )
-    assert "the true difference is +0.10: see 'motionjury plan'" in said
+    assert "the true difference is +.10: see 'motionjury plan'" in said
     unlucky = difference_in_words(replace(UNDECIDED, truth=0.3))
     assert "this time" in unlucky
     assert "cannot answer" not in unlucky
@@ -86,7 +88,7 @@ def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
 
 def test_a_miss_is_shown_and_put_down_to_chance() -> None:
     lines = list(recovery_lines(RECOVERY))
-    assert " ".join(lines[1].split()) == "fit ours-theirs win share 0.60 0.55 0.45 to 0.65"
+    assert " ".join(lines[1].split()) == "fit Ours against theirs win share .60 .55 .45 to .65"
     assert lines[2].endswith("outside")
     assert "1 of 2 intervals hold the true value" in lines[3]
     assert "1 or more of 2 intervals in 10 of 100" in lines[3]
@@ -110,3 +112,16 @@ def test_tables_and_page_hold_it_all() -> None:
     assert [section.anchor for section in page.sections] == [
         *("values", "differences", "raters", "bookkeeping")
     ]
+
+
+def test_the_page_writes_numbers_and_names_as_the_report_does() -> None:
+    rated = replace(UNDECIDED, measure="mean_rating", truth=-0.5)
+    with labelled(RECOVERY.labels):
+        page = recovery_page(replace(RECOVERY, kinds=kinds(), differences=(UNDECIDED, rated)))
+    values, differences = (
+        [[cell.text for cell in row] for row in section.tables[0].rows]
+        for section in page.sections[:2]
+    )
+    assert values[0][1:5] == ["Ours against theirs", "win share of the first", ".60", ".55"]
+    assert differences[0][1:5] == ["Ours", "theirs", "+.10", "+.05"]
+    assert differences[1][3:5] == ["−0.50", "+0.05"]
