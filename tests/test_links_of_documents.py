@@ -10,6 +10,10 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\])*\]\((?P<target>[^)\s]+)\)")
 CODE = re.compile(r"^```.*?^```$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
+MODULE = re.compile(
+    r"(?<![\w/.-])(?:analysis|benchmarks|generators|motion|renderer|studyapp|tests|tools|training)"
+    r"/[\w/]+\.py\b"
+)
 OUTSIDE = ("http://", "https://", "mailto:")
 
 
@@ -40,6 +44,13 @@ def test_every_link_of_a_document_leads_somewhere(document: Path) -> None:
         assert there.is_relative_to(ROOT), f"{found[0]} leads out of the project"
         if anchor:
             assert anchor in anchors(there), f"{found[0]}: no such heading"
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_every_module_that_a_document_names_exists(document: Path) -> None:
+    named = MODULE.findall(document.read_text(encoding="utf-8"))
+
+    assert [path for path in named if not (ROOT / path).exists()] == []
 
 
 def test_no_document_is_orphaned() -> None:
