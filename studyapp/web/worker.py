@@ -16,6 +16,7 @@ from typing import Any, ClassVar, Final
 
 from gunicorn import util  # type: ignore[import-untyped]
 from gunicorn.http import errors, get_parser  # type: ignore[import-untyped]
+from gunicorn.workers.base import Worker  # type: ignore[import-untyped]
 from gunicorn.workers.gthread import ThreadWorker  # type: ignore[import-untyped]
 
 from studyapp.web.app import LARGEST_REQUEST
@@ -142,6 +143,14 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         self._held: deque[tuple[float, Any]] = deque()
         """Lines whose answers are kept back, each with until when."""
         self._looked_at = 0.0
+
+    def handle_quit(self, sig: int, frame: Any) -> None:
+        """End at once, on SIGQUIT.
+
+        gunicorn's own handler shuts the pool of threads down first. That waits for ever where the
+        signal interrupts this thread just as it hands the pool a request, and holds its lock.
+        """
+        Worker.handle_quit(self, sig, frame)
 
     def enqueue_req(self, conn: Any) -> None:
         """Gather a request on a line that is new, or that has been answered."""

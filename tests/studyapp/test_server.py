@@ -13,12 +13,13 @@ from pathlib import Path
 
 import httpx
 import pytest
+from gunicorn.config import Config  # type: ignore[import-untyped]
 
 from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
 from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
-from studyapp.web.worker import HELD_SECONDS, REQUEST_SECONDS
+from studyapp.web.worker import HELD_SECONDS, REQUEST_SECONDS, StudyWorker
 from tests.support.hanging_lines import hanging, slow_body, whole_video
 from tests.support.servers.page_scan import seen_videos
 from tests.support.servers.study_server import HOST, study_server
@@ -80,6 +81,19 @@ def test_two_workers_serve_pages_and_stop_soon_when_told(tiny_study: Path) -> No
         with socket.create_connection(("127.0.0.1", port)):
             server.send_signal(signal.SIGTERM)
             assert server.wait(timeout=REQUEST_SECONDS - 10) == 0
+
+
+def test_a_worker_quits_even_while_it_hands_a_request_to_a_thread() -> None:
+    class BusyPool:
+        def shutdown(self, **_: object) -> None:
+            pytest.fail("the pool's lock is held until the signal has been handled")
+
+    worker = StudyWorker(0, os.getpid(), [], None, 1.0, Config(), None)
+    worker.tpool = BusyPool()
+
+    with pytest.raises(SystemExit):
+        worker.handle_quit(signal.SIGQUIT, None)
+    worker.tmp.close()
 
 
 def test_a_proxy_that_is_no_network_is_said_before_anything_is_made(
