@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kendalltau
 
-from studyapp.study.design.adaptive import Pair, posterior, worthiest_pairs
+from studyapp.study.design.adaptive import Pair, most_informative_pairs, posterior
 from studyapp.study.design.allocation import shuffled
 
 Choice = Literal["adaptive", "even", "random"]
@@ -88,7 +88,7 @@ def _pairs(
 ) -> list[Pair]:
     """Return the pairs that participant `number` answers."""
     if choice == "adaptive":
-        return worthiest_pairs(names, votes, TRIALS, chance)
+        return most_informative_pairs(names, votes, TRIALS, chance)
     if choice == "even":
         return [ring[(number * TRIALS + step) % len(ring)] for step in range(TRIALS)]
     return [ring[index] for index in chance.integers(len(ring), size=TRIALS)]

@@ -39,7 +39,7 @@ from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
-from studyapp.study.template_language import template_text
+from studyapp.study.template_language import render_template
 
 REHEARSALS: Final = 200
 SEGMENTS_EACH: Final = 3
@@ -100,7 +100,7 @@ class Tally:
 
 def template_study() -> tuple[PairwiseStudy, tuple[Segment, ...]]:
     """Return the pairwise template, with as many segments as its published design has."""
-    text = template_text("pairwise.toml")
+    text = render_template("pairwise.toml")
     study = parse_text(text, where="pairwise.toml")
     if not isinstance(study, PairwiseStudy):
         raise TypeError("the template is of another protocol")
@@ -202,7 +202,7 @@ def measure(rehearsals: int = REHEARSALS) -> list[str]:
     removed: Counter[tuple[Kind, str]] = Counter()
     for seed in range(rehearsals):
         made = simulated(study, segments, population, seed)
-        rules = [each.made() for each in study.settled_exclusions]
+        rules = [each.to_rule() for each in study.settled_exclusions]
         left_out = leave_out(made.table, rules, known=made.known)
         truth = expectations(study, segments, population=population, seed=seed)
         for entry in truth:

@@ -8,13 +8,13 @@ from typing import cast, get_args
 import click
 
 from motion.files import write_text
+from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
-from studyapp.study.interview import LONGEST, MOST_PARTICIPANTS, read_pay, require_known_pay
+from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
 from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.recruitment import Channel
-from studyapp.study.stated_conditions import read_conditions
-from studyapp.study.study_file import TEMPLATES, drafted, refuse_existing
-from studyapp.study.wanted_study import WantedStudy
+from studyapp.study.study_file import TEMPLATES, render_study_file, require_new_file
+from studyapp.study.study_options import StudyOptions
 
 
 @click.command("init")
@@ -48,7 +48,7 @@ from studyapp.study.wanted_study import WantedStudy
 @click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
 @click.option(
     "--participants",
-    type=click.IntRange(1, MOST_PARTICIPANTS),
+    type=click.IntRange(1, MAX_PARTICIPANTS),
     help="How many take part; of pairwise studies, in each comparison.",
 )
 @click.option(
@@ -62,7 +62,7 @@ from studyapp.study.wanted_study import WantedStudy
     metavar="'AMOUNT CURRENCY'",
     help="What each participant gets, such as '2.50 GBP'. Mechanical Turk pays in USD.",
 )
-@click.option("--minutes", type=click.IntRange(1, LONGEST), help="How long it takes.")
+@click.option("--minutes", type=click.IntRange(1, MAX_MINUTES), help="How long it takes.")
 @click.option("--title", help="What participants see as the study's title.")
 @click.option("--organisation", help="Who runs the study.")
 @click.option("--contact", help="Whom participants can ask.")
@@ -92,8 +92,8 @@ def command(
     Whatever else there is to say is said in study.toml, such as how a network samples.
     """
     study_folder = StudyFolder(folder)
-    refuse_existing(study_folder.definition)
-    wanted = WantedStudy(
+    require_new_file(study_folder.definition)
+    wanted = StudyOptions(
         name=folder.resolve().name,
         template=template,
         language=language,
@@ -110,8 +110,8 @@ def command(
         contact=contact,
         ethics=ethics,
     )
-    require_known_pay(wanted)
-    text = drafted(wanted, where=study_folder.definition)
+    require_stated_pay(wanted)
+    text = render_study_file(wanted, where=study_folder.definition)
     write_text(study_folder.definition, text)
     click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
 

@@ -18,8 +18,8 @@ from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.exclusions import SECTIONS, Exclusion, ExclusionSection
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
+from studyapp.study.settings.sections import explain_errors
 
 
 @click.command("report")
@@ -149,7 +149,7 @@ def command(
             margin=margin,
             family="all" if family is None else family,
             scale=None if scale is None else _scale(scale, protocol),
-            exclude=[read_exclusion(text, where="--exclude").made() for text in exclude],
+            exclude=[read_exclusion(text, where="--exclude").to_rule() for text in exclude],
         )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 
@@ -193,7 +193,7 @@ def read_exclusion(text: str, *, where: object) -> ExclusionSection:
     ----------
     text : str
         Such as ``coverage<0.9``, or with further settings ``time<3,share=0.25``; what
-        `ExclusionSection.written` returns.
+        `ExclusionSection.shorthand` returns.
     where : object
         What an error names.
 
@@ -205,12 +205,12 @@ def read_exclusion(text: str, *, where: object) -> ExclusionSection:
     word, *settings = text.split(",")
     head = _RULE.fullmatch(word)
     name = "" if head is None else head["name"].replace("-", "_")
-    section = next((one for one in SECTIONS if _name(one) == name), None)
+    section = next((one for one in EXCLUSION_SECTIONS if _name(one) == name), None)
     if head is None or section is None:
         raise InputError(
             f"{text!r} is not an exclusion rule",
             where=where,
-            remedy=f"Write one of {', '.join(map(_example, SECTIONS))}",
+            remedy=f"Write one of {', '.join(map(_example, EXCLUSION_SECTIONS))}",
         )
     if head["sign"] != (section.limit[0] if section.limit else None):
         raise InputError(
@@ -233,7 +233,7 @@ def read_exclusion(text: str, *, where: object) -> ExclusionSection:
     try:
         return _ADAPTER.validate_python(found)
     except ValidationError as error:
-        wrong = explain(error).replace(f"{name}.", "")
+        wrong = explain_errors(error).replace(f"{name}.", "")
         raise InputError(f"{text!r}: {wrong}", where=where, remedy="Correct the rule") from None
 
 

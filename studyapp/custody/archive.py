@@ -21,7 +21,7 @@ from pydantic import ValidationError
 
 from motion.errors import InputError
 from studyapp.custody.manifest import NAME, Manifest, OnFile, StoredFile
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 
 ENDINGS: Final = (".tar", ".tar.gz", ".tgz")
 BLOCK: Final = 1 << 20
@@ -170,7 +170,7 @@ def _manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
         raise InputError(
-            f"what it says of itself is wrong: {explain(error)}",
+            f"what it says of itself is wrong: {explain_errors(error)}",
             where=archive,
             remedy=f"{REMEDY}; or a newer version of Motion Jury made it",
         ) from None

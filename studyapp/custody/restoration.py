@@ -25,7 +25,7 @@ from studyapp.database.engine import (
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import log_change
 from studyapp.stimuli.disk_space import as_text
-from studyapp.study.folder import StudyFolder, held_alone
+from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.media import read_stimuli
 
 _UNFINISHED: Final = ".unfinished-restore-"
@@ -83,7 +83,7 @@ def restore(
     try:
         busy = InputError("another restore is at work there", where=root, remedy="Wait for its end")
         with (
-            held_alone(root, busy=busy),
+            lock_folder(root, busy=busy),
             tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=root) as draft,
         ):
             return _restored(archive, folder, StudyFolder(Path(draft) / "study"), clock, on_file)

@@ -20,7 +20,7 @@ from studyapp.desk.jobs import job_log, job_standings
 from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import StudyPage, page
 from studyapp.researchers.account import Right
-from studyapp.study.folder import BRINGABLE
+from studyapp.study.folder import IMPORTABLE_ENDINGS
 
 IMPORT: Final = "import"
 """The kind of job that brings files in."""
@@ -110,7 +110,7 @@ def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
         has_speech=any(file.condition == "" for file in files),
         conditions=_conditions(study),
         emotions=EMOTIONS,
-        endings=BRINGABLE,
+        endings=IMPORTABLE_ENDINGS,
         piece=LARGEST_PIECE,
         largest=LARGEST_FILE,
         last=job_standings(study.folder.jobs).get(IMPORT),

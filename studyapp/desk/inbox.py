@@ -21,7 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from motion.errors import InputError
 from motion.segment import check_name
-from studyapp.study.folder import BRINGABLE, StudyFolder
+from studyapp.study.folder import IMPORTABLE_ENDINGS, StudyFolder
 
 NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.@+ ()-]{0,149}")
 PARTIAL: Final = re.compile(rf"\.(?P<name>{NAME.pattern})\.(?P<size>\d+)\.(?P<changed>\d+)\.part")
@@ -204,10 +204,10 @@ class Inbox:
                 f"a file cannot be called {upload.name[:200]!r} here",
                 remedy="Use letters, digits and _ - + @ ( ) for its name, at most 150 of them",
             )
-        if Path(upload.name).suffix.lower() not in BRINGABLE:
+        if Path(upload.name).suffix.lower() not in IMPORTABLE_ENDINGS:
             raise InputError(
                 f"{upload.name} is neither speech, motion nor a video that can be brought in",
-                remedy=f"Files end in {', '.join(BRINGABLE)}",
+                remedy=f"Files end in {', '.join(IMPORTABLE_ENDINGS)}",
             )
         if not 0 < upload.size <= self._largest:
             limit = f"{self._largest / 10**9:g} GB"

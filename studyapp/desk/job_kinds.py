@@ -12,7 +12,7 @@ from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import answers_so_far
 from studyapp.researchers.logins import unblinded_because
-from studyapp.study.interview import MOST_PARTICIPANTS, read_count
+from studyapp.study.interview import MAX_PARTICIPANTS, read_count
 from studyapp.web.research.page import visitor_cookie
 from studyapp.web.research.results import over_because
 
@@ -109,7 +109,7 @@ def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     given = form.get("participants", "").strip()
     if not given:
         return ("rehearse",)
-    count = read_count(given, MOST_PARTICIPANTS, what="participants")
+    count = read_count(given, MAX_PARTICIPANTS, what="participants")
     return ("rehearse", "--participants", str(count))
 
 

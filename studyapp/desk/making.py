@@ -16,33 +16,33 @@ from studyapp.desk.lab import current_lab
 from studyapp.desk.page import page
 from studyapp.desk.studies import check_study_name
 from studyapp.researchers.account import Right
+from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (
-    CHANNELS,
+    CHANNEL_DESCRIPTIONS,
     LANGUAGES,
-    LONGEST,
-    MOST_PARTICIPANTS,
+    MAX_MINUTES,
+    MAX_PARTICIPANTS,
     QUESTIONS,
     STAND_INS,
-    TEMPLATE_WORDS,
+    TEMPLATE_DESCRIPTIONS,
     WITH_REFERENCE,
-    participants_asked,
+    participants_question,
     read_address,
     read_count,
     read_line,
     read_pay,
-    reference_asked,
-    require_known_pay,
-    sources,
+    reference_question,
+    require_stated_pay,
+    source_descriptions,
 )
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Language, Video
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.settings.study import Study
-from studyapp.study.stated_conditions import read_conditions
-from studyapp.study.study_file import drafted, template_participants
-from studyapp.study.wanted_study import MOST_TOGETHER, WantedStudy
+from studyapp.study.study_file import render_study_file, template_participants
+from studyapp.study.study_options import MAX_VIDEOS_PER_PAGE, StudyOptions
 from studyapp.web.research.page import researcher
 from studyapp.web.research.pages import Page
 
@@ -55,7 +55,7 @@ LONGEST_QUESTION: Final = 500
 def choose_template() -> ResponseReturnValue:
     """Ask what participants do, and in which language they read."""
     return page(
-        "choose_template", templates=TEMPLATE_WORDS, languages=LANGUAGES, questions=QUESTIONS
+        "choose_template", templates=TEMPLATE_DESCRIPTIONS, languages=LANGUAGES, questions=QUESTIONS
     )
 
 
@@ -69,7 +69,7 @@ def make_study() -> ResponseReturnValue:
     try:
         name = check_study_name(request.form.get("name", "").strip())
         root = current_lab().folder / name
-        text = drafted(_wanted(name, root), where=StudyFolder(root).definition.name)
+        text = render_study_file(_wanted(name, root), where=StudyFolder(root).definition.name)
         _make_folder(root)
         write_text(StudyFolder(root).definition, text)
     except InputError as error:
@@ -90,12 +90,12 @@ def _make_folder(root: Path) -> None:
         ) from None
 
 
-def _wanted(name: str, root: Path) -> WantedStudy:
+def _wanted(name: str, root: Path) -> StudyOptions:
     """Return what the form asks for."""
     form = {key: value.strip() for key, value in request.form.items()}
     template, language = _chosen(form)
     channel = form.get("channel", "link")
-    if channel not in CHANNELS:
+    if channel not in CHANNEL_DESCRIPTIONS:
         abort(400)
     conditions = None
     if form.get("conditions") == "own":
@@ -106,7 +106,7 @@ def _wanted(name: str, root: Path) -> WantedStudy:
             raise InputError("no condition is named", remedy="Name two or more of them")
     default = _template_study(template, language)
     words = {each.name: form.get(f"question-{each.name}", "") for each in default.questions}
-    wanted = WantedStudy(
+    wanted = StudyOptions(
         name=name,
         template=template,
         language=cast(Language, language),
@@ -114,10 +114,10 @@ def _wanted(name: str, root: Path) -> WantedStudy:
         reference=(form.get("reference") or None) if conditions else None,
         catch_videos="catch_videos" in form and conditions is not None,
         trials=_count(form, "trials", MOST_TRIALS),
-        participants=_count(form, "participants", MOST_PARTICIPANTS),
+        participants=_count(form, "participants", MAX_PARTICIPANTS),
         channel=cast(Channel, channel),
         pay=read_pay(form.get("pay", ""), channel),
-        minutes=_count(form, "minutes", LONGEST),
+        minutes=_count(form, "minutes", MAX_MINUTES),
         title=read_line(form.get("title", ""), 200) or None,
         organisation=read_line(form.get("organisation", ""), 200),
         contact=read_address(form.get("contact", "")),
@@ -129,7 +129,7 @@ def _wanted(name: str, root: Path) -> WantedStudy:
             if words[each.name] not in ("", each.text)
         },
     )
-    require_known_pay(wanted)
+    require_stated_pay(wanted)
     return wanted
 
 
@@ -140,14 +140,14 @@ def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
 
 def _chosen(given: Mapping[str, str]) -> tuple[str, str]:
     template, language = given.get("template", ""), given.get("language", "en")
-    if template not in TEMPLATE_WORDS or language not in LANGUAGES:
+    if template not in TEMPLATE_DESCRIPTIONS or language not in LANGUAGES:
         abort(404)
     return template, language
 
 
 def _template_study(template: str, language: str) -> Study:
-    wanted = WantedStudy(name="study", template=template, language=cast(Language, language))
-    return parse_text(drafted(wanted, where=template), where=template)
+    wanted = StudyOptions(name="study", template=template, language=cast(Language, language))
+    return parse_text(render_study_file(wanted, where=template), where=template)
 
 
 def _page(given: Mapping[str, str], problem: InputError | None = None) -> str:
@@ -167,21 +167,21 @@ def _page(given: Mapping[str, str], problem: InputError | None = None) -> str:
         "describe_study",
         problem=problem,
         given=shown | dict(given),
-        rows=rows or [("", "")] * MOST_TOGETHER,
+        rows=rows or [("", "")] * MAX_VIDEOS_PER_PAGE,
         template=template,
         language=language,
         default=default,
         asked=QUESTIONS,
-        participants=participants_asked(template),
-        reference=reference_asked(template) if template in WITH_REFERENCE else None,
+        participants=participants_question(template),
+        reference=reference_question(template) if template in WITH_REFERENCE else None,
         stand_ins=STAND_INS,
-        sources=sources(),
-        channels=CHANNELS,
+        sources=source_descriptions(),
+        channels=CHANNEL_DESCRIPTIONS,
         languages=LANGUAGES,
         avatars=AVATARS,
-        most_participants=MOST_PARTICIPANTS,
+        most_participants=MAX_PARTICIPANTS,
         most_trials=MOST_TRIALS,
-        longest=LONGEST,
+        longest=MAX_MINUTES,
     )
 
 

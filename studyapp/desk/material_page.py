@@ -22,7 +22,7 @@ from studyapp.desk.page import Section, StudyPage, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
@@ -148,7 +148,7 @@ class Material:
         """Return what there is of a segment in a condition."""
         clip = self._clips.get((segment, condition), "")
         if self.study.is_finished(condition):
-            brought = finished_video(self.folder.videos, Stimulus.own(condition, segment))
+            brought = finished_video_path(self.folder.videos, Stimulus.own(condition, segment))
             video = brought
         else:
             brought = self.folder.clip(condition, segment)

@@ -70,7 +70,7 @@ def _exclusion_findings(study: Study) -> Iterator[Finding]:
     """Say who will be left out of the analysis, and which rule can have no effect."""
     rules = study.settled_exclusions
     said = "; ".join(
-        f"{place}. who {rule.made().description} ({rule.written()})"
+        f"{place}. who {rule.to_rule().description} ({rule.shorthand()})"
         for place, rule in enumerate(rules, start=1)
     )
     yield finding("exclusions", rules=said or "nobody")
@@ -78,7 +78,7 @@ def _exclusion_findings(study: Study) -> Iterator[Finding]:
         if isinstance(rule, Coverage) and rule.below <= study.watching.coverage:
             yield finding(
                 "exclusion-without-effect",
-                rule=rule.written(),
+                rule=rule.shorthand(),
                 coverage=study.watching.coverage,
             )
 

@@ -19,7 +19,7 @@ from studyapp.stimuli.media_probe import (
     format_of,
 )
 from studyapp.study.design.trial import Content
-from studyapp.study.finished_videos import finished_video, similar_file
+from studyapp.study.finished_videos import finished_video_path, similar_file
 
 _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -62,7 +62,7 @@ def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
 
 def _original_findings(material: Material, content: Content, segment: Segment) -> Iterator[Finding]:
     (shown,) = content
-    file = finished_video(material.folder.videos, shown)
+    file = finished_video_path(material.folder.videos, shown)
     name = material.name_of(file)
     if not file.is_file():
         similar = similar_file(file, material.brought.keys())

@@ -11,7 +11,7 @@ from typing import Final, Self
 
 from motion.segment import Segment
 from studyapp.study.design.trial import Arm, Content, PlannedTrial
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, VideoFile
 from studyapp.study.settings.study import Study
@@ -79,7 +79,7 @@ class Material:
         files: dict[Path, Content] = {}
         for content in self.contents:
             if len(content) == 1 and self.study.is_finished(content[0].condition):
-                files.setdefault(finished_video(self.folder.videos, content[0]), content)
+                files.setdefault(finished_video_path(self.folder.videos, content[0]), content)
         return MappingProxyType(files)
 
     @cached_property

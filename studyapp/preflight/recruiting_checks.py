@@ -15,9 +15,9 @@ from studyapp.preflight.finding import Finding, finding
 from studyapp.recruitment.prolific import CODE_TYPES
 from studyapp.recruitment.record import FILE, places_of, read_made_there
 from studyapp.study.settings.presentation import Language, reaches_somebody
-from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, hourly, money
+from studyapp.study.settings.recruitment import MIN_FAILED_CHECKS, format_amount, hourly_rate
 from studyapp.study.settings.study import Study
-from studyapp.study.template_language import still_english, template_text
+from studyapp.study.template_language import render_template, untranslated_keys
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
@@ -33,7 +33,7 @@ def recruiting_findings(study: Study) -> Iterator[Finding]:
                 "everybody-paid",
                 checks=checks,
                 limit=limit,
-                remedy=f"Set attention.trials to {max(limit, FEWEST_FAILED_CHECKS)} or more, if "
+                remedy=f"Set attention.trials to {max(limit, MIN_FAILED_CHECKS)} or more, if "
                 "the rule is to matter",
             )
         else:
@@ -109,21 +109,23 @@ def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
         return
     currency = recruitment.currency
     said = " and ".join(
-        f"{money(hourly(amount, count), currency)} for an hour at the {count} minutes that "
-        f"{'they are told' if words == 'told' else 'they are expected to need'}"
+        f"{format_amount(hourly_rate(amount, count), currency)} for an hour at the {count} minutes "
+        f"{'that they are told' if words == 'told' else 'that they are expected to need'}"
         for words, count in known.items()
     )
     yield finding("hourly-pay", pay=said)
-    yield from _floor_findings(study, min(hourly(amount, count) for count in known.values()))
+    yield from _floor_findings(study, min(hourly_rate(amount, count) for count in known.values()))
 
 
 def _floor_findings(study: Study, paid: float) -> Iterator[Finding]:
     """Say which floors `paid`, the lower of what an hour pays, lies below."""
     recruitment = study.recruitment
-    currency, least = recruitment.currency, recruitment.pay.least
+    currency, least = recruitment.currency, recruitment.pay.minimum
     if least is not None and currency == recruitment.pay.currency and paid < least:
         yield finding(
-            "pay-below-own-minimum", paid=money(paid, currency), least=money(least, currency)
+            "pay-below-own-minimum",
+            paid=format_amount(paid, currency),
+            least=format_amount(least, currency),
         )
     if recruitment.channel != "prolific":
         return
@@ -135,7 +137,9 @@ def _floor_findings(study: Study, paid: float) -> Iterator[Finding]:
             ("pay-below-prolific-advice", floors.advised),
         ):
             if paid < floor:
-                yield finding(name, paid=money(paid, currency), floor=money(floor, currency))
+                yield finding(
+                    name, paid=format_amount(paid, currency), floor=format_amount(floor, currency)
+                )
                 return
 
 
@@ -146,7 +150,7 @@ def _payment_text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
         yield finding(
             "payment-text-differs",
             told=study.page.payment,
-            paid=money(amount, study.recruitment.currency),
+            paid=format_amount(amount, study.recruitment.currency),
         )
 
 
@@ -175,7 +179,7 @@ def _text_findings(study: Study) -> Iterator[Finding]:
         yield finding("consent-from-template")
     if _squeezed(study.title) in titles:
         yield finding("title-from-template", title=study.title)
-    english = still_english(study)
+    english = untranslated_keys(study)
     if english:
         yield finding("texts-untranslated", language=study.page.language, texts=listed(english))
 
@@ -185,7 +189,7 @@ def _template_texts(study: Study) -> tuple[set[str], set[str]]:
     file = f"{study.protocol}.toml"
     consents, titles = set(), set()
     for language in get_args(Language):
-        source = tomllib.loads(template_text(file, language))
+        source = tomllib.loads(render_template(file, language))
         consents.add(_squeezed(source["page"]["consent"]))
         titles.add(_squeezed(source["title"]))
     return consents, titles

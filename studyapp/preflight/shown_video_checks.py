@@ -25,7 +25,7 @@ from studyapp.stimuli.media_probe import (
 )
 from studyapp.stimuli.video_copies import out_of_date
 from studyapp.study.design.trial import Content, PlannedTrial
-from studyapp.study.finished_videos import finished_video, seconds_of, shows_copy
+from studyapp.study.finished_videos import finished_video_path, shows_copy, video_duration
 from studyapp.study.media import VideoFile
 
 RENDER: Final = "Run 'motionjury render'"
@@ -64,7 +64,7 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
     copied = shows_copy(study, content)
     found = material.shown.get(content)
     if found is None:
-        original = finished_video(material.folder.videos, shown)
+        original = finished_video_path(material.folder.videos, shown)
         if study.is_finished(shown.condition) and not original.is_file():
             return
         made = "copied for the participants" if copied else "rendered"
@@ -121,7 +121,7 @@ def _size_findings(beside: Mapping[str, Mapping[str, VideoFile]]) -> Iterator[Fi
 def _seconds_of(file: Path) -> float | None:
     """Return how long a video really lasts; None where it cannot be opened, which is said apart."""
     try:
-        return seconds_of(file)
+        return video_duration(file)
     except InputError:
         return None
 

@@ -14,7 +14,7 @@ from renderer.loudness import SHORTEST, integrated_loudness
 from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 
 LOUDNESS_TOLERANCE: Final = 1.0
 """LU by which two videos may differ, as EBU R 128 allows live programmes."""
@@ -66,7 +66,7 @@ def _sounding(material: Material) -> Mapping[str, tuple[Stimulus, Path]]:
             continue
         name = f"segment {shown.speech}"
         if material.study.is_finished(shown.condition):
-            name = material.name_of(finished_video(material.folder.videos, shown))
+            name = material.name_of(finished_video_path(material.folder.videos, shown))
         found.setdefault(name, (shown, video.file))
     return found
 

@@ -88,7 +88,7 @@ def _of_plan(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime |
 
 
 def _entrance_seconds(study: Study, material: Material) -> float:
-    questions = sum(len(study.form.asked(stage)) for stage in study.form.stages())
+    questions = sum(len(study.form.questions_at(stage)) for stage in study.form.stages())
     heard = any(shown.speech is not None for content in material.contents for shown in content)
     return (
         SECONDS_FOR_INSTRUCTIONS

@@ -66,7 +66,7 @@ class Participant:
         return {
             f"{FORM_FIELD}{question.name}": (question.example,)
             for stage in self.study.form.stages()
-            for question in self.study.form.asked(stage)
+            for question in self.study.form.questions_at(stage)
         }
 
     def take_part(self, client: httpx.Client, *, is_back: bool = False) -> str:

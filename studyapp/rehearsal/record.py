@@ -11,7 +11,7 @@ from analysis.results.known_values import KnownValue
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 
 
 class Truth(BaseModel):
@@ -57,4 +57,4 @@ def read_truth(path: Path) -> Truth:
     except FileNotFoundError:
         raise InputError("there was no rehearsal yet", where=path, remedy=remedy) from None
     except ValidationError as error:
-        raise InputError(explain(error), where=path, remedy=remedy) from None
+        raise InputError(explain_errors(error), where=path, remedy=remedy) from None

@@ -21,7 +21,7 @@ from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.visit import Departure, study_client
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.folder import StudyFolder, held_alone
+from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.settings.study import Study
 
 SPEED: Final = 100.0
@@ -99,7 +99,7 @@ def rehearse(
         where=folder.root,
         remedy="Wait until the other 'motionjury rehearse' is done, or stop it",
     )
-    with held_alone(folder.root, busy=busy), ExitStack() as opened:
+    with lock_folder(folder.root, busy=busy), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
         roster = call_roster(database, count, truth)

@@ -20,7 +20,7 @@ from studyapp.study.design.trial import AnswerKey
 from studyapp.study.protocols.mismatch import FIT, REALISM
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.questions import STEPS
+from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.study import Study
 
 SHARED: Final = (
@@ -181,7 +181,7 @@ def _each_stimulus(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
         return rows.assign(rank=rows["value"], instructed=np.where(first, 1.0, np.nan))
     if isinstance(study, RatingStudy):
         # An attention check asks for one of the labels; a slider has more values than that.
-        labels = [q.name for q in study.questions if len(q.values) == STEPS]
+        labels = [q.name for q in study.questions if len(q.values) == SCALE_STEPS]
         asked = rows["instructed"].where(rows["question"].isin(labels))
         return rows.assign(response=rows["value"], instructed=asked)
     raise TypeError(f"answers of a {study.protocol} study are not about single stimuli")

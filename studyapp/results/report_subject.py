@@ -26,12 +26,12 @@ from renderer.figures.strip import even_moments, loud_moments
 from studyapp.rehearsal.record import read_truth
 from studyapp.results.analysed_tasks import compared, study_notes
 from studyapp.results.metrics import measure_study
-from studyapp.study.finished_videos import seconds_of
+from studyapp.study.finished_videos import video_duration
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import shown_videos
+from studyapp.study.media import stimulus_videos
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.questions import STEPS
+from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 
@@ -94,7 +94,7 @@ def _scale_labels(study: Study) -> Mapping[str, tuple[str, ...]]:
     return {
         question.name: tuple(question.labels)
         for question in study.questions
-        if len(question.values) == STEPS
+        if len(question.values) == SCALE_STEPS
     }
 
 
@@ -164,7 +164,7 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
     """
     wanted = [(segment.name, name) for segment in segments for name in study.conditions]
     try:
-        videos = {key: shown.file for key, shown in shown_videos(folder, study, wanted).items()}
+        videos = {key: shown.file for key, shown in stimulus_videos(folder, study, wanted).items()}
     except InputError as error:
         return Stills(reason=f"There are no stills of the conditions: {error.what}.")
     if not videos:
@@ -209,7 +209,7 @@ def _moments(
     first = next(iter(videos.values()))
     speech = _speech(folder, segment, first)
     if speech is None:
-        return tuple(one.seconds for one in even_moments(seconds_of(first), COUNT))
+        return tuple(one.seconds for one in even_moments(video_duration(first), COUNT))
     return tuple(one.seconds for one in loud_moments(speech, COUNT))
 
 

@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
 from studyapp.results.stated_beforehand import study_of
 from studyapp.results.stored_answers import NO_ANSWERS, Answers, Source, StoredAnswers
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
 MANIFEST: Final = "answers.json"
@@ -126,7 +126,7 @@ def _manifest(path: Path) -> Manifest:
         raise _not_as_written(path) from None
     except ValidationError as error:
         raise InputError(
-            explain(error), where=path, remedy="Get the folder again from whom you have it"
+            explain_errors(error), where=path, remedy="Get the folder again from whom you have it"
         ) from None
     for name in TABLES:
         if name not in found.columns or f"{name}.csv" not in found.sha256:

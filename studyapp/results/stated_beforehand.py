@@ -93,16 +93,16 @@ def study_exclusions(
         Whom researchers have excluded one by one.
     """
     planned = stated if before is None else before
-    then = {each.written() for each in planned}
+    then = {each.shorthand() for each in planned}
     return StudyExclusions(
         rules=(
             *(
-                each.made() if each.written() in then else each.made().as_exploratory()
+                each.to_rule() if each.shorthand() in then else each.to_rule().as_exploratory()
                 for each in stated
             ),
             *((excluded_by_hand(),) if by_hand else ()),
         ),
-        planned=tuple(each.made() for each in planned),
+        planned=tuple(each.to_rule() for each in planned),
         notes=(*_changes(planned, stated), *_decisions(by_hand)),
     )
 
@@ -135,7 +135,7 @@ def _decisions(by_hand: ByHand | None) -> tuple[str, ...]:
 def _changes(
     before: Sequence[ExclusionSection], stated: Sequence[ExclusionSection]
 ) -> tuple[str, ...]:
-    then, today = ([each.written() for each in rules] for rules in (before, stated))
+    then, today = ([each.shorthand() for each in rules] for rules in (before, stated))
     came = [rule for rule in today if rule not in then]
     went = [rule for rule in then if rule not in today]
     notes = []

@@ -53,7 +53,7 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
         failed_catch=failed["catch"],
         failed_attention=failed["attention"],
     )
-    rules = [each.made() for each in study.settled_exclusions if each.rule in JUDGED]
+    rules = [each.to_rule() for each in study.settled_exclusions if each.rule in JUDGED]
     return any(rule.judge(facts) for rule in rules)
 
 

@@ -64,7 +64,7 @@ def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
     """Tell whether acceptable answers to the questions of `stage` let somebody take part."""
     return all(
         not question.eligible or fields[question.name].strip() in question.eligible
-        for question in study.form.asked(stage)
+        for question in study.form.questions_at(stage)
     )
 
 
@@ -138,12 +138,12 @@ def form_answers(
             value=fields.get(question.name, "").strip(),
             answered_at=now,
         )
-        for question in study.form.asked(stage)
+        for question in study.form.questions_at(stage)
     ]
 
 
 def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
-    asked = enumerate(study.form.asked(stage), start=1)
+    asked = enumerate(study.form.questions_at(stage), start=1)
     given = {number: (q, fields.get(q.name, "").strip()) for number, q in asked}
     problems = {number: q.problem(answer, number) for number, (q, answer) in given.items()}
     wrong = {number: problem for number, problem in problems.items() if problem is not None}

@@ -113,7 +113,7 @@ def form_due(study_session: StudySession, study: Study) -> Stage | None:
     else:
         return None
     answered = {answer.question for answer in study_session.form_answers}
-    asked = {question.name for question in study.form.asked(stage)}
+    asked = {question.name for question in study.form.questions_at(stage)}
     return stage if asked - answered else None
 
 

@@ -21,9 +21,9 @@ from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.stored_speech import import_speech
-from studyapp.study.finished_videos import seconds_of
+from studyapp.study.finished_videos import video_duration
 from studyapp.study.folder import (
-    BESIDE_ENDINGS,
+    COMPANION_ENDINGS,
     MOTION_ENDINGS,
     SPEECH_ENDINGS,
     VIDEO_ENDING,
@@ -130,7 +130,7 @@ class _Place:
         return [*self._of(MOTION_ENDINGS), *tables]
 
     def _beside(self, path: Path) -> list[Path]:
-        return [one for one in self._of(BESIDE_ENDINGS) if one.stem == path.stem]
+        return [one for one in self._of(COMPANION_ENDINGS) if one.stem == path.stem]
 
     def _taken(self, files: Sequence[Path]) -> tuple[Path, ...]:
         for path in files:
@@ -211,7 +211,7 @@ def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
 def _seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:
     """Return how long a video should be: as its segment where the study has speech."""
     if not (study.speech / SEGMENTS_FILE).exists():
-        return seconds_of(video)
+        return video_duration(video)
     segments: Mapping[str, float] = {one.name: one.duration for one in study.segments()}
     for name in names:
         if name not in segments:

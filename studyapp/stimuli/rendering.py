@@ -20,7 +20,7 @@ from studyapp.stimuli.disk_space import check_room, frames_limit
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.folder import StudyFolder, held_alone
+from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.media import ClipVideo, Media, PairVideo, read_stimuli
 
 
@@ -202,7 +202,7 @@ def _alone(folder: StudyFolder) -> Iterator[None]:
         remedy="Wait until the other 'motionjury render' is done, or stop it",
     )
     folder.videos.mkdir(exist_ok=True)
-    with held_alone(folder.videos, busy=busy):
+    with lock_folder(folder.videos, busy=busy):
         yield
 
 

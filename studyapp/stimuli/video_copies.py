@@ -20,9 +20,9 @@ from renderer.look import COPY_VERSION
 from renderer.stream_copy import copy_video, end_of
 from studyapp.stimuli.media_probe import flaw_of
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video, shows_copy, similar_file
+from studyapp.study.finished_videos import finished_video_path, shows_copy, similar_file
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, stimulus_of, write_stimuli
+from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, stimulus_of_copy, write_stimuli
 from studyapp.study.settings.study import Study
 
 
@@ -121,7 +121,7 @@ def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
     return [
         copy
         for copy in stimuli.copies
-        if not copy.key.startswith(current.get(stimulus_of(copy), copy.key))
+        if not copy.key.startswith(current.get(stimulus_of_copy(copy), copy.key))
     ]
 
 
@@ -143,7 +143,7 @@ def _originals(
         (shown,) = content
         made = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
         if study.is_finished(shown.condition):
-            file = finished_video(folder.videos, shown)
+            file = finished_video_path(folder.videos, shown)
             made = _Original(file=file, made_from=digest(file) if file.is_file() else "")
         if made is not None:
             originals[shown.segment][shown] = made

@@ -20,7 +20,7 @@ from motion.segment import EMOTIONS, Segment, check_name
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
-ALIKE: Final = 0.8
+MIN_SIMILARITY: Final = 0.8
 """How alike two names must be (see `difflib`) for one to be taken for the other misspelt."""
 
 
@@ -35,7 +35,7 @@ def shows_copy(study: Study, content: Content) -> bool:
     return not others and (finished or first.speech is None)
 
 
-def finished_video(videos: Path, stimulus: Stimulus) -> Path:
+def finished_video_path(videos: Path, stimulus: Stimulus) -> Path:
     """Return where the finished video of `stimulus` lies in the folder `videos`.
 
     A stimulus without sound is the video with its own speech, copied without it.
@@ -45,7 +45,7 @@ def finished_video(videos: Path, stimulus: Stimulus) -> Path:
     return videos / stimulus.condition / f"{name}.mp4"
 
 
-def seconds_of(video: Path) -> float:
+def video_duration(video: Path) -> float:
     """Return how long a video lasts.
 
     Raises
@@ -97,7 +97,7 @@ def finished_segments(
     if allow_gaps:
         names = {name for name, having in owners.items() if len(having) == len(conditions)}
     else:
-        names = set(owners) - _misspelt(owners, conditions[0])
+        names = set(owners) - _misspelt_names(owners, conditions[0])
     if not names:
         raise InputError(
             "no segment has a finished video of every condition"
@@ -113,7 +113,7 @@ def finished_segments(
             name=name,
             wav="",
             start=0.0,
-            end=seconds_of(brought[owners[name][0]][name]),
+            end=video_duration(brought[owners[name][0]][name]),
             speaker="",
             emotion=EMOTIONS[0],
         )
@@ -134,11 +134,11 @@ def similar_file(file: Path, needed: Collection[Path]) -> Path | None:
         for path in sorted(file.parent.glob("*"))
         if path.is_file() and path not in needed
     }
-    found = get_close_matches(file.name.casefold(), spare, n=1, cutoff=ALIKE)
+    found = get_close_matches(file.name.casefold(), spare, n=1, cutoff=MIN_SIMILARITY)
     return spare[found[0]] if found else None
 
 
-def _misspelt(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:
+def _misspelt_names(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:
     """Return the names that are another one misspelt: alike, and no condition has both.
 
     Of two such names, the one that more conditions have is right; of two that as many have, the
@@ -150,7 +150,9 @@ def _misspelt(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:
         owners, key=lambda name: (-len(owners[name]), first not in owners[name], name)
     ):
         apart = [other for other in right if not set(owners[other]) & set(owners[name])]
-        alike = get_close_matches(name.casefold(), map(str.casefold, apart), n=1, cutoff=ALIKE)
+        alike = get_close_matches(
+            name.casefold(), map(str.casefold, apart), n=1, cutoff=MIN_SIMILARITY
+        )
         if alike:
             found.add(name)
         else:

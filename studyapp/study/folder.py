@@ -21,14 +21,14 @@ SPEECH_ENDINGS: Final = (
     ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",
 )  # fmt: skip
 VIDEO_ENDING: Final = ".mp4"
-BESIDE_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
+COMPANION_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
 """Of tables of joints or of segments, and of what may lie beside a motion or its speech."""
 
-BRINGABLE: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *BESIDE_ENDINGS)
+IMPORTABLE_ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *COMPANION_ENDINGS)
 """Endings of files that can be brought into a study."""
 
 
-class _Inside:
+class _PathInFolder:
     """A path within a study's folder."""
 
     def __init__(self, name: str) -> None:
@@ -44,61 +44,61 @@ class StudyFolder:
 
     root: Path
 
-    definition = _Inside("study.toml")
+    definition = _PathInFolder("study.toml")
     """The study file."""
 
-    speech = _Inside("speech")
+    speech = _PathInFolder("speech")
     """Folder of ``segments.csv`` and the recordings it names."""
 
-    videos = _Inside("videos")
+    videos = _PathInFolder("videos")
     """Folder of the rendered media."""
 
-    stimuli = _Inside("stimuli.json")
+    stimuli = _PathInFolder("stimuli.json")
     """What each rendered file is."""
 
-    responses = _Inside("responses.db")
+    responses = _PathInFolder("responses.db")
     """SQLite database of real participants."""
 
-    rehearsal = _Inside("rehearsal.db")
+    rehearsal = _PathInFolder("rehearsal.db")
     """SQLite database of simulated participants; never mixed with the real one."""
 
-    inbox = _Inside("inbox")
+    inbox = _PathInFolder("inbox")
     """Folder of what was uploaded at a desk, until it is in the study."""
 
-    tries = _Inside("tries.db")
+    tries = _PathInFolder("tries.db")
     """SQLite database of test participations; never mixed with the real one."""
 
-    rehearsal_truth = _Inside("rehearsal.json")
+    rehearsal_truth = _PathInFolder("rehearsal.json")
     """Whom a rehearsal simulated, and the true values that follow."""
 
-    rehearsal_findings = _Inside("rehearsal")
+    rehearsal_findings = _PathInFolder("rehearsal")
     """Folder of what a rehearsal's participants were told, and of what came of it."""
 
-    acknowledged = _Inside("rehearsal/acknowledged.jsonl")
+    acknowledged = _PathInFolder("rehearsal/acknowledged.jsonl")
     """What the simulated participants were told is stored, line by line."""
 
-    pseudonym_key = _Inside("pseudonyms.key")
+    pseudonym_key = _PathInFolder("pseudonyms.key")
     """Key of the participants' pseudonyms; it is never exported."""
 
-    shared_answers = _Inside("shared_answers")
+    shared_answers = _PathInFolder("shared_answers")
     """Folder of answers that another lab has passed on, in place of a database."""
 
-    report = _Inside("report")
+    report = _PathInFolder("report")
     """Folder of the report."""
 
-    figures = _Inside("figures")
+    figures = _PathInFolder("figures")
     """Folder of figures for a paper; they name conditions and are never served."""
 
-    joint_positions = _Inside(".joint-positions")
+    joint_positions = _PathInFolder(".joint-positions")
     """Folder in which metrics keep what they computed; it may be removed at any time."""
 
-    jobs = _Inside("jobs")
+    jobs = _PathInFolder("jobs")
     """Folder of what the desk has run, a sub-folder for each kind of job."""
 
-    evaluators = _Inside("evaluators")
+    evaluators = _PathInFolder("evaluators")
     """Folder of feature networks with which metrics measure, ``*.safetensors``."""
 
-    metrics = _Inside("metrics.parquet")
+    metrics = _PathInFolder("metrics.parquet")
     """Automatic metrics, by condition and by clip."""
 
     def clip(self, condition: str, segment: str) -> Path:
@@ -144,7 +144,7 @@ class StudyFolder:
 
 
 @contextmanager
-def held_alone(folder: Path, *, busy: InputError) -> Iterator[None]:
+def lock_folder(folder: Path, *, busy: InputError) -> Iterator[None]:
     """Hold a lock on `folder` during the block.
 
     The lock is the system's and lies on the folder itself: it leaves no file behind, and ends

@@ -11,20 +11,20 @@ from typing import Final
 
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
+from studyapp.study.condition_options import FILES, VIDEOS, source_notation
 from studyapp.study.settings.presentation import reaches_somebody
 from studyapp.study.settings.recruitment import MONEY, Pay
-from studyapp.study.stated_conditions import FILES, VIDEOS, source_words
-from studyapp.study.wanted_study import WantedStudy
+from studyapp.study.study_options import StudyOptions
 
-LONGEST: Final = 240
+MAX_MINUTES: Final = 240
 """Minutes that a study may take."""
 
-MOST_PARTICIPANTS: Final = 10_000
+MAX_PARTICIPANTS: Final = 10_000
 
 RECRUITING_SITES: Final = ("prolific", "mturk")
 """Channels that must be told what participants get and how long it takes."""
 
-TEMPLATE_WORDS: Final[Mapping[str, str]] = MappingProxyType(
+TEMPLATE_DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "pairwise": "two motions of the same speech side by side: which one is preferred? As in "
         "AMUSE; for few conditions and small differences",
@@ -43,7 +43,7 @@ LANGUAGES: Final[Mapping[str, str]] = MappingProxyType(
     {"en": "English", "de": "German", "ja": "Japanese"}
 )
 
-CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
+CHANNEL_DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "link": "anybody who has the study's address; everyone who finishes gets a code",
         "invitations": "people you write to; each gets a link of their own",
@@ -52,7 +52,7 @@ CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-SOURCES: Final[Mapping[str, str]] = MappingProxyType(
+SOURCE_DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
         FILES: "motion files brought in with 'motionjury import': recordings, a system's output",
         VIDEOS: "finished videos in videos/NAME/; nothing is rendered",
@@ -64,55 +64,59 @@ SOURCES: Final[Mapping[str, str]] = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Asked:
+class InterviewQuestion:
     """One question: what is wanted, and what it is for."""
 
     label: str
     why: str
 
 
-QUESTIONS: Final[Mapping[str, Asked]] = MappingProxyType(
+QUESTIONS: Final[Mapping[str, InterviewQuestion]] = MappingProxyType(
     {
-        "template": Asked("Protocol", "What do participants do? Everything else follows from it."),
-        "language": Asked(
+        "template": InterviewQuestion(
+            "Protocol", "What do participants do? Everything else follows from it."
+        ),
+        "language": InterviewQuestion(
             "Language",
             "In which language are the participants' pages, the questions and the consent text?",
         ),
-        "conditions": Asked(
+        "conditions": InterviewQuestion(
             "Conditions",
             "Conditions are the systems that are compared. Name your own; or begin with stand-ins "
             "that are made here, to try everything before your motion is there.",
         ),
-        "catch_videos": Asked(
+        "catch_videos": InterviewQuestion(
             "Will you bring videos of a broken motion",
             "Catch trials show a visibly broken motion beside a good one, to find who does not "
             "watch. Nothing here can break finished videos: bring broken ones in "
             "videos/broken/. Without them, the study has attention checks instead.",
         ),
-        "channel": Asked(
+        "channel": InterviewQuestion(
             "Recruiting",
             "Where do participants come from? It can be changed while the study runs.",
         ),
-        "pay": Asked(
+        "pay": InterviewQuestion(
             "Pay",
             "What does each participant get, as an amount with a currency such as 2.50 EUR? On "
             "Prolific in that of your account, GBP or USD, on Mechanical Turk in USD. It is told "
             "to participants, and 'motionjury check' says what an hour pays.",
         ),
-        "minutes": Asked(
+        "minutes": InterviewQuestion(
             "Minutes",
             "How many minutes does it take? 'motionjury check' reckons it from your videos and "
             "questions, and says where this is wrong.",
         ),
-        "title": Asked(
+        "title": InterviewQuestion(
             "Title",
             "What do participants see as the study's title? It should not tell what you expect.",
         ),
-        "organisation": Asked(
+        "organisation": InterviewQuestion(
             "Institution", "Who runs the study? Participants read it before they agree."
         ),
-        "contact": Asked("Contact", "Whom can they ask? An e-mail address that somebody reads."),
-        "ethics": Asked(
+        "contact": InterviewQuestion(
+            "Contact", "Whom can they ask? An e-mail address that somebody reads."
+        ),
+        "ethics": InterviewQuestion(
             "Ethics",
             "Who approved the study? The committee and its number; empty if that is still to come.",
         ),
@@ -124,17 +128,17 @@ STAND_INS: Final = (
 )
 
 
-def participants_asked(template: str) -> Asked:
+def participants_question(template: str) -> InterviewQuestion:
     """Return the question for how many take part."""
     each = "for each comparison with the reference" if template == "pairwise" else "in all"
-    return Asked(
+    return InterviewQuestion(
         "Participants",
         f"How many take part, {each}? The published study had the number given here; 'motionjury "
         "plan' says how many a difference needs.",
     )
 
 
-def reference_asked(template: str) -> Asked:
+def reference_question(template: str) -> InterviewQuestion:
     """Return the question for the reference, of templates that have one."""
     if template == "pairwise":
         why = "Every other condition is compared with the reference, each by people of its own."
@@ -143,21 +147,24 @@ def reference_asked(template: str) -> Asked:
             "The reference is shown apart as a yardstick and not ranked: the real recording. "
             "Empty for none."
         )
-    return Asked("Reference", why)
+    return InterviewQuestion("Reference", why)
 
 
 WITH_REFERENCE: Final = ("pairwise", "ranking")
 """Templates whose own conditions may have a reference."""
 
 
-def sources() -> dict[str, str]:
+def source_descriptions() -> dict[str, str]:
     """Return where motion comes from, each with what it means; networks come last."""
     networks = [name for name in generator_names() if needs_model(name)]
     words = "made here by a network from its weights: type {}"
-    return {**SOURCES, **{name: words.format(source_words(name)) for name in networks}}
+    return {
+        **SOURCE_DESCRIPTIONS,
+        **{name: words.format(source_notation(name)) for name in networks},
+    }
 
 
-def require_known_pay(wanted: WantedStudy) -> None:
+def require_stated_pay(wanted: StudyOptions) -> None:
     """Raise `InputError` where a recruiting site would not be told what it must be."""
     if wanted.channel not in RECRUITING_SITES:
         return

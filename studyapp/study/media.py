@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from motion.errors import InputError
 from motion.files import digest, write_text
 from studyapp.study.design.trial import Content, Stimulus
-from studyapp.study.finished_videos import finished_video, shows_copy
+from studyapp.study.finished_videos import finished_video_path, shows_copy
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
 VIDEOS: Final = "videos"
@@ -118,11 +118,11 @@ def read_stimuli(path: Path) -> Stimuli:
         ) from None
     except ValidationError as error:
         raise InputError(
-            explain(error), where=path, remedy="Delete it and run 'motionjury render' again"
+            explain_errors(error), where=path, remedy="Delete it and run 'motionjury render' again"
         ) from None
     inside = (path.parent.resolve(), (path.parent / VIDEOS).resolve())
     for video in (*stimuli.clips, *stimuli.pairs, *stimuli.copies):
-        if not _lies_in(inside, path.parent, video.file):
+        if not _is_within(inside, path.parent, video.file):
             raise InputError(
                 f"the video {video.file!r} lies outside the study's folder",
                 where=path,
@@ -132,7 +132,7 @@ def read_stimuli(path: Path) -> Stimuli:
     return stimuli
 
 
-def _lies_in(folders: Sequence[Path], root: Path, file: str) -> bool:
+def _is_within(folders: Sequence[Path], root: Path, file: str) -> bool:
     """Tell whether `file`, as `root` names it, leads into one of `folders`, links followed."""
     if "\0" in file:
         return False
@@ -171,14 +171,14 @@ class Media:
     ----------
     study : Study
         Tells of which videos copies are shown.
-    made : mapping of Content to VideoFile
+    rendered : mapping of Content to VideoFile
         What `motionjury render` has rendered.
     copies : mapping of Content to VideoFile
         What it has copied.
     """
 
     study: Study
-    made: Mapping[Content, VideoFile]
+    rendered: Mapping[Content, VideoFile]
     copies: Mapping[Content, VideoFile]
 
     @classmethod
@@ -193,9 +193,9 @@ class Media:
         stimuli = read_stimuli(folder.stimuli)
         return cls(
             study=study,
-            made=_rendered(folder, stimuli),
+            rendered=_rendered_videos(folder, stimuli),
             copies={
-                (stimulus_of(copy),): VideoFile(
+                (stimulus_of_copy(copy),): VideoFile(
                     file=folder.root / copy.file, duration=copy.duration, made_from=copy.original
                 )
                 for copy in stimuli.copies
@@ -204,16 +204,16 @@ class Media:
 
     def find(self, content: Content) -> VideoFile | None:
         """Return the video that shows `content`, whether or not its file is there; else None."""
-        made = self.copies if shows_copy(self.study, content) else self.made
+        made = self.copies if shows_copy(self.study, content) else self.rendered
         return made.get(content)
 
 
-def stimulus_of(copy: VideoCopy) -> Stimulus:
+def stimulus_of_copy(copy: VideoCopy) -> Stimulus:
     """Return what a copy shows."""
     return Stimulus(condition=copy.condition, segment=copy.segment, speech=copy.heard)
 
 
-def _rendered(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]:
+def _rendered_videos(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]:
     clips: dict[Content, VideoFile] = {
         (
             Stimulus(
@@ -234,7 +234,7 @@ def _rendered(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]
 
 
 @dataclass(frozen=True)
-class ShownVideo:
+class StimulusVideo:
     """A video, rendered or brought.
 
     Attributes
@@ -254,19 +254,19 @@ class ShownVideo:
         return self.rendered or digest(self.file)
 
 
-def shown_videos(
+def stimulus_videos(
     folder: StudyFolder, study: Study, shown: Iterable[tuple[str, str]]
-) -> dict[tuple[str, str], ShownVideo]:
+) -> dict[tuple[str, str], StimulusVideo]:
     """Return the videos that are there of each (segment, condition), with its own speech."""
     rendered = () if study.only_finished else read_stimuli(folder.stimuli).clips
     videos = {
-        (clip.segment, clip.condition): ShownVideo(folder.root / clip.file, clip.key)
+        (clip.segment, clip.condition): StimulusVideo(folder.root / clip.file, clip.key)
         for clip in rendered
         if clip.speech is None
     }
     for segment, condition in shown:
         if study.is_finished(condition):
-            file = finished_video(folder.videos, Stimulus.own(condition, segment))
+            file = finished_video_path(folder.videos, Stimulus.own(condition, segment))
             if file.is_file():
-                videos[segment, condition] = ShownVideo(file)
+                videos[segment, condition] = StimulusVideo(file)
     return {key: video for key, video in videos.items() if video.file.is_file()}

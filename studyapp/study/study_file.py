@@ -17,10 +17,10 @@ from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.reading import ALIASES, parse_study, parse_text, read_text
-from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, money
+from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, format_amount
 from studyapp.study.settings.study import Study
-from studyapp.study.template_language import in_language, template_text
-from studyapp.study.wanted_study import WantedStudy, conditions_text, placed
+from studyapp.study.study_options import StudyOptions, condition_variables, conditions_text
+from studyapp.study.template_language import render_template, translate_study_file
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
 """The protocols, the papers whose studies they follow, and all three papers' systems together."""
@@ -37,26 +37,26 @@ def new_study(path: Path, **wanted: Any) -> Study:
     path : Path
         The study file to be made; an existing one is never overwritten.
     **wanted
-        What it is to say; see `studyapp.study.wanted_study.WantedStudy`.
+        What it is to say; see `studyapp.study.study_options.StudyOptions`.
 
     Raises
     ------
     InputError
-        As `drafted`, and if the file exists.
+        As `render_study_file`, and if the file exists.
     """
-    refuse_existing(path)
-    text = drafted(WantedStudy(**wanted), where=path)
+    require_new_file(path)
+    text = render_study_file(StudyOptions(**wanted), where=path)
     write_text(path, text)
     return parse_text(text, where=path)
 
 
 def template_participants(template: str) -> int:
     """Return how many participants a template has; of pairwise studies, for each comparison."""
-    said = tomllib.loads(template_text(_file_of(template)))
+    said = tomllib.loads(render_template(_template_file(template)))
     return int(said[_participants(said)])
 
 
-def _file_of(template: str) -> str:
+def _template_file(template: str) -> str:
     return f"{ALIASES.get(template, template)}.toml"
 
 
@@ -64,7 +64,7 @@ def _participants(said: Mapping[str, Any]) -> str:
     return next(key for key in _PARTICIPANTS if key in said)
 
 
-def refuse_existing(path: Path) -> None:
+def require_new_file(path: Path) -> None:
     """Raise `InputError` if there is a study file already."""
     if path.exists():
         raise InputError(
@@ -74,7 +74,7 @@ def refuse_existing(path: Path) -> None:
         )
 
 
-def drafted(wanted: WantedStudy, *, where: object) -> str:
+def render_study_file(wanted: StudyOptions, *, where: object) -> str:
     """Return the text of a study file; nothing is written.
 
     Parameters
@@ -95,14 +95,14 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         raise InputError(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
-    file = _file_of(template)
-    defaults = tomllib.loads(template_text(file))
+    file = _template_file(template)
+    defaults = tomllib.loads(render_template(file))
     is_ranking = defaults["protocol"] == "ranking"
-    stated = _stated(wanted)
+    stated = _template_variables(wanted)
     if wanted.reference is not None:
         stated["reference"] = check_name(wanted.reference, "condition")
     if wanted.conditions:
-        stated |= placed(
+        stated |= condition_variables(
             defaults["protocol"],
             wanted.conditions,
             reference=wanted.reference,
@@ -122,14 +122,14 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
     if wanted.trials is not None:
         stated["trials"] = wanted.trials
         stated["practice"] = min(int(defaults["practice"]), max(wanted.trials // 2, 0))
-    text = template_text(file, **stated)
-    text = in_language(text, file, wanted.language, title=wanted.title)
-    text = _worded(text, wanted)
+    text = render_template(file, **stated)
+    text = translate_study_file(text, file, wanted.language, title=wanted.title)
+    text = _with_wording(text, wanted)
     parse_text(text, where=where)
     return text
 
 
-def _worded(text: str, wanted: WantedStudy) -> str:
+def _with_wording(text: str, wanted: StudyOptions) -> str:
     """Return a study file with the questions and the avatar that are wanted."""
     document: Any = tomlkit.parse(text)
     for question in document["questions"]:
@@ -140,10 +140,10 @@ def _worded(text: str, wanted: WantedStudy) -> str:
     return tomlkit.dumps(document) if wanted.wording or wanted.avatar else text
 
 
-def _stated(wanted: WantedStudy) -> dict[str, Any]:
+def _template_variables(wanted: StudyOptions) -> dict[str, Any]:
     """Return what is stated of a study whatever its protocol."""
     pay = wanted.pay or Pay()
-    each = pay.each or Decimal(0)
+    each = pay.payment or Decimal(0)
     is_paid_there = wanted.channel in ("prolific", "mturk")
     stated: dict[str, Any] = {
         "name": check_name(wanted.name, "study"),
@@ -154,7 +154,7 @@ def _stated(wanted: WantedStudy) -> dict[str, Any]:
         "organisation": wanted.organisation,
         "contact": wanted.contact,
         "ethics": wanted.ethics,
-        "payment": money(each, pay.currency) if each else None,
+        "payment": format_amount(each, pay.currency) if each else None,
         "pay": pay.model_dump(exclude_defaults=True, exclude={"amount"} if is_paid_there else None),
     }
     if wanted.channel == "prolific":

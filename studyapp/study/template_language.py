@@ -11,7 +11,7 @@ from jinja2 import ChainableUndefined, Environment, PackageLoader, Undefined
 
 from studyapp.study.settings.study import Study
 
-TEMPLATES_IN: Final = "en"
+TEMPLATE_LANGUAGE: Final = "en"
 """The language of the templates themselves."""
 
 
@@ -39,13 +39,13 @@ _TEMPLATES.globals["key"] = _key
 _TEMPLATES.filters["toml"] = _toml
 
 
-def template_text(file: str, language: str = TEMPLATES_IN, **stated: object) -> str:
+def render_template(file: str, language: str = TEMPLATE_LANGUAGE, **stated: object) -> str:
     """Return a template with what is stated in it, or its texts in another language."""
-    name = file if language == TEMPLATES_IN else f"{language}/{file}"
+    name = file if language == TEMPLATE_LANGUAGE else f"{language}/{file}"
     return _TEMPLATES.get_template(name).render(stated)
 
 
-def in_language(text: str, file: str, language: str, *, title: str | None) -> str:
+def translate_study_file(text: str, file: str, language: str, *, title: str | None) -> str:
     """Return a study file with what participants read in a language, and its pages too.
 
     Parameters
@@ -59,33 +59,33 @@ def in_language(text: str, file: str, language: str, *, title: str | None) -> st
     title : str or None
         The study's own title, which stays; None for the template's.
     """
-    if language == TEMPLATES_IN:
+    if language == TEMPLATE_LANGUAGE:
         return text
     document = tomlkit.parse(text)
-    texts = tomllib.loads(template_text(file, language))
+    texts = tomllib.loads(render_template(file, language))
     document["title"] = title or texts["title"]
     page: Any = document["page"]
     page["language"] = language
     page["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
-    _say(document["questions"], texts["questions"])
+    _replace_texts(document["questions"], texts["questions"])
     form: Any = document.get("form", {})
     for stage, questions in texts.get("form", {}).items():
-        _say(form[stage], questions)
+        _replace_texts(form[stage], questions)
     return tomlkit.dumps(document)
 
 
-def _say(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
+def _replace_texts(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
     """Replace what `texts` say of each of `questions`, found by its name."""
     by_name = {text["name"]: text for text in texts}
     for question in questions:
         for key, translation in by_name[question["name"]].items():
             if key != "name":
                 question[key] = (
-                    _listed(translation) if isinstance(translation, list) else translation
+                    _multiline_array(translation) if isinstance(translation, list) else translation
                 )
 
 
-def _listed(items: list[Any]) -> tomlkit.items.Array:
+def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
     """Return a list with a line for each item."""
     array = tomlkit.array()
     for each in items:
@@ -98,15 +98,15 @@ def _listed(items: list[Any]) -> tomlkit.items.Array:
     return array.multiline(multiline=True)
 
 
-def still_english(study: Study) -> tuple[str, ...]:
+def untranslated_keys(study: Study) -> tuple[str, ...]:
     """Return the keys that still say what an English template says, though the pages do not.
 
     Nothing can be said of texts that a researcher has written.
     """
-    if study.page.language == TEMPLATES_IN:
+    if study.page.language == TEMPLATE_LANGUAGE:
         return ()
     sources = [
-        tomllib.loads(template_text(name))
+        tomllib.loads(render_template(name))
         for name in _TEMPLATES.list_templates()
         if "/" not in name
     ]

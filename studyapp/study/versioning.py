@@ -27,7 +27,7 @@ OPERATION: Final[dict[str, Any]] = {
 RECRUITERS: Final[dict[str, Any]] = {"recruitment": True}
 """Keys that may change too, and are noted nowhere: completion codes are among them."""
 
-BESIDE: Final[dict[str, Any]] = {"rehearsal": True, "alarms": True}
+UNTRACKED: Final[dict[str, Any]] = {"rehearsal": True, "alarms": True}
 """Keys that say whom a rehearsal simulates, and what researchers are told: nothing that
 participants meet."""
 
@@ -44,7 +44,7 @@ they did. All keys that are neither these nor of the operation are the study's d
 
 def operation_part(study: Study) -> dict[str, Any]:
     """Return what of `study` may change while it runs, as plain data."""
-    rules = [each.written() for each in study.settled_exclusions]
+    rules = [each.shorthand() for each in study.settled_exclusions]
     return study.model_dump(mode="json", include=OPERATION) | {"exclusions": rules}
 
 
@@ -53,7 +53,7 @@ def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[st
 
     A key that only one of them has is known to one release and not to the other: no change.
     """
-    old, new = _flat(before), _flat(after)
+    old, new = _flatten(before), _flatten(after)
     return tuple(
         f"{key}: {old[key]!r} -> {new[key]!r}"
         for key in sorted(old.keys() & new.keys())
@@ -65,7 +65,7 @@ def changeable_keys() -> tuple[str, ...]:
     """Return the keys that may change while people take part, without those of conditions."""
     return tuple(
         f"{key}.{each}" if isinstance(inner, set) else key
-        for key, inner in (OPERATION | ANALYSIS | RECRUITERS | BESIDE).items()
+        for key, inner in (OPERATION | ANALYSIS | RECRUITERS | UNTRACKED).items()
         if key != "conditions"
         for each in (sorted(inner) if isinstance(inner, set) else [""])
     )
@@ -112,12 +112,12 @@ def _design(study: Study) -> dict[str, Any]:
     # Keys that say what would be so without them do not count: writing one down, or a new
     # release that knows more of them, is no other design.
     keys = study.model_dump(
-        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | BESIDE, exclude_defaults=True
+        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | UNTRACKED, exclude_defaults=True
     )
     return {key: value for key, value in keys.items() if value != {}}
 
 
-def _flat(part: dict[str, Any]) -> dict[str, Any]:
+def _flatten(part: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in part.items():
         inner = value if isinstance(value, dict) else None

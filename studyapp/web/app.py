@@ -20,7 +20,7 @@ from studyapp.researchers.interim_figures import FigureProcess
 from studyapp.session.served_study import ServedStudy, VideoRecord
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.questions import LONGEST_TEXT
+from studyapp.study.settings.questions import MAX_TEXT_LENGTH
 from studyapp.web import media
 from studyapp.web.errors import register_error_pages
 from studyapp.web.language import language_of, speak
@@ -115,7 +115,7 @@ def create_app(
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
-    app.jinja_env.globals.update(window_name=window_name, longest_text=LONGEST_TEXT, tried=tried)
+    app.jinja_env.globals.update(window_name=window_name, longest_text=MAX_TEXT_LENGTH, tried=tried)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     site = StudySite(
         served=served,

@@ -74,7 +74,7 @@ class Language:
 
     def say(self, message: Message) -> str:
         """Return `message` in this language."""
-        return message.said(self.texts.gettext, self.listed)
+        return message.render(self.texts.gettext, self.listed)
 
 
 @cache

@@ -23,7 +23,7 @@ from motion.files import sha256_of, write_text
 from studyapp.boto_errors import said_plainly
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.trial import Content
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 
 FILE: Final = "published.json"
 _NAME_BYTES: Final = 16
@@ -102,7 +102,7 @@ def read_published(root: Path) -> Published | None:
         return None
     except ValidationError as error:
         raise InputError(
-            f"the file does not say what was published: {explain(error)}",
+            f"the file does not say what was published: {explain_errors(error)}",
             where=path,
             remedy="Bring it back from a backup, or remove it and publish again",
         ) from None

@@ -17,7 +17,7 @@ from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.raters import SeenTrial
 from studyapp.rehearsal.visit import Visit
 from studyapp.study.design.trial import AnswerKey
-from studyapp.study.settings.questions import LONGEST_TEXT, FormQuestion
+from studyapp.study.settings.questions import MAX_TEXT_LENGTH, FormQuestion
 from studyapp.web.participants.participant import FORM_FIELD
 from tests.support.studies.stored import everything_stored
 
@@ -167,7 +167,7 @@ class Attacker(Participant):
 
     def _spoilt_forms(self, page: Page, good: FormData) -> Iterator[tuple[str, FormData]]:
         for stage in self.study.form.stages():
-            for question in self.study.form.asked(stage):
+            for question in self.study.form.questions_at(stage):
                 name = f"{FORM_FIELD}{question.name}"
                 for what, value in _wrong(question) if name in good else ():
                     yield f"{what} to the question {question.name!r}", {**good, name: [value]}
@@ -218,7 +218,7 @@ def _wrong(question: FormQuestion) -> Iterator[tuple[str, str]]:
         yield "no answer", ""
     match question.kind:
         case "text":
-            yield "too long an answer", "x" * (LONGEST_TEXT + 1)
+            yield "too long an answer", "x" * (MAX_TEXT_LENGTH + 1)
         case "number":
             yield "too high a number", str(question.high + 1)
         case _:

@@ -23,7 +23,7 @@ from renderer.encoder import pad_to_equal_size
 from studyapp.database.tables import Trial, TrialStimulus
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.trial import Content, Stimulus
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, study_site
@@ -224,7 +224,7 @@ def test_files_as_other_tools_wrote_them_would_be_told_apart(
     study = heard("players")
     copies: dict[Content, Path] = {}
     for content in ServedStudy.read(study.folder.root).videos:
-        original = finished_video(study.folder.videos, content[0])
+        original = finished_video_path(study.folder.videos, content[0])
         copies[content] = tmp_path / "-".join(original.parts[-2:])
         shutil.copyfile(original, copies[content])
     pad_to_equal_size(list(copies.values()))

@@ -15,8 +15,8 @@ from motion.errors import InputError
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import optional_study_folder
 from studyapp.cli.output import counted, progress
+from studyapp.study.condition_options import make_condition
 from studyapp.study.folder import StudyFolder
-from studyapp.study.stated_conditions import condition_of
 
 _TYPES: Final = {
     File: click.Path(dir_okay=False, path_type=Path),
@@ -141,7 +141,7 @@ def command(
             raise InputError(
                 f"there is no emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTIONS)}"
             )
-        condition = condition_of(generator, given)
+        condition = make_condition(generator, given)
         with progress("generate", "clip") as show:
             count = generate_files(
                 speech,

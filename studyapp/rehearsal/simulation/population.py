@@ -11,7 +11,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 from scipy.special import logit
 
-from studyapp.study.settings.rehearsal import stated_for
+from studyapp.study.settings.rehearsal import stated_strength
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 Kind = Literal[
@@ -194,7 +194,7 @@ def _as_stated(
     for condition, by_question in guessed.items():
         found[condition] = {}
         for question, guess in by_question.items():
-            known = stated_for(stated, condition, question)
+            known = stated_strength(stated, condition, question)
             found[condition][question] = guess if known is None else known
     return found
 

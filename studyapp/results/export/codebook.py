@@ -16,9 +16,9 @@ from studyapp.study.design.order import PREFERENCES
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.settings.questions import (
-    BAND,
-    SLIDER_END,
-    STEPS,
+    BAND_WIDTH,
+    SCALE_STEPS,
+    SLIDER_MAX,
     FormQuestion,
     Question,
     RatingQuestion,
@@ -54,7 +54,7 @@ def codebook(
         "form": [
             _form_question(stage, question)
             for stage in study.form.stages()
-            for question in study.form.asked(stage)
+            for question in study.form.questions_at(stage)
         ],
     }
 
@@ -76,7 +76,7 @@ def _labels(study: Study, table: TableColumns, column: Column) -> dict[str, str]
         return {
             question.name: question.text
             for stage in study.form.stages()
-            for question in study.form.asked(stage)
+            for question in study.form.questions_at(stage)
         }
     # What was wrong with a request is no kind of trial.
     if table.name == "refusals":
@@ -152,7 +152,7 @@ def column_labels(study: Study, column: str) -> Labels:
     if column in ("condition", "left_condition", "right_condition", "reference", "other"):
         return dict(_conditions(study))
     if column == "exclusion_rule":
-        rules = [*(each.made() for each in study.settled_exclusions), excluded_by_hand()]
+        rules = [*(each.to_rule() for each in study.settled_exclusions), excluded_by_hand()]
         return {rule.name: rule.description for rule in rules}
     if column == "question":
         return {question.name: question.title for question in study.questions}
@@ -175,8 +175,11 @@ def answer_labels(study: Study, question: Question) -> Labels:
         if question.scale != "slider":
             return {str(n): label for n, label in enumerate(question.labels, start=1)}
         bands = [
-            (BAND * step, SLIDER_END if step == STEPS - 1 else BAND * (step + 1) - 1)
-            for step in range(STEPS)
+            (
+                BAND_WIDTH * step,
+                SLIDER_MAX if step == SCALE_STEPS - 1 else BAND_WIDTH * (step + 1) - 1,
+            )
+            for step in range(SCALE_STEPS)
         ]
         return {
             f"{low} to {high}": label

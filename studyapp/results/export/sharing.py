@@ -257,7 +257,7 @@ def _write_form(
     asked = [
         question
         for stage in study.form.stages()
-        for question in study.form.asked(stage)
+        for question in study.form.questions_at(stage)
         if free_text or question.kind != "text"
     ]
     if not asked:

@@ -17,7 +17,7 @@ from renderer.look import CELL_VERSION
 from studyapp.stimuli.figures.motion_pages import MotionPages
 from studyapp.stimuli.render_plan import video_look
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import ShownVideo, shown_videos
+from studyapp.study.media import StimulusVideo, stimulus_videos
 from studyapp.study.settings.study import Study
 
 _UNSHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")
@@ -50,7 +50,7 @@ def write_contact_sheet(
     named = {name for _, name in shown}
     conditions = tuple(name for name in everything if name in named)
     wanted = [(segment.name, name) for segment in segments for name in conditions]
-    clips = shown_videos(folder, study, shown)
+    clips = stimulus_videos(folder, study, shown)
     place = folder.videos / "sheet"
     moving = MotionPages(folder, study, clips)
     steps = len(wanted) + len(segments)
@@ -96,7 +96,7 @@ def write_contact_sheet(
     return page
 
 
-def _entry(place: Path, clip: ShownVideo | None, study: Study, condition: str) -> SheetCell:
+def _entry(place: Path, clip: StimulusVideo | None, study: Study, condition: str) -> SheetCell:
     """Return the cell of a condition's clip, drawn where it is not kept."""
     brought = study.is_finished(condition)
     if clip is None:
@@ -116,7 +116,7 @@ def _entry(place: Path, clip: ShownVideo | None, study: Study, condition: str) -
     return SheetCell(cell=cell, remark="; ".join(cell.remarks), video=video)
 
 
-def _kept(place: Path, clip: ShownVideo) -> Path:
+def _kept(place: Path, clip: StimulusVideo) -> Path:
     """Return where the cell of a clip is kept."""
     return place / ".cells" / f"{digest(CELL_VERSION, clip.key)}.webp"
 

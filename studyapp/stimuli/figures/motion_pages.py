@@ -12,7 +12,7 @@ from motion.segment import Segment
 from renderer.viewer.page import FILES, MOST_CLIPS, Scene, write_motion_page, write_shared_files
 from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import ShownVideo
+from studyapp.study.media import StimulusVideo
 from studyapp.study.settings.study import Study
 
 
@@ -28,7 +28,7 @@ class MotionPages:
 
     folder: StudyFolder
     study: Study
-    videos: Mapping[tuple[str, str], ShownVideo]
+    videos: Mapping[tuple[str, str], StimulusVideo]
 
     @cached_property
     def _viewer(self) -> str:

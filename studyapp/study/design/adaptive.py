@@ -23,11 +23,11 @@ Pair = tuple[str, str]
 PRIOR_SD: Final = 2.0
 """Standard deviation of a condition's strength before anybody has answered, in logits."""
 
-NEWTON_STEPS: Final = 50
-CONVERGED: Final = 1e-9
+MAX_NEWTON_STEPS: Final = 50
+TOLERANCE: Final = 1e-9
 
 
-def worthiest_pairs(
+def most_informative_pairs(
     conditions: Sequence[str], votes: Tally, count: int, chance: np.random.Generator
 ) -> list[Pair]:
     """Return the next `count` pairs to ask one participant about, the worthiest first.
@@ -46,11 +46,11 @@ def worthiest_pairs(
     indices = list(combinations(range(len(conditions)), 2))
     chosen: list[Pair] = []
     for _ in range(count):
-        worth = np.array([_worth(strengths, covariance, i, j) for i, j in indices])
-        best = np.flatnonzero(worth >= worth.max() - CONVERGED)
+        worth = np.array([_expected_information(strengths, covariance, i, j) for i, j in indices])
+        best = np.flatnonzero(worth >= worth.max() - TOLERANCE)
         i, j = indices[int(chance.choice(best))]
         chosen.append((conditions[i], conditions[j]))
-        covariance = _narrowed(strengths, covariance, i, j)
+        covariance = _update_covariance(strengths, covariance, i, j)
     return chosen
 
 
@@ -70,19 +70,19 @@ def posterior(
     asked = wins + wins.T
     prior = np.eye(size) / PRIOR_SD**2
     strengths = np.zeros(size)
-    for _ in range(NEWTON_STEPS):
-        chances = _chances(strengths)
+    for _ in range(MAX_NEWTON_STEPS):
+        chances = _preference_probabilities(strengths)
         slope = (wins - asked * chances).sum(axis=1) - prior @ strengths
         weights = asked * chances * (1 - chances)
         precision = np.diag(weights.sum(axis=1)) - weights + prior
         step = np.linalg.solve(precision, slope)
         strengths = strengths + step
-        if np.abs(step).max() < CONVERGED:
+        if np.abs(step).max() < TOLERANCE:
             break
     return strengths, np.linalg.inv(precision)
 
 
-def _chances(strengths: NDArray[np.float64]) -> NDArray[np.float64]:
+def _preference_probabilities(strengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return how probable it is that the row's condition is preferred to the column's."""
     return 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
 
@@ -92,14 +92,14 @@ def _information(strengths: NDArray[np.float64], i: int, j: int) -> float:
     return float(chance * (1 - chance))
 
 
-def _worth(
+def _expected_information(
     strengths: NDArray[np.float64], covariance: NDArray[np.float64], i: int, j: int
 ) -> float:
     spread = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
     return float(0.5 * np.log1p(_information(strengths, i, j) * spread))
 
 
-def _narrowed(
+def _update_covariance(
     strengths: NDArray[np.float64], covariance: NDArray[np.float64], i: int, j: int
 ) -> NDArray[np.float64]:
     """Return the covariance after one more answer about a pair (Sherman–Morrison)."""

@@ -115,7 +115,7 @@ def allocate_segments(
         rings.setdefault(segment.emotion, []).append(segment)
     available = {emotion: len(ring) for emotion, ring in rings.items()}
     own = _Share.of(available, total)
-    taken = own.taken_before(number) if before is None else _taken(available, before)
+    taken = own.taken_before(number) if before is None else _count_taken(available, before)
     return tuple(
         rings[emotion][(taken[emotion] + step) % available[emotion]]
         for emotion, count in own.quotas(number).items()
@@ -123,7 +123,7 @@ def allocate_segments(
     )
 
 
-def _taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping[str, int]:
+def _count_taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping[str, int]:
     """Return how many segments of each emotion participants got who got `before` in all."""
     shares = {count: _Share.of(available, count) for count in set(before)}
     taken = Counter(dict.fromkeys(available, 0))

@@ -15,13 +15,13 @@ from studyapp.study.design.allocation import shuffled
 from studyapp.study.design.trial import Answers, Content, Kind, PlannedTrial, Stimulus
 
 
-def even_sides(count: int, chance: np.random.Generator) -> list[bool]:
+def draw_sides(count: int, chance: np.random.Generator) -> list[bool]:
     """Return `count` random sides, half of them True; an odd one is either by chance."""
     start = int(chance.integers(2))
     return shuffled([bool((start + index) % 2) for index in range(count)], chance)
 
 
-def drawn_segments(
+def draw_segments(
     segments: Sequence[Segment],
     count: int,
     chance: np.random.Generator,
@@ -45,7 +45,7 @@ def drawn_segments(
     return drawn[:count]
 
 
-def scattered(
+def scatter(
     extra: Sequence[PlannedTrial],
     others: Sequence[PlannedTrial],
     chance: np.random.Generator,
@@ -68,7 +68,7 @@ def scattered(
     return merged
 
 
-def scattered_by_part(
+def scatter_by_part(
     extra: Sequence[PlannedTrial], others: Sequence[PlannedTrial], chance: np.random.Generator
 ) -> list[PlannedTrial]:
     """Return `others` in their order with each of `extra` somewhere in its own part.
@@ -79,11 +79,11 @@ def scattered_by_part(
     merged: list[PlannedTrial] = []
     for part in dict.fromkeys(trial.part for trial in others):
         own, more = ([t for t in trials if t.part == part] for trials in (others, extra))
-        merged += scattered(more, own, chance, may_lead=bool(merged))
+        merged += scatter(more, own, chance, may_lead=bool(merged))
     return merged
 
 
-def numbered(trials: Iterable[PlannedTrial]) -> tuple[PlannedTrial, ...]:
+def number_trials(trials: Iterable[PlannedTrial]) -> tuple[PlannedTrial, ...]:
     """Return `trials` with their positions, from 1."""
     return tuple(
         replace(trial, position=position) for position, trial in enumerate(trials, start=1)
@@ -97,13 +97,13 @@ PREFERENCES: Final[Mapping[int, Sequence[int]]] = MappingProxyType(
 )
 """By how many answers there are: below 0 for the first stimulus (A), above for the second (B)."""
 
-Shown = tuple[Segment, Stimulus, Stimulus]
+StimulusPair = tuple[Segment, Stimulus, Stimulus]
 """What a trial is about, and the two stimuli that it shows."""
 
 
 def pair_trials(
     kind: Kind,
-    shown: Sequence[Shown],
+    shown: Sequence[StimulusPair],
     chance: np.random.Generator,
     *,
     composed: bool,
@@ -116,7 +116,7 @@ def pair_trials(
     composed : bool
         Whether both stimuli are in one video, or each in one of its own.
     """
-    sides = even_sides(len(shown), chance)
+    sides = draw_sides(len(shown), chance)
     return [
         PlannedTrial(
             position=0,
@@ -134,6 +134,6 @@ def pair_videos(left: Stimulus, right: Stimulus, *, composed: bool) -> tuple[Con
     return ((left, right),) if composed else ((left,), (right,))
 
 
-def prefer_side(answers: Answers, number: int) -> bool:
+def prefers_side(answers: Answers, number: int) -> bool:
     """Tell whether every answer prefers stimulus `number`, which is 1 or 2, however little."""
     return all((value > 0) if number == 2 else (value < 0) for value in answers.values())

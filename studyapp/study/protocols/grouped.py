@@ -11,7 +11,7 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import shuffled
-from studyapp.study.design.order import numbered, scattered_by_part
+from studyapp.study.design.order import number_trials, scatter_by_part
 from studyapp.study.design.trial import Kind, PlannedTrial, Stimulus
 from studyapp.study.settings.sections import Name, Section
 from studyapp.study.settings.study import Study
@@ -116,4 +116,4 @@ class GroupedStudy(Study):
             *[self.catch_trial(part, segment, chance) for part, segment in catch],
             *[self.attention_check(part, segment, chance) for part, segment in attention],
         ]
-        return numbered(scattered_by_part(extra, main, chance))
+        return number_trials(scatter_by_part(extra, main, chance))

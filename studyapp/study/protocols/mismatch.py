@@ -25,12 +25,12 @@ from studyapp.study.design.allocation import allocate_segments, even_quotas, shu
 from studyapp.study.design.order import (
     PREFERENCES,
     Levels,
-    Shown,
-    drawn_segments,
-    numbered,
+    StimulusPair,
+    draw_segments,
+    number_trials,
     pair_trials,
-    prefer_side,
-    scattered_by_part,
+    prefers_side,
+    scatter_by_part,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,
@@ -49,7 +49,7 @@ from studyapp.study.settings.study import Study
 FIT: Final = "fit"
 REALISM: Final = "realism"
 
-SLACK: Final = 0.05
+DURATION_TOLERANCE: Final = 0.05
 """Seconds by which another speech may be shorter than the motion."""
 
 
@@ -104,7 +104,7 @@ class MismatchStudy(Study):
         other = self._other_speech(segments)
         for condition in self.conditions if self.fit else ():
             for segment in segments:
-                for stimulus in _both_ways(condition, segment, other):
+                for stimulus in _matched_and_mismatched(condition, segment, other):
                     yield (stimulus,)
         muted = self.conditions if self.realism else ()
         caught = (self.catch_against, self.catch.condition) if self.catch.trials else ()
@@ -125,14 +125,14 @@ class MismatchStudy(Study):
             "main", self._real(number, segments, chance), chance, composed=False, part=REALISM
         )
         heard = [trial.segment for trial in (*fit, *real)]
-        drawn = drawn_segments(
+        drawn = draw_segments(
             segments, self.catch.trials + self.attention.trials, chance, heard=heard
         )
         extra = [
             *self._catch(drawn[: self.catch.trials], chance),
             *self._attention(drawn[self.catch.trials :], [*fit, *real], segments, chance),
         ]
-        return numbered(scattered_by_part(extra, [*fit, *real], chance))
+        return number_trials(scatter_by_part(extra, [*fit, *real], chance))
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the levels of preference that the question has."""
@@ -143,7 +143,7 @@ class MismatchStudy(Study):
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
         """Tell whether every answer prefers side `better`, however little."""
         del worse
-        return prefer_side(answers, better)
+        return prefers_side(answers, better)
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         """Say which motions outlast the other speech they are shown with."""
@@ -151,7 +151,7 @@ class MismatchStudy(Study):
         short = [
             name
             for name, speech in self._other_speech(segments).items()
-            if by_name[speech].duration < by_name[name].duration - SLACK
+            if by_name[speech].duration < by_name[name].duration - DURATION_TOLERANCE
         ]
         return (
             (f"no other speech is as long as that of {', '.join(short)}: it ends before them",)
@@ -165,7 +165,7 @@ class MismatchStudy(Study):
         other = {}
         for index, segment in enumerate(ring):
             following = [*ring[index + 1 :], *ring[:index]]
-            enough = [s for s in following if s.duration >= segment.duration - SLACK]
+            enough = [s for s in following if s.duration >= segment.duration - DURATION_TOLERANCE]
             longest = sorted(following, key=lambda s: s.duration, reverse=True)
             for chosen in (enough or longest)[:1]:
                 other[segment.name] = chosen.name
@@ -173,13 +173,13 @@ class MismatchStudy(Study):
 
     def _fitting(
         self, number: int, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[Shown]:
+    ) -> list[StimulusPair]:
         other = self._other_speech(segments)
         available = {condition: len(other) for condition in self.conditions}
         return shuffled(
             [
-                (segment, *_both_ways(condition, segment, other))
-                for condition, counts in _counts(available, self.fit, number).items()
+                (segment, *_matched_and_mismatched(condition, segment, other))
+                for condition, counts in _trial_counts(available, self.fit, number).items()
                 for segment in allocate_segments(
                     segments if other else (),
                     counts[-1],
@@ -193,13 +193,13 @@ class MismatchStudy(Study):
 
     def _real(
         self, number: int, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[Shown]:
+    ) -> list[StimulusPair]:
         pairs = {f"{a} {b}": (a, b) for a, b in combinations(self.conditions, 2)}
         available = dict.fromkeys(pairs, len(segments))
         return shuffled(
             [
                 (segment, _muted(pairs[name][0], segment), _muted(pairs[name][1], segment))
-                for name, counts in _counts(available, self.realism, number).items()
+                for name, counts in _trial_counts(available, self.realism, number).items()
                 for segment in allocate_segments(
                     segments,
                     counts[-1],
@@ -235,20 +235,20 @@ class MismatchStudy(Study):
             first, second = like.conditions
             sides = _muted(first, segment), _muted(second, segment)
             if like.part == FIT:
-                sides = _both_ways(first, segment, other)
+                sides = _matched_and_mismatched(first, segment, other)
             checks += pair_trials(
                 "attention", [(segment, *sides)], chance, composed=False, part=like.part
             )
         return [replace(check, instructed=int(chance.choice((-1, 1)))) for check in checks]
 
 
-def _counts(available: Mapping[str, int], total: int, number: int) -> dict[str, list[int]]:
+def _trial_counts(available: Mapping[str, int], total: int, number: int) -> dict[str, list[int]]:
     """Return how many trials of each kind the participants up to `number` get, one by one."""
     quotas = [even_quotas(available, total, earlier) for earlier in range(number + 1)]
     return {name: [quota[name] for quota in quotas] for name in available}
 
 
-def _both_ways(
+def _matched_and_mismatched(
     condition: str, segment: Segment, other: dict[str, str]
 ) -> tuple[Stimulus, Stimulus]:
     own = Stimulus.own(condition, segment.name)

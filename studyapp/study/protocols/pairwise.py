@@ -28,16 +28,16 @@ from pydantic import Field
 
 from motion.errors import listed
 from motion.segment import EMOTIONS, Segment
-from studyapp.study.design.adaptive import Pair, worthiest_pairs
+from studyapp.study.design.adaptive import Pair, most_informative_pairs
 from studyapp.study.design.allocation import TrialCount, allocate_segments, planned_trials, shuffled
 from studyapp.study.design.order import (
     PREFERENCES,
-    drawn_segments,
-    numbered,
+    draw_segments,
+    number_trials,
     pair_trials,
     pair_videos,
-    prefer_side,
-    scattered,
+    prefers_side,
+    scatter,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,
@@ -58,7 +58,7 @@ from studyapp.study.settings.study import GROUND_TRUTH, Study
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged."""
 
-INSTRUCTED: Final = (-2, -1, 1, 2)
+INSTRUCTED_ANSWERS: Final = (-2, -1, 1, 2)
 """What an attention check may ask for: not the middle, which the undecided choose anyway."""
 
 
@@ -208,15 +208,15 @@ class PairwiseStudy(Study):
             replace(trial, kind="repeat", repeats=position)
             for position, trial in enumerate(repeats, start=1)
         ]
-        heard = drawn_segments(
+        heard = draw_segments(
             segments, self.catch.trials + self.attention.trials, chance, heard=chosen
         )
         extra = [
             *self._catch(heard[: self.catch.trials], chance),
             *self._attention(heard[self.catch.trials :], shown, chance),
         ]
-        later = scattered(extra, [*main, *repeats], chance, may_lead=bool(practice))
-        return numbered([*practice, *later])
+        later = scatter(extra, [*main, *repeats], chance, may_lead=bool(practice))
+        return number_trials([*practice, *later])
 
     def count(self, segments: Sequence[Segment]) -> TrialCount:
         """Return how many trials of each kind a participant gets."""
@@ -246,7 +246,7 @@ class PairwiseStudy(Study):
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
         """Tell whether every answer prefers side `better`, slightly or clearly."""
         del worse
-        return prefer_side(answers, better)
+        return prefers_side(answers, better)
 
     def _pairs(
         self, kind: Kind, shown: Sequence[tuple[Segment, Pair]], chance: np.random.Generator
@@ -272,7 +272,7 @@ class PairwiseStudy(Study):
         pairs = list(combinations(arm.conditions, 2))
         chance = np.random.default_rng([number + 1, self.seed, len(pairs)])
         if self.follows_votes:
-            return worthiest_pairs(arm.conditions, votes, count, chance)
+            return most_informative_pairs(arm.conditions, votes, count, chance)
         ring = shuffled(pairs, np.random.default_rng([self.seed, len(pairs)]))
         return shuffled(
             [ring[(number * count + step) % len(ring)] for step in range(count)], chance
@@ -294,6 +294,6 @@ class PairwiseStudy(Study):
         """Return a check for each of `heard`, with some of the pairs of `shown`."""
         pairs = [shown[index % len(shown)][1] for index in range(len(heard))]
         return [
-            replace(trial, instructed=int(chance.choice(INSTRUCTED)))
+            replace(trial, instructed=int(chance.choice(INSTRUCTED_ANSWERS)))
             for trial in self._pairs("attention", list(zip(heard, pairs, strict=True)), chance)
         ]

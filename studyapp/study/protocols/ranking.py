@@ -22,7 +22,7 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.order import drawn_segments
+from studyapp.study.design.order import draw_segments
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,
@@ -212,6 +212,6 @@ class RankingStudy(GroupedStudy):
         for index in range(first, first + count):
             block = blocks[index % len(blocks)]
             taken = [*heard, *(segment for _, segment in drawn)]
-            (segment,) = drawn_segments(block.segments(segments), 1, chance, heard=taken)
+            (segment,) = draw_segments(block.segments(segments), 1, chance, heard=taken)
             drawn.append((block, segment))
         return drawn

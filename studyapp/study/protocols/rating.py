@@ -20,7 +20,7 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.order import drawn_segments
+from studyapp.study.design.order import draw_segments
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,
@@ -33,7 +33,7 @@ from studyapp.study.design.trial import (
 )
 from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
 from studyapp.study.settings.conditions import Catch
-from studyapp.study.settings.questions import STEPS, Question, RatingQuestion
+from studyapp.study.settings.questions import SCALE_STEPS, Question, RatingQuestion
 
 
 class RatingSet(Part):
@@ -99,7 +99,7 @@ class RatingStudy(GroupedStudy):
             ring = [*ring[groups:], *ring[:groups]] if groups else ring
             heard = ring[-groups:] if groups else []
             main += [self.trial("main", part, segment, chance) for segment in heard]
-        drawn = drawn_segments(
+        drawn = draw_segments(
             segments,
             self.catch.trials + self.attention.trials,
             chance,
@@ -146,7 +146,7 @@ class RatingStudy(GroupedStudy):
     def instructions(self, part: Part) -> int:
         """Return the steps of a scale."""
         del part
-        return STEPS
+        return SCALE_STEPS
 
     def _in_turn(
         self, segments: Sequence[Segment], chance: np.random.Generator

@@ -40,11 +40,11 @@ class ExclusionSection(Section):
 
     rule: str
 
-    def made(self) -> ExclusionRule:
+    def to_rule(self) -> ExclusionRule:
         """Return the rule."""
         return type(self).maker(*self.model_dump(exclude={"rule"}).values())
 
-    def written(self) -> str:
+    def shorthand(self) -> str:
         """Return the rule as one writes it in one word, such as ``catch>1``."""
         settings = self.model_dump(exclude={"rule"})
         word = self.rule
@@ -149,7 +149,7 @@ class StraightLining(ExclusionSection):
     trials: int = Field(10, ge=2, le=1000)
 
 
-SECTIONS: Final[tuple[type[ExclusionSection], ...]] = (
+EXCLUSION_SECTIONS: Final[tuple[type[ExclusionSection], ...]] = (
     *(Incomplete, FailedCatch, FailedAttention, Coverage, Time, StraightLining),
 )
 """All of them."""
@@ -200,7 +200,7 @@ def _limit_problems(exclusions: Sequence[ExclusionSection], name: str, checks: C
     ]
 
 
-def settled(
+def settle_exclusions(
     exclusions: Sequence[ExclusionSection] | None, catch: Catch, attention: Attention
 ) -> tuple[ExclusionSection, ...]:
     """Return the rules in order, with every number they depend on.

@@ -139,7 +139,7 @@ class Message:
         self.text: Final = text
         self.values: Final = values
 
-    def said(self, translate: Callable[[str], str], join: Callable[[Sequence[str]], str]) -> str:
+    def render(self, translate: Callable[[str], str], join: Callable[[Sequence[str]], str]) -> str:
         """Return the message in another language.
 
         Parameters
@@ -152,7 +152,7 @@ class Message:
 
         def filled(value: Value) -> str:
             if isinstance(value, Message):
-                return value.said(translate, join)
+                return value.render(translate, join)
             if isinstance(value, tuple):
                 return join([filled(each) for each in value])
             return str(value)
@@ -162,7 +162,7 @@ class Message:
 
     def __str__(self) -> str:
         """Return the message in English."""
-        return self.said(str, listed)
+        return self.render(str, listed)
 
     def __repr__(self) -> str:
         return f"Message({str(self)!r})"

@@ -79,13 +79,13 @@ def question_problems(questions: Sequence[Question], parts: Sequence[str]) -> li
     return problems
 
 
-STEPS: Final = 5
+SCALE_STEPS: Final = 5
 
 QUALITY_CATEGORIES: Final = ("bad", "poor", "fair", "good", "excellent")
 """The five categories of absolute category rating, from the worst (ITU-T P.910)."""
 
-SLIDER_END: Final = 100
-BAND: Final = SLIDER_END // STEPS
+SLIDER_MAX: Final = 100
+BAND_WIDTH: Final = SLIDER_MAX // SCALE_STEPS
 
 
 class RatingQuestion(Question):
@@ -110,18 +110,18 @@ class RatingQuestion(Question):
             raise ValueError("a scale of labels needs its five labels, from the worst to the best")
         if self.scale == "mean_opinion" and given:
             raise ValueError('mean_opinion has labels of its own; use scale = "labels"')
-        if len(set(self.labels)) != STEPS:
+        if len(set(self.labels)) != SCALE_STEPS:
             raise ValueError("labels must be five different ones, from the worst to the best")
         return self
 
     @property
     def values(self) -> Sequence[int]:
         """What may be answered; 1 or 0 is the worst."""
-        return range(SLIDER_END + 1) if self.scale == "slider" else range(1, STEPS + 1)
+        return range(SLIDER_MAX + 1) if self.scale == "slider" else range(1, SCALE_STEPS + 1)
 
     def step(self, value: int) -> int:
         """Return which of the five labels `value` falls under, from 1."""
-        return min(value // BAND + 1, STEPS) if self.scale == "slider" else value
+        return min(value // BAND_WIDTH + 1, SCALE_STEPS) if self.scale == "slider" else value
 
 
 Stage = Literal["eligibility", "consent", "demographics", "comprehension", "closing"]
@@ -130,10 +130,10 @@ STAGES: Final[tuple[Stage, ...]] = get_args(Stage)
 """In the order in which they are asked: `comprehension` under the instructions, `closing` after the
 trials."""
 
-DECIDING: Final[tuple[Stage, ...]] = ("eligibility", "consent", "comprehension")
+SCREENING_STAGES: Final[tuple[Stage, ...]] = ("eligibility", "consent", "comprehension")
 """Those at which an answer decides who takes part."""
 
-LONGEST_TEXT: Final = 2000
+MAX_TEXT_LENGTH: Final = 2000
 
 
 class FormQuestion(Section):
@@ -207,15 +207,15 @@ class FormQuestion(Section):
             missing = Message("Question {number} is not answered yet.", number=number)
             return missing if self.required else None
         if self.kind == "text":
-            if len(answer) <= LONGEST_TEXT:
+            if len(answer) <= MAX_TEXT_LENGTH:
                 return None
             return Message(
                 "The answer to question {number} is longer than {most} characters.",
                 number=number,
-                most=LONGEST_TEXT,
+                most=MAX_TEXT_LENGTH,
             )
         if self.kind == "number":
-            if _is_whole(answer) and self.low <= int(answer) <= self.high:
+            if _is_integer(answer) and self.low <= int(answer) <= self.high:
                 return None
             return Message(
                 "Question {number} needs a whole number from {low} to {high}.",
@@ -230,7 +230,7 @@ class FormQuestion(Section):
         )
 
 
-def _is_whole(answer: str) -> bool:
+def _is_integer(answer: str) -> bool:
     return re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
 
 
@@ -245,12 +245,12 @@ class Form(Section):
 
     @model_validator(mode="after")
     def _is_usable(self) -> Self:
-        names = [question.name for stage in STAGES for question in self.asked(stage)]
+        names = [question.name for stage in STAGES for question in self.questions_at(stage)]
         if len(set(names)) != len(names):
             raise ValueError("two questions of the form have the same name")
-        others = (stage for stage in STAGES if stage not in DECIDING)
-        if any(question.eligible for stage in others for question in self.asked(stage)):
-            raise ValueError(f"eligible can only be stated under {listed(DECIDING)}")
+        others = (stage for stage in STAGES if stage not in SCREENING_STAGES)
+        if any(question.eligible for stage in others for question in self.questions_at(stage)):
+            raise ValueError(f"eligible can only be stated under {listed(SCREENING_STAGES)}")
         for question in self.comprehension:
             if not question.required or not question.eligible:
                 raise ValueError(
@@ -263,11 +263,11 @@ class Form(Section):
                 )
         return self
 
-    def asked(self, stage: Stage) -> tuple[FormQuestion, ...]:
+    def questions_at(self, stage: Stage) -> tuple[FormQuestion, ...]:
         """Return the questions of one stage."""
         asked: tuple[FormQuestion, ...] = getattr(self, stage)
         return asked
 
     def stages(self) -> Iterator[Stage]:
         """Yield the stages at which something is asked."""
-        return (stage for stage in STAGES if self.asked(stage))
+        return (stage for stage in STAGES if self.questions_at(stage))

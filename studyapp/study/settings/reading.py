@@ -15,7 +15,7 @@ from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
 PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
@@ -91,7 +91,7 @@ def parse_study(data: Mapping[str, object], *, where: object, text: str = "") ->
         return PROTOCOLS[protocol].model_validate({**data, "protocol": protocol})
     except ValidationError as error:
         raise InputError(
-            explain(error, PROTOCOLS[protocol], text),
+            explain_errors(error, PROTOCOLS[protocol], text),
             where=where,
             remedy="Correct these keys and run the command again",
         ) from None

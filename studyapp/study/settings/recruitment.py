@@ -11,7 +11,7 @@ from pydantic import Field
 
 from studyapp.study.settings.sections import Section
 
-PROLIFICS_NAMES: Final = (
+PROLIFIC_PLACEHOLDERS: Final = (
     "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
 )
 """What Prolific fills in for each participant."""
@@ -21,11 +21,17 @@ CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
 
 CODE_LENGTH: Final = 12
 
-SHORTEST: Final = 8
-FEWEST_DIFFERENT: Final = 5
-LONGEST_RUN: Final = 3
-ROWS: Final = ("abcdefghijklmnopqrstuvwxyz", "01234567890", "qwertyuiop", "asdfghjkl", "zxcvbnm")
-WORDS: Final = (
+MIN_CODE_LENGTH: Final = 8
+MIN_DISTINCT_CHARACTERS: Final = 5
+MAX_RUN: Final = 3
+CHARACTER_SEQUENCES: Final = (
+    "abcdefghijklmnopqrstuvwxyz",
+    "01234567890",
+    "qwertyuiop",
+    "asdfghjkl",
+    "zxcvbnm",
+)
+GUESSABLE_WORDS: Final = (
     *("attention", "check", "code", "complete", "done", "finish", "motion", "pass", "prolific"),
     *("screen", "secret", "study", "success", "survey", "test", "thank", "fail"),
 )
@@ -35,21 +41,21 @@ def draw_code() -> str:
     """Return a code that nobody can guess (58 random bits)."""
     while True:
         code = "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
-        if guessable(code) is None:
+        if code_weakness(code) is None:
             return code
 
 
-def guessable(code: str) -> str | None:
+def code_weakness(code: str) -> str | None:
     """Say why `code` could be guessed, None if it could not."""
     plain = code.casefold()
-    if len(code) < SHORTEST:
-        return f"has fewer than {SHORTEST} characters"
-    if len(set(plain)) < FEWEST_DIFFERENT:
-        return f"has fewer than {FEWEST_DIFFERENT} different characters"
-    if word := next((word for word in WORDS if word in plain), None):
+    if len(code) < MIN_CODE_LENGTH:
+        return f"has fewer than {MIN_CODE_LENGTH} characters"
+    if len(set(plain)) < MIN_DISTINCT_CHARACTERS:
+        return f"has fewer than {MIN_DISTINCT_CHARACTERS} different characters"
+    if word := next((word for word in GUESSABLE_WORDS if word in plain), None):
         return f"holds the word {word!r}"
     if _has_run(plain):
-        return f"holds more than {LONGEST_RUN} characters in a row that follow one another"
+        return f"holds more than {MAX_RUN} characters in a row that follow one another"
     if re.fullmatch(r"(.+?)\1+", plain):
         return "repeats itself"
     return None
@@ -57,8 +63,8 @@ def guessable(code: str) -> str | None:
 
 def _has_run(plain: str) -> bool:
     """Tell whether letters or digits stand together as in the alphabet or on a keyboard."""
-    pieces = (plain[at : at + LONGEST_RUN + 1] for at in range(len(plain) - LONGEST_RUN))
-    rows = (*ROWS, *(row[::-1] for row in ROWS))
+    pieces = (plain[at : at + MAX_RUN + 1] for at in range(len(plain) - MAX_RUN))
+    rows = (*CHARACTER_SEQUENCES, *(row[::-1] for row in CHARACTER_SEQUENCES))
     return any(len(set(piece)) == 1 or any(piece in row for row in rows) for piece in pieces)
 
 
@@ -88,12 +94,12 @@ class Pay(Section):
     hourly_minimum: str = Field("", pattern=MONEY)
 
     @property
-    def each(self) -> Decimal | None:
+    def payment(self) -> Decimal | None:
         """The amount as a number; None where it is not stated."""
         return Decimal(self.amount) if self.amount else None
 
     @property
-    def least(self) -> Decimal | None:
+    def minimum(self) -> Decimal | None:
         """The hourly minimum as a number; None where it is not stated."""
         return Decimal(self.hourly_minimum) if self.hourly_minimum else None
 
@@ -105,12 +111,12 @@ class Pay(Section):
         )
 
 
-def hourly(amount: Decimal, minutes: float) -> float:
+def hourly_rate(amount: Decimal, minutes: float) -> float:
     """Return an amount for so many minutes as one for an hour."""
     return float(amount) * 60 / minutes
 
 
-def money(amount: float | Decimal, currency: str) -> str:
+def format_amount(amount: float | Decimal, currency: str) -> str:
     """Return an amount as people read it."""
     return f"{amount:.2f} {currency}".strip()
 
@@ -121,7 +127,7 @@ Outcome = Literal["completed", "failed_attention", "unwatched"]
 """How a study session ended; ``unwatched`` before its last trial, since too many videos failed."""
 
 LONG_STUDY_MINUTES: Final = 5
-FEWEST_FAILED_CHECKS: Final = 2
+MIN_FAILED_CHECKS: Final = 2
 """A study this long may refuse pay only after so many failed attention checks."""
 
 Code = Field("", max_length=32, pattern=r"^[A-Za-z0-9_-]*$")
@@ -224,7 +230,7 @@ class Recruitment(Section):
     """
 
     channel: Channel = "link"
-    unpaid_failed_checks: int = Field(FEWEST_FAILED_CHECKS, ge=0, le=10)
+    unpaid_failed_checks: int = Field(MIN_FAILED_CHECKS, ge=0, le=10)
     newcomers_per_address: int = Field(30, ge=0)
     pay: Pay = Pay()
     prolific: Prolific = Prolific()
@@ -236,7 +242,7 @@ class Recruitment(Section):
         stated = {
             "prolific": Decimal(self.prolific.reward) / 100,
             "mturk": self.mturk.dollars,
-        }.get(self.channel, self.pay.each)
+        }.get(self.channel, self.pay.payment)
         return stated or None
 
     @property
@@ -253,7 +259,7 @@ class Recruitment(Section):
         """Return the link that brings participants to `address`; empty where each has their own."""
         if self.channel in ("invitations", "mturk"):
             return ""
-        return address + (PROLIFICS_NAMES if self.channel == "prolific" else "")
+        return address + (PROLIFIC_PLACEHOLDERS if self.channel == "prolific" else "")
 
     @property
     def is_proven(self) -> bool:
@@ -282,7 +288,7 @@ class Recruitment(Section):
             f"recruitment.prolific.{key}: the code {problem} (draw one with 'motionjury "
             "recruit STUDY codes')"
             for key, code in codes.items()
-            if (problem := guessable(code)) is not None
+            if (problem := code_weakness(code)) is not None
         ]
         if len(set(map(str.casefold, codes.values()))) < len(codes):
             problems.append("recruitment.prolific: two outcomes have the same code")
@@ -291,7 +297,7 @@ class Recruitment(Section):
             problems.append(
                 "recruitment.unpaid_failed_checks: one failed check is no ground for refusing pay, "
                 "unless page.minutes says that the study takes less than "
-                f"{LONG_STUDY_MINUTES} (use {FEWEST_FAILED_CHECKS} or more, or 0)"
+                f"{LONG_STUDY_MINUTES} (use {MIN_FAILED_CHECKS} or more, or 0)"
             )
         if bool(paid.screened_out_reward) != bool(paid.screened_out_places):
             problems.append(

@@ -98,7 +98,7 @@ class Rehearsal(Section):
         ]
 
 
-def stated_for(
+def stated_strength(
     strengths: Mapping[str, Mapping[str, float]], condition: str, question: str
 ) -> float | None:
     """Return what is stated of a condition and a question; None where nothing is."""

@@ -19,7 +19,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
-WORDS: Final = {
+MESSAGES: Final = {
     "extra_forbidden": "unknown key",
     "missing": "is missing",
     "string_pattern_mismatch": "may hold only letters, digits, '_', '-' and '.', and must start "
@@ -34,7 +34,9 @@ WORDS: Final = {
 """What the kinds of finding mean in a study file; pydantic's own words serve for the rest."""
 
 
-def explain(error: ValidationError, section: type[BaseModel] | None = None, text: str = "") -> str:
+def explain_errors(
+    error: ValidationError, section: type[BaseModel] | None = None, text: str = ""
+) -> str:
     """Return every finding of `error` as ``key: what is wrong``, joined into one sentence.
 
     Each is told with its line in `text`, an unknown key with the nearest one that `section` knows
@@ -48,7 +50,7 @@ def explain(error: ValidationError, section: type[BaseModel] | None = None, text
             # Too few entries are left because others were wrong, which is said already.
             continue
         key = ".".join(str(part) for part in finding["loc"] if part != "[key]")
-        message = WORDS.get(finding["type"], finding["msg"].removeprefix("Value error, "))
+        message = MESSAGES.get(finding["type"], finding["msg"].removeprefix("Value error, "))
         if finding["type"] == "union_tag_invalid":
             tag, known = finding["ctx"]["tag"], finding["ctx"]["expected_tags"]
             message = f"unknown rule {tag!r} (use one of {known})"

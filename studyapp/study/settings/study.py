@@ -38,7 +38,7 @@ from studyapp.study.settings.exclusions import (
     Exclusion,
     ExclusionSection,
     exclusion_problems,
-    settled,
+    settle_exclusions,
 )
 from studyapp.study.settings.presentation import Message, Page, Video, Watching
 from studyapp.study.settings.questions import Form, Question, question_problems
@@ -301,7 +301,7 @@ class Study(Section, ABC):
     @property
     def settled_exclusions(self) -> tuple[ExclusionSection, ...]:
         """Who is left out of the analysis, rule after rule, with every number settled."""
-        return settled(self.exclusions, self.catch, self.attention)
+        return settle_exclusions(self.exclusions, self.catch, self.attention)
 
     def _family_problems(self) -> list[str]:
         if self.family is None:

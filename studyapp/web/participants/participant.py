@@ -262,7 +262,7 @@ def form_page(
         study=study,
         token=token,
         stage=stage,
-        questions=study.form.asked(stage),
+        questions=study.form.questions_at(stage),
         problem=problem,
         problems=problems_of(stage, given or {}) if problem else {},
         given=given or {},
@@ -273,7 +273,7 @@ def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
     """Return what cannot be accepted of the answers to the questions of `stage`, by question."""
     found = {
         question.name: question.problem(given.get(question.name, "").strip(), number)
-        for number, question in enumerate(study_site().study.form.asked(stage), start=1)
+        for number, question in enumerate(study_site().study.form.questions_at(stage), start=1)
     }
     return {name: say(problem) for name, problem in found.items() if problem is not None}
 

@@ -11,7 +11,7 @@ from studyapp.session.shown_trials import ShownTrial, ShownVideo
 from studyapp.study.design.trial import Ask
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.presentation import Message
-from studyapp.study.settings.questions import BAND, STEPS, Question, RatingQuestion
+from studyapp.study.settings.questions import BAND_WIDTH, SCALE_STEPS, Question, RatingQuestion
 from studyapp.study.settings.study import Study
 from studyapp.web.language import _, say, spoken
 
@@ -181,7 +181,7 @@ def _labels(question: Question, values: Sequence[int]) -> Labels:
     own = "labels" in question.model_fields_set
     labels = question.labels if own else tuple(say(label) for label in CATEGORY_LABELS)
     if question.scale == "slider":
-        values = range(BAND, STEPS * BAND + 1, BAND)
+        values = range(BAND_WIDTH, SCALE_STEPS * BAND_WIDTH + 1, BAND_WIDTH)
     return tuple(zip(values, labels, strict=True))
 
 

@@ -159,7 +159,7 @@ def study_session(
         found=found,
         naming=names,
         pseudonym=pseudonym,
-        rules=[each.made().description for each in site.study.settled_exclusions],
+        rules=[each.to_rule().description for each in site.study.settled_exclusions],
         problem=problem,
         reason=reason,
         longest=LONGEST_REASON,

@@ -12,7 +12,7 @@ from motion.segment import Segment
 from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.design.trial import Content
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, PairVideo, Stimuli, write_stimuli
 from tests.functional.adversary import unlike_videos as videos
@@ -154,7 +154,7 @@ def write_study(root: Path, name: str) -> StudyFolder:
     contents = list(study.contents(tuple(segments.values())))
     if declared.brought:
         for (shown,) in contents:
-            target = finished_video(folder.videos, shown)
+            target = finished_video_path(folder.videos, shown)
             if not target.exists():
                 videos.write_brought(
                     target, shown.condition, segments[shown.segment], folder.speech

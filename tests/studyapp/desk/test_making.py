@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from studyapp.cli.main import group
 from studyapp.desk.lab import Lab
 from studyapp.researchers.account import accounts
-from studyapp.study.interview import TEMPLATE_WORDS
+from studyapp.study.interview import TEMPLATE_DESCRIPTIONS
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import read_study
 from tests.studyapp.desk.conftest import Researcher
@@ -44,7 +44,7 @@ def grace(researcher: Researcher) -> ResearchBrowser:
     return researcher("Grace", "analyst")
 
 
-@pytest.mark.parametrize("template", TEMPLATE_WORDS)
+@pytest.mark.parametrize("template", TEMPLATE_DESCRIPTIONS)
 @pytest.mark.parametrize("language", ["en", "ja"])
 def test_the_form_as_it_comes_makes_what_init_makes(
     lab: Lab, grace: ResearchBrowser, tmp_path: Path, template: str, language: str

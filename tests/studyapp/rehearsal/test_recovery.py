@@ -40,7 +40,7 @@ def reference_share(
 def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
     study: PairwiseStudy, population: Population
 ) -> None:
-    rules = [rule.made() for rule in study.settled_exclusions]
+    rules = [rule.to_rule() for rule in study.settled_exclusions]
     held = []
     for seed in range(30):
         truth = expectations(study, SEGMENTS, population=population, seed=seed)
@@ -57,7 +57,7 @@ def test_catch_trials_tell_careless_raters_from_attentive_ones(
     study: PairwiseStudy, population: Population
 ) -> None:
     made = simulated(study, SEGMENTS, replace(population, kinds={"careless": 0.08}), 1)
-    rules = [rule.made() for rule in study.settled_exclusions]
+    rules = [rule.to_rule() for rule in study.settled_exclusions]
 
     excluded = set(leave_out(made.table, rules, known=made.known).exclusions)
 

@@ -199,7 +199,7 @@ OTHER_RULES = ("[catch]", '[[exclusions]]\nrule = "catch"\nmore_than = 0\n[catch
 def stated_rules(database: Database) -> list[str]:
     stated = read_once(database, stated_study, 1)
     assert stated is not None
-    return [rule.written() for rule in stated.settled_exclusions]
+    return [rule.shorthand() for rule in stated.settled_exclusions]
 
 
 def test_rules_that_stand_when_the_first_participant_comes_are_those_that_were_stated(
@@ -208,7 +208,7 @@ def test_rules_that_stand_when_the_first_participant_comes_are_those_that_were_s
     before = served.study
     open_study(opened, change(*OTHER_RULES), clock)
     first = Participant(opened, served, clock).in_study(change(*OTHER_RULES[::-1])).enrol()
-    assert stated_rules(opened) == [rule.written() for rule in before.settled_exclusions]
+    assert stated_rules(opened) == [rule.shorthand() for rule in before.settled_exclusions]
 
     first.in_study(change(*OTHER_RULES))
 

@@ -21,7 +21,7 @@ from motion.formats import read_clip
 from studyapp.cli.main import group
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
-from studyapp.study.interview import sources
+from studyapp.study.interview import source_descriptions
 from studyapp.study.settings.reading import read_study
 from tests.support.studies.edited_study import edited
 
@@ -204,4 +204,4 @@ def test_a_network_of_two_files_is_a_condition_by_both(
     said = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
     assert said == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
     assert "Give pair:FILE,FILE, its checkpoint and ear" in half.output
-    assert "type pair:FILE,FILE" in sources()["pair"]
+    assert "type pair:FILE,FILE" in source_descriptions()["pair"]

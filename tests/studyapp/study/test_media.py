@@ -8,7 +8,7 @@ import pytest
 from motion.errors import InputError
 from motion.segment import write_segments
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video, seconds_of
+from studyapp.study.finished_videos import finished_video_path, video_duration
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import (
     ClipVideo,
@@ -54,9 +54,9 @@ def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
 def test_a_finished_video_with_another_speech_lies_beside_its_own() -> None:
     own = Stimulus.own("ours", "one")
 
-    assert finished_video(Path("v"), own) == Path("v/ours/one.mp4")
-    assert finished_video(Path("v"), OTHER) == Path("v/ours/one@two.mp4")
-    assert finished_video(Path("v"), MUTED) == Path("v/ours/one.mp4")
+    assert finished_video_path(Path("v"), own) == Path("v/ours/one.mp4")
+    assert finished_video_path(Path("v"), OTHER) == Path("v/ours/one@two.mp4")
+    assert finished_video_path(Path("v"), MUTED) == Path("v/ours/one.mp4")
 
 
 def segment_names(folder: StudyFolder) -> list[str]:
@@ -115,7 +115,7 @@ def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
     path.write_bytes(b"no video")
 
     with pytest.raises(InputError, match=r"not a video that can be played"):
-        seconds_of(path)
+        video_duration(path)
 
 
 def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> None:

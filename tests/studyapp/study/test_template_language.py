@@ -10,7 +10,7 @@ import pytest
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import new_study
-from studyapp.study.template_language import still_english
+from studyapp.study.template_language import untranslated_keys
 
 TEMPLATES = ("pairwise", "rating", "ranking", "mismatch", "three-systems")
 
@@ -70,8 +70,8 @@ def test_texts_left_from_the_english_template_are_named(tmp_path: Path, template
     mixed = tmp_path / "mixed.toml"
     mixed.write_text(source.replace('language = "en"', 'language = "de"'), "utf-8")
 
-    assert still_english(english) == still_english(german) == ()
-    assert still_english(read_study(mixed)) == (
+    assert untranslated_keys(english) == untranslated_keys(german) == ()
+    assert untranslated_keys(read_study(mixed)) == (
         "title",
         "page.consent",
         *(f"the question {question.name!r}" for question in english.questions),

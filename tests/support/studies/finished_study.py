@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.finished_videos import finished_video
+from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.tiny_study import write_pair_video
 
@@ -115,7 +115,7 @@ def write_study_of_one_video(folder: Path, definition: str, video: Path) -> None
         for segment in SEGMENTS:
             _copy(video, folder / "videos" / condition / f"{segment}.mp4")
     for shown, *_ in study.contents(tuple(files.segments_of(study))):
-        _copy(video, finished_video(files.videos, shown))
+        _copy(video, finished_video_path(files.videos, shown))
     copy_videos(files)
     hide_sizes(files)
 

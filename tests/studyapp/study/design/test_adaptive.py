@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.study.design.adaptive import worthiest_pairs
+from studyapp.study.design.adaptive import most_informative_pairs
 
 NAMES = ("a", "b", "c", "d")
 VOTES = st.dictionaries(
@@ -22,14 +22,14 @@ def chance() -> np.random.Generator:
 def test_so_many_pairs_of_different_conditions_are_chosen(
     votes: dict[tuple[str, str], int], count: int
 ) -> None:
-    pairs = worthiest_pairs(NAMES, votes, count, chance())
+    pairs = most_informative_pairs(NAMES, votes, count, chance())
 
     assert len(pairs) == count
     assert set(pairs) <= set(combinations(NAMES, 2))
 
 
 def test_without_votes_every_pair_comes_before_any_comes_again() -> None:
-    pairs = worthiest_pairs(NAMES, {}, 3, chance())
+    pairs = most_informative_pairs(NAMES, {}, 3, chance())
 
     assert len(set(pairs)) == 3
 
@@ -37,7 +37,7 @@ def test_without_votes_every_pair_comes_before_any_comes_again() -> None:
 def test_what_is_known_is_not_asked_again() -> None:
     votes = {("a", "b"): 20.0, ("b", "a"): 20.0}
 
-    assert ("a", "b") not in worthiest_pairs(NAMES, votes, 4, chance())
+    assert ("a", "b") not in most_informative_pairs(NAMES, votes, 4, chance())
 
 
 def test_among_unequal_conditions_neighbours_are_worth_more_than_extremes() -> None:
@@ -49,4 +49,4 @@ def test_among_unequal_conditions_neighbours_are_worth_more_than_extremes() -> N
         if a != b
     }
 
-    assert ("a", "d") not in worthiest_pairs(NAMES, votes, 6, chance())
+    assert ("a", "d") not in most_informative_pairs(NAMES, votes, 6, chance())

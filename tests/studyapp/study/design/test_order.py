@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studyapp.study.design.order import (
-    numbered,
-    scattered,
+    number_trials,
+    scatter,
 )
 from studyapp.study.design.trial import Kind, PlannedTrial
 from tests.support.studies.made_study import make_segments
@@ -25,8 +25,8 @@ def trial(kind: Kind, part: str = "") -> PlannedTrial:
 def test_extra_trials_leave_the_others_in_order_and_apart_where_there_is_room(
     extra: int, others: int, seed: int, may_lead: bool
 ) -> None:
-    known = numbered([trial("main")] * others)
-    merged = scattered(
+    known = number_trials([trial("main")] * others)
+    merged = scatter(
         [trial("catch")] * extra, known, np.random.default_rng(seed), may_lead=may_lead
     )
 

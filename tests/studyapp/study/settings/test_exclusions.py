@@ -12,7 +12,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.cli.report_command import read_exclusion
-from studyapp.study.settings.exclusions import SECTIONS
+from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS
 from studyapp.study.settings.reading import parse_study, read_study
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import TEMPLATES, new_study
@@ -39,7 +39,7 @@ def read(tmp_path: Path) -> Read:
 
 
 def written(study: Study) -> list[str]:
-    return [each.written() for each in study.settled_exclusions]
+    return [each.shorthand() for each in study.settled_exclusions]
 
 
 def test_without_a_list_the_unfinished_and_the_inattentive_are_left_out(read: Read) -> None:
@@ -102,13 +102,15 @@ def test_what_cannot_be_is_refused_with_its_place(
     ],
 )
 def test_what_is_written_in_one_word_is_read_back(text: str, meant: str) -> None:
-    assert read_exclusion(text, where="--exclude").written() == meant
+    assert read_exclusion(text, where="--exclude").shorthand() == meant
 
 
 def test_every_rule_can_be_written_in_one_word() -> None:
     with pytest.raises(InputError) as caught:
         read_exclusion("nothing", where="--exclude")
-    assert all(section.model_fields["rule"].default in str(caught.value) for section in SECTIONS)
+    assert all(
+        section.model_fields["rule"].default in str(caught.value) for section in EXCLUSION_SECTIONS
+    )
 
 
 @pytest.mark.parametrize(

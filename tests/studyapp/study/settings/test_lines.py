@@ -6,9 +6,9 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.study.settings.reading import parse_text
-from studyapp.study.template_language import template_text
+from studyapp.study.template_language import render_template
 
-STUDY = template_text("pairwise.toml", name="lines")
+STUDY = render_template("pairwise.toml", name="lines")
 
 
 def line_with(text: str, words: str) -> int:

@@ -7,8 +7,8 @@ from pydantic import ValidationError
 
 from studyapp.study.settings.recruitment import (
     CODE_LENGTH,
+    code_weakness,
     draw_code,
-    guessable,
 )
 from tests.support.studies.made_study import make_study
 
@@ -68,9 +68,9 @@ GUESSABLE = "KX7QM2P AAAAAAAAAA ABABABABAB COMPLETED7X prolific-42 K1234567X9 XQ
 
 def test_a_code_that_could_be_guessed_is_told_and_those_of_recruiters_are_fine() -> None:
     for code in ("", *GUESSABLE.split(), "DONE-KX7QM2", "KXQM7KXQM7"):
-        assert guessable(code) is not None, code
+        assert code_weakness(code) is not None, code
     for code in ("KX7QM2PWTR", "C1G9PC0D", "8E8AC860"):
-        assert guessable(code) is None, code
+        assert code_weakness(code) is None, code
 
 
 def test_drawn_codes_are_fine_and_each_is_another() -> None:
@@ -78,4 +78,4 @@ def test_drawn_codes_are_fine_and_each_is_another() -> None:
 
     assert len(drawn) == 500
     assert {len(code) for code in drawn} == {CODE_LENGTH}
-    assert not any(guessable(code) for code in drawn)
+    assert not any(code_weakness(code) for code in drawn)

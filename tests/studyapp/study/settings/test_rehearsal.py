@@ -4,13 +4,13 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
-from studyapp.study.settings.rehearsal import Rehearsal, stated_for
+from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
 from studyapp.study.settings.study import Study
-from studyapp.study.template_language import template_text
+from studyapp.study.template_language import render_template
 
 
 def template(protocol: str) -> str:
-    return template_text(f"{protocol}.toml")
+    return render_template(f"{protocol}.toml")
 
 
 def read(keys: str) -> Study:
@@ -40,10 +40,10 @@ def test_a_number_alone_is_that_of_every_question_that_is_not_named() -> None:
     stated = read(
         'strength = { rule_based = 1, mismatched = { emotion = 0.25, "*" = -1 } }'
     ).rehearsal
-    assert stated_for(stated.strength, "rule_based", "emotion") == 1
-    assert stated_for(stated.strength, "mismatched", "emotion") == 0.25
-    assert stated_for(stated.strength, "mismatched", "synchronisation") == -1
-    assert stated_for(stated.strength, "broken", "emotion") is None
+    assert stated_strength(stated.strength, "rule_based", "emotion") == 1
+    assert stated_strength(stated.strength, "mismatched", "emotion") == 0.25
+    assert stated_strength(stated.strength, "mismatched", "synchronisation") == -1
+    assert stated_strength(stated.strength, "broken", "emotion") is None
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from generators.settings import File, settings_of
 from motion.errors import InputError, listed
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.sections import explain
+from studyapp.study.settings.sections import explain_errors
 
 FILES: Final = "files"
 VIDEOS: Final = "videos"
@@ -68,11 +68,11 @@ def read_source(text: str, folder: Path) -> Condition:
     if kind not in generator_names():
         raise InputError(
             f"unknown source {text!r}",
-            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_sources())}",
+            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_notations())}",
         )
-    if needed := _needed_files(kind):
-        weights = zip(needed, _weights(kind, details, needed), strict=True)
-        return condition_of(kind, dict(weights), folder)
+    if needed := _required_files(kind):
+        weights = zip(needed, _read_weight_files(kind, details, needed), strict=True)
+        return make_condition(kind, dict(weights), folder)
     if needs_source(kind) != bool(details):
         says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
         example = f"{kind}:OTHER" if needs_source(kind) else kind
@@ -80,19 +80,19 @@ def read_source(text: str, folder: Path) -> Condition:
     return Condition(generator=kind, source=check_name(details, "condition") if details else None)
 
 
-def _needed_files(generator: str) -> list[str]:
+def _required_files(generator: str) -> list[str]:
     """Return the keys of the files that a generator cannot do without."""
     settings = settings_of(settings_type(generator))
     return [setting.key for setting in settings if setting.type == File and setting.required]
 
 
-def _weights(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
+def _read_weight_files(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
     """Return the files of a network's weights."""
     files = given.split(",") if len(needed) > 1 else [given]
     if not all(files) or len(files) != len(needed):
         raise InputError(
             f"the generator {generator!r} is a network and needs its weights",
-            remedy=f"Give {source_words(generator)}, its {listed(needed)}",
+            remedy=f"Give {source_notation(generator)}, its {listed(needed)}",
         )
     paths = [Path(file.strip()).expanduser() for file in files]
     for path in paths:
@@ -101,20 +101,20 @@ def _weights(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
     return paths
 
 
-def source_words(generator: str) -> str:
+def source_notation(generator: str) -> str:
     """Return a generator as a source is written."""
     details = (
-        "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _needed_files(generator))
+        "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _required_files(generator))
     )
     return f"{generator}:{details}" if details else generator
 
 
-def generator_sources() -> tuple[str, ...]:
+def generator_notations() -> tuple[str, ...]:
     """Return the generators as sources are written."""
-    return tuple(map(source_words, generator_names()))
+    return tuple(map(source_notation, generator_names()))
 
 
-def condition_of(
+def make_condition(
     generator: str | None, given: Mapping[str, Any], folder: Path = Path()
 ) -> Condition:
     """Return the condition of a study in `folder` that options describe.
@@ -140,7 +140,7 @@ def condition_of(
         if value is None:
             continue
         if isinstance(value, Path):
-            value = _named_from(folder, value)
+            value = _path_from(folder, value)
         elif isinstance(value, str) and value.isdecimal():
             value = int(value) if int in (setting.type, *get_args(setting.type)) else value
         values[setting.key] = value
@@ -148,21 +148,21 @@ def condition_of(
         raise InputError(
             f"--{option.replace('_', '-')} is of a learned generator, not of "
             f"{generator or 'motion that is brought in'}",
-            remedy=f"Leave it out, or give --generator {' or '.join(_takers(option))}",
+            remedy=f"Leave it out, or give --generator {' or '.join(_generators_with(option))}",
         )
     try:
         return Condition.model_validate(values)
     except ValidationError as error:
-        raise InputError(explain(error), remedy="Correct these options") from None
+        raise InputError(explain_errors(error), remedy="Correct these options") from None
 
 
-def _named_from(folder: Path, path: Path) -> str:
+def _path_from(folder: Path, path: Path) -> str:
     """Return how a study in `folder` names a file: from there, or in full where it lies outside."""
     there, base = path.resolve(), folder.resolve()
     return str(there.relative_to(base) if there.is_relative_to(base) else there)
 
 
-def _takers(option: str) -> list[str]:
+def _generators_with(option: str) -> list[str]:
     return [
         generator
         for generator in generator_names()

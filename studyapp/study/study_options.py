@@ -17,7 +17,7 @@ from studyapp.study.settings.study import GROUND_TRUTH
 
 
 @dataclass(frozen=True, kw_only=True)
-class WantedStudy:
+class StudyOptions:
     """What a study file is made from; what is None stays as its template has it.
 
     Attributes
@@ -75,16 +75,16 @@ class WantedStudy:
     wording: Mapping[str, str] = field(default_factory=dict)
 
 
-MOST_TOGETHER: Final = 8
+MAX_VIDEOS_PER_PAGE: Final = 8
 """Motions that one page can show."""
 
-FEWEST_COMPARED: Final = 2
+MIN_CONDITIONS: Final = 2
 
 _WITH_CATCH: Final = ("pairwise", "mismatch")
 """Protocols whose templates have catch trials."""
 
 
-def placed(
+def condition_variables(
     protocol: str,
     conditions: Mapping[str, Condition],
     *,
@@ -108,7 +108,7 @@ def placed(
         If they are too few or too many, or the reference is none of them.
     """
     names = [check_name(name, "condition") for name in conditions]
-    if len(names) < FEWEST_COMPARED:
+    if len(names) < MIN_CONDITIONS:
         raise InputError(
             f"{len(names)} condition is nothing to compare", remedy="Name two or more of them"
         )
@@ -122,7 +122,7 @@ def placed(
         "names": names,
         "conditions": conditions_text(conditions),
         "nothing_breaks": not moved and not catch_videos,
-        **_catch_keys(protocol, conditions, reference, catch_videos=catch_videos),
+        **_catch_variables(protocol, conditions, reference, catch_videos=catch_videos),
     }
     if not moved:
         # Nothing in a finished video can be held still.
@@ -134,16 +134,17 @@ def placed(
             stated["layout"] = "players"
     elif protocol in ("rating", "ranking"):
         shown = [name for name in names if name != reference or protocol == "rating"]
-        if not 2 <= len(shown) <= MOST_TOGETHER:
+        if not 2 <= len(shown) <= MAX_VIDEOS_PER_PAGE:
             raise InputError(
-                f"a page would show {len(shown)} motions, and it can show 2 to {MOST_TOGETHER}",
+                f"a page would show {len(shown)} motions, but it can show 2 to "
+                f"{MAX_VIDEOS_PER_PAGE}",
                 remedy="Name other conditions, or make the study and write parts of your own",
             )
         stated["shown"] = shown
     return stated
 
 
-def _catch_keys(
+def _catch_variables(
     protocol: str,
     conditions: Mapping[str, Condition],
     reference: str | None,
