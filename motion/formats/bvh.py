@@ -49,7 +49,7 @@ class BvhFrameCountError(InputError):
     def __init__(
         self, what: str, *, where: Path, rows: int, frame_rates: tuple[float, ...]
     ) -> None:
-        super().__init__(what, where=where, remedy="Give the true frames per second with --fps")
+        super().__init__(what, where=where, remedy="State the true frame rate (--fps)")
         self.rows = rows
         self.frame_rates = frame_rates
 

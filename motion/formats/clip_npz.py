@@ -232,7 +232,7 @@ def _frame_rate(arrays: Arrays) -> float:
             return float(rate.item())
     raise InputError(
         f"the file gives no frame rate (looked for {', '.join(_RATE_KEYS)})",
-        remedy="Give the frames per second with --fps",
+        remedy="State the frame rate (--fps)",
     )
 
 

@@ -144,8 +144,8 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
         f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
         f"{', '.join(unmapped)} unmapped and finds nothing for "
         f"{', '.join(_missing(found[best]))}",
-        remedy='Name its joints with --joints FILE, which has a line such as pelvis = "Hips" for '
-        "each: SMPL-X's name, then the one in the motion file",
+        remedy="Import it on the command line with --joints FILE, which has a line such as "
+        """pelvis = "Hips" for each joint: SMPL-X's name, then the one in the motion file""",
     )
 
 

@@ -116,9 +116,7 @@ def read_joints(
         recording = _read(path)
         rate = frame_rate if frame_rate is not None else recording.frame_rate
         if rate is None:
-            raise InputError(
-                "the file says no frame rate", remedy="Give the frames per second with --fps"
-            )
+            raise InputError("the file says no frame rate", remedy="State the frame rate (--fps)")
         check_frame_rate(rate)
         given = body_joints(_named(recording, joint_map), rate)
         poses, trans = rotations_from_joints(given, REST_JOINTS, rate)

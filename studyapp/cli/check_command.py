@@ -79,6 +79,6 @@ def command(
             f"{things} must be fixed before participants can take part ({summed_up(made)})",
             where=folder.root,
         )
-    notes = f"; --verbose tells {counted(made.notes, 'note')}" if made.notes > 0 else ""
+    notes = f" (--verbose tells {counted(made.notes, 'note')})" if made.notes > 0 else ""
     rest = "" if everything else notes
     click.echo(f"{folder.root.resolve().name} can be served: {summed_up(made)}{rest}.")

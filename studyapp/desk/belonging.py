@@ -7,8 +7,6 @@ account in the study; or, of a study that nobody owns, by an owner of the desk.
 
 from __future__ import annotations
 
-import base64
-import hmac
 from typing import Final
 
 from flask import abort, redirect, request, url_for
@@ -16,7 +14,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.database.tables import Event
-from studyapp.desk.lab import OpenedStudy, current_lab, opened
+from studyapp.desk.lab import OpenedStudy, current_lab, opened, study_token
 from studyapp.desk.page import page
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Account, Right, take_identity
@@ -28,15 +26,6 @@ from studyapp.web.research import own_account
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
 from studyapp.web.site import client_address
-
-
-def study_token(token: str, study: str) -> str:
-    """Return the token of the login in `study` that follows from the desk's login of `token`.
-
-    Only who knows the one can tell the other; from a study's nobody can tell the desk's.
-    """
-    digest = hmac.digest(token.encode(), f"study {study}".encode(), "sha256")
-    return base64.urlsafe_b64encode(digest).decode("ascii").rstrip("=")
 
 
 def enter_study(study: OpenedStudy, token: str) -> None:

@@ -213,7 +213,7 @@ class Inbox:
             limit = f"{self._largest / 10**9:g} GB"
             raise InputError(
                 f"{upload.name} is empty" if not upload.size else f"{upload.name} is too large",
-                remedy=f"A file may have up to {limit}; 'motionjury import' takes larger ones",
+                remedy=f"A file may have up to {limit}; import larger ones on the server",
             )
         place = self._root
         if upload.condition:

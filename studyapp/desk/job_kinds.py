@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from motion.errors import InputError
-from studyapp.desk.belonging import study_token
-from studyapp.desk.lab import OpenedStudy, current_lab
+from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import answers_so_far
 from studyapp.researchers.logins import unblinded_because

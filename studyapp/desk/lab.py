@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hmac
 import threading
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -109,6 +111,15 @@ def opened(study: LabStudy, account: Account) -> OpenedStudy | None:
         # A database that cannot be read tells nobody's rights.
         return None
     return None if found is None else OpenedStudy(study=study, account=found)
+
+
+def study_token(token: str, study: str) -> str:
+    """Return the token of the login in `study` that belongs to the desk's login of `token`.
+
+    It follows from the desk's token, which nobody can tell from it.
+    """
+    digest = hmac.digest(token.encode(), f"study {study}".encode(), "sha256")
+    return base64.urlsafe_b64encode(digest).decode("ascii").rstrip("=")
 
 
 def current_lab() -> Lab:

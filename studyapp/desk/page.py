@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -9,8 +10,8 @@ from typing import Any, Final, Literal
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
+from studyapp.desk.job_kinds import KINDS
 from studyapp.desk.lab import OpenedStudy
-from studyapp.desk.wording import problem_at_the_desk
 from studyapp.researchers.account import Right, Role
 from studyapp.web.research.page import rendered
 
@@ -65,6 +66,21 @@ class Section:
     title: str
     needs: Right
     told: Callable[[OpenedStudy], Mapping[str, Any]]
+
+
+_COMMAND: Final = re.compile(rf"'motionjury\s+({'|'.join(KINDS)})'")
+_OPTION: Final = re.compile(r"\s*\(--[^)]*\)")
+"""Messages name an option in parentheses, behind the words for it."""
+
+
+def at_the_desk(text: str) -> str:
+    """Return what a command says, with the desk's names of commands and without options."""
+    return _COMMAND.sub(lambda command: f"'{KINDS[command[1]].title}'", _OPTION.sub("", text))
+
+
+def problem_at_the_desk(error: InputError) -> InputError:
+    """Return an error in the words of the desk's pages."""
+    return InputError(at_the_desk(error.what), where=error.where, remedy=at_the_desk(error.remedy))
 
 
 def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:

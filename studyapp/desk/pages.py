@@ -21,8 +21,7 @@ from studyapp.desk import (
     study_page,
 )
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import DUTIES, Section, StudyPage
-from studyapp.desk.wording import at_the_desk, problem_at_the_desk
+from studyapp.desk.page import DUTIES, Section, StudyPage, at_the_desk, problem_at_the_desk
 from studyapp.researchers.account import Right
 from studyapp.web.research import own_account
 from studyapp.web.research.page import PREFIX, keep_visitor, problem_page, researcher

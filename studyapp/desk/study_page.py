@@ -8,8 +8,8 @@ from flask import Response, g, redirect, request
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.desk.belonging import enter_study, study_token
-from studyapp.desk.lab import OpenedStudy, current_lab
+from studyapp.desk.belonging import enter_study
+from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.list_page import title_of
 from studyapp.desk.page import StudyPage, page
 from studyapp.recruitment.invitations import make_test_participation

@@ -186,8 +186,8 @@ def planned_segments(
         raise InputError(
             "the study has no speech yet, so that it is not known how many segments it will have",
             where=folder.root,
-            remedy="Say it with --items, such as --items 24,48, or bring recordings in with "
-            "'motionjury import'",
+            remedy="Say how many to try (--items, such as --items 24,48), or bring recordings in "
+            "with 'motionjury import'",
         )
     lengths = [30.0]
     if isinstance(study, RankingStudy):

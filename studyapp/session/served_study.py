@@ -89,7 +89,7 @@ class ServedStudy:
             raise InputError(
                 f"the study has no code for {listed(missing)}",
                 where="recruitment.prolific in study.toml",
-                remedy="Draw them with 'motionjury recruit STUDY codes'",
+                remedy="Write them there, or draw them with 'motionjury recruit STUDY codes'",
             )
         return self
 

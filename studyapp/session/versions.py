@@ -56,9 +56,9 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
         raise InputError(
             "the study's design has changed, and people have taken part in the one before",
             where="study.toml",
-            remedy="Undo the change (the database keeps the file as it was), or serve it with "
-            "--new-version: earlier answers are kept apart, and unfinished participants of what "
-            "has changed cannot go on",
+            remedy="Undo the change (the database keeps the file as it was), or serve it as a "
+            "new version (--new-version): earlier answers are kept apart, and unfinished "
+            "participants of what has changed cannot go on",
         )
     wanted = select(StudyVersion).where(StudyVersion.design == served.design)
     version = session.scalars(wanted).first() or _note(session, served, now)

@@ -143,7 +143,8 @@ class _Place:
             raise InputError(
                 "nothing says who speaks, and with which emotion",
                 where=speech,
-                remedy=f"Give --speaker and --emotion, or a {SEGMENTS_FILE} beside it that says so",
+                remedy="Name the speaker and the emotion (--speaker, --emotion), or put a "
+                f"{SEGMENTS_FILE} beside it that does",
             )
         told = vars(facts) | {"condition": motion and self._named_condition(motion)}
         take = Take(**told, motion=motion, speech=speech)
@@ -161,8 +162,7 @@ class _Place:
             raise InputError(
                 "nothing says of which condition this is",
                 where=path,
-                remedy="Put it into a sub-folder that is called after its condition, or give "
-                "--condition",
+                remedy="Name its condition (--condition), or put it into a folder of that name",
             )
         return self._condition
 

@@ -182,7 +182,7 @@ def import_clips(
                 where=path,
                 remedy="Name the file after its segment ("
                 + ", ".join(list(segments)[:3])
-                + ", …), or give --speech to bring in a new take",
+                + ", …), or bring its recording along, as a new take (--speech)",
             )
         if segment.name in clips:
             raise InputError(
@@ -255,7 +255,7 @@ def _cut_points(take: Take, seconds: float) -> list[Segment]:
         raise InputError(
             f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
             where=take.motion or take.speech,
-            remedy="Give a shorter --segment",
+            remedy="Choose a shorter length of segments (--segment)",
         )
     count = int(seconds / length + 1e-6)
     stem = take.speech.stem

@@ -168,10 +168,13 @@ def require_stated_pay(wanted: StudyOptions) -> None:
     """Raise `InputError` where a recruiting site would not be told what it must be."""
     if wanted.channel not in RECRUITING_SITES:
         return
-    missing = [*([] if wanted.pay else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
+    missing = [
+        *([] if wanted.pay else ["the pay (--pay)"]),
+        *([] if wanted.minutes else ["the minutes (--minutes)"]),
+    ]
     if missing:
         raise InputError(
-            f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"
+            f"recruiting sites must be told {' and '.join(missing)}", remedy="State that as well"
         )
 
 

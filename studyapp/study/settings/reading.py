@@ -93,5 +93,5 @@ def parse_study(data: Mapping[str, object], *, where: object, text: str = "") ->
         raise InputError(
             explain_errors(error, PROTOCOLS[protocol], text),
             where=where,
-            remedy="Correct these keys and run the command again",
+            remedy="Correct these keys",
         ) from None

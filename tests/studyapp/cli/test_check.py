@@ -25,7 +25,7 @@ def whole(finished_study: Callable[[str], Path], tmp_path: Path) -> Path:
 
 def test_warnings_alone_let_a_study_be_served(whole: Path) -> None:
     assert re.search(
-        r"can be served: 0 errors, \d warnings; --verbose tells \d+ notes", check(whole)
+        r"can be served: 0 errors, \d warnings \(--verbose tells \d+ notes\)", check(whole)
     )
     assert "\nnote: " in check(whole, "--verbose")
 

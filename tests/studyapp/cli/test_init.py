@@ -71,7 +71,7 @@ def test_finished_videos_have_catch_trials_where_a_broken_motion_is_brought(tmp_
         (["--condition", "a=files", "--condition", "a=files"], "given twice"),
         (["--condition", "a=files"], "nothing to compare"),
         (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
-        (["--recruit", "prolific"], "must be told --pay and --minutes"),
+        (["--recruit", "prolific"], "must be told the pay (--pay) and the minutes (--minutes)"),
         (["--pay", "2.50"], "needs a currency"),
         (["--pay", "much EUR"], "'much' is not an amount"),
     ],

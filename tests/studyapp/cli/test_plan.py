@@ -69,7 +69,7 @@ def test_a_pilot_says_how_much_opinions_differ(study: Callable[..., Path], tmp_p
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("--participants", 6), "Say it with --items"),
+        (("--participants", 6), "(--items, such as"),
         (("--participants", 90000, "--items", 100), "more than 400,000 answers"),
     ],
 )

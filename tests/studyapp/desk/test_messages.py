@@ -1,0 +1,54 @@
+"""Messages of commands read well at the desk, where there are no options."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import motion.formats
+import studyapp.stimuli
+from studyapp.desk.page import at_the_desk
+
+STIMULI = Path(*studyapp.stimuli.__path__)
+IMPORTING = (
+    *Path(*motion.formats.__path__).glob("*.py"),
+    *(STIMULI / f"{name}.py" for name in ("recordings", "imported_folder", "stored_speech")),
+)
+"""Modules that refuse files that are brought in."""
+
+WITHOUT_FIELD = {"--joints"}
+"""An option that the page does not have: its message sends one to the command line."""
+
+
+@pytest.mark.parametrize(
+    ("message", "at_desk"),
+    [
+        ("Bring recordings in with 'motionjury import'", "Bring recordings in with 'Bring in'"),
+        ("Run 'motionjury\n  render' again", "Run 'Render' again"),
+        ("Name its condition (--condition), or", "Name its condition, or"),
+        ("1 warning (--verbose tells 12 notes).", "1 warning."),
+        ("Run 'motionjury forget'", "Run 'motionjury forget'"),
+    ],
+)
+def test_commands_are_called_as_the_jobs_and_options_are_left_out(
+    message: str, at_desk: str
+) -> None:
+    assert at_the_desk(message) == at_desk
+
+
+def test_no_refused_file_asks_for_an_option_that_the_page_lacks() -> None:
+    constants = (
+        node.value
+        for path in IMPORTING
+        for keyword in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(keyword, ast.keyword) and keyword.arg == "remedy"
+        for node in ast.walk(keyword.value)
+        if isinstance(node, ast.Constant)
+    )
+    remedies = " ".join(map(str, constants))
+
+    assert len(set(re.findall(r"--[a-z-]+", remedies))) > 5
+    assert set(re.findall(r"--[a-z-]+", at_the_desk(remedies))) == WITHOUT_FIELD
