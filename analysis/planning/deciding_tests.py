@@ -169,9 +169,9 @@ class DecidingTests:
                     "rank": given.ravel(),
                 }
             ),
-            conditions=names,
+            names,
         )
-        if found.reason or found.two_way is None:
+        if found.two_way is None:
             none = np.full(len(self.pairs), np.nan)
             return none, none
         first, second = np.array(self.pairs).T

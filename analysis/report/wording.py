@@ -11,7 +11,7 @@ from typing import Final
 
 from analysis.results.grouping import Place
 from analysis.results.headline import Measure
-from analysis.results.strengths import Standing
+from analysis.results.strengths import ConditionStrength
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
 
@@ -221,7 +221,7 @@ def number(value: float) -> str:
     return fixed(value, 2)
 
 
-def ranks(found: Standing | None) -> str:
+def ranks(found: ConditionStrength | None) -> str:
     """Return the ranks that a condition may have, '1–2'; a dash where they are not known."""
     if found is None or found.best is None:
         return "–"

@@ -142,7 +142,7 @@ def _estimates(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate]]
     match report.results:
         case PairwiseResults(comparisons=comparisons):
             for pair in comparisons:
-                for one in (pair, pair.turned()):
+                for one in (pair, pair.mirrored()):
                     yield "win_share", one, one.win_share
         case MismatchResults(conditions=matched):
             for own in matched:

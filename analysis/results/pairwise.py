@@ -37,9 +37,9 @@ from analysis.results.preference import (
     preference,
 )
 from analysis.results.strengths import (
-    StrengthContrast,
-    Strengths,
-    strengths_of,
+    BradleyTerryStrengths,
+    StrengthDifference,
+    fit_strengths,
 )
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
@@ -80,7 +80,7 @@ class PairwiseResults:
         In the order of sets, conditions and questions.
     side_bias, agreement, test_retest, bradley_terry : mapping of question to result
         See `ByQuestion`.
-    contrasts : tuple of StrengthContrast
+    contrasts : tuple of StrengthDifference
         Every two conditions by their strengths, in the order of sets and questions.
     decided_by : {'comparisons', 'strengths'}
         What the report's first sentences rest on: strengths where more than three conditions are
@@ -95,8 +95,8 @@ class PairwiseResults:
     side_bias: ByQuestion[SideBias]
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[Retest]
-    bradley_terry: ByQuestion[Strengths]
-    contrasts: tuple[StrengthContrast, ...]
+    bradley_terry: ByQuestion[BradleyTerryStrengths]
+    contrasts: tuple[StrengthDifference, ...]
     decided_by: Literal["comparisons", "strengths"]
     equivalence: tuple[Equivalent, ...]
     heterogeneity: tuple[PairHeterogeneity, ...]
@@ -124,7 +124,7 @@ def pairwise_results(
     analysed = left_out.analysed
     comparisons = family.decide(_comparisons(table, left_out.exclusions), "decision")
     fitted = {
-        (name, question): strengths_of(answers, set_name(table, name), question)
+        (name, question): fit_strengths(answers, set_name(table, name), question)
         for name, question, answers in parts(table, analysed)
     }
     return PairwiseResults(

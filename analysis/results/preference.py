@@ -133,7 +133,7 @@ class Preference:
 class Comparison(Preference, PairPlace):
     """What is preferred; `Preference`'s one is a, its other is b."""
 
-    def turned(self) -> Comparison:
+    def mirrored(self) -> Comparison:
         """Return the same of b against a."""
         everyone = self.without_exclusions
         return replace(
@@ -142,12 +142,12 @@ class Comparison(Preference, PairPlace):
             b=self.a,
             counts=dict(zip(self.counts, [*self.counts.values()][::-1], strict=True)),
             share=_swapped(self.share),
-            win_share=self.win_share.turned(),
+            win_share=self.win_share.mirrored(),
             clmm=replace(self.clmm, estimate=-self.clmm.estimate),
             without_exclusions=replace(
-                everyone, share=_swapped(everyone.share), win_share=everyone.win_share.turned()
+                everyone, share=_swapped(everyone.share), win_share=everyone.win_share.mirrored()
             ),
-            decision=self.decision.turned(2 * self.decision.null),
+            decision=self.decision.mirrored(2 * self.decision.null),
         )
 
 

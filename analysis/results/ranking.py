@@ -25,9 +25,9 @@ from analysis.results.grouping import (
 from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.strengths import (
     RANKING,
-    StrengthContrast,
-    Worths,
-    worths_of,
+    PlackettLuceWorths,
+    StrengthDifference,
+    fit_worths,
 )
 from analysis.stats.friedman import (
     Concordance,
@@ -69,7 +69,7 @@ class RankingResults:
         In the order of sets, questions and conditions.
     plackett_luce, kendall_w, friedman : mapping of question to result
         See `ByQuestion`.
-    contrasts : tuple of StrengthContrast
+    contrasts : tuple of StrengthDifference
         Every two conditions by their worths, in the order of sets and questions; the headline.
     posthoc : tuple of RankContrast
         Every two conditions, in the order of sets and questions.
@@ -78,10 +78,10 @@ class RankingResults:
     """
 
     conditions: tuple[RankedCondition, ...]
-    plackett_luce: ByQuestion[Worths]
+    plackett_luce: ByQuestion[PlackettLuceWorths]
     kendall_w: ByQuestion[Concordance]
     friedman: ByQuestion[Friedman]
-    contrasts: tuple[StrengthContrast, ...]
+    contrasts: tuple[StrengthDifference, ...]
     posthoc: tuple[RankContrast, ...]
     heterogeneity: tuple[ConditionHeterogeneity, ...]
 
@@ -102,7 +102,7 @@ def ranking_results(
     """
     analysed = left_out.analysed
     fitted = {
-        (name, question): worths_of(answers, set_name(table, name), question)
+        (name, question): fit_worths(answers, set_name(table, name), question)
         for name, question, answers in parts(table, analysed)
     }
     placed = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final, Literal
 
@@ -21,7 +21,7 @@ from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.samples import group_means
 from analysis.stats.signed_rank import sign_test
 from analysis.stats.strength_differences import difference_tests, omnibus, rank_intervals
-from analysis.stats.strengths import Strengths as Fitted
+from analysis.stats.strengths import FittedStrengths
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -33,7 +33,7 @@ PENALISED: Final = (
     "an average one (pseudo-rankings of Turner and others 2020)"
 )
 
-SWEPT: Final = (
+NEVER_LOST: Final = (
     "one of the two never lost to the other: the difference has no interval, and an exact sign "
     "test of participants decides, who alone are taken as a sample"
 )
@@ -46,19 +46,19 @@ LEANS_ON_ONE: Final = "one participant or one segment alone bears this differenc
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standing(Interval):
-    """How strong one condition is beside the others, in logits that add up to zero.
+class ConditionStrength(Interval):
+    """The log strength of one condition, in logits; those of all conditions add up to zero.
 
     Attributes
     ----------
     condition : str
-        Which one.
+        Its name.
     standard_error, by_participant : float
         Clustered by participant and segment, and by participant alone; NaN where a condition is
         unbeaten.
     best, worst : int or None
-        The ranks that it may have, from 1, at 95% for all conditions together; None where nothing
-        is known.
+        Ends of its rank interval, from 1, at 95% for all conditions together; None where there
+        are no errors.
     """
 
     condition: str
@@ -69,12 +69,12 @@ class Standing(Interval):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standings:
-    """How strong conditions are, one beside the others.
+class StrengthModel:
+    """The strengths of all conditions.
 
     Attributes
     ----------
-    conditions : tuple of Standing
+    conditions : tuple of ConditionStrength
         In the order of the table.
     omnibus : FTest
         Whether conditions differ at all.
@@ -88,7 +88,7 @@ class Standings:
         What limits the result; why there is none.
     """
 
-    conditions: tuple[Standing, ...]
+    conditions: tuple[ConditionStrength, ...]
     omnibus: FTest
     log_likelihood: float
     n: int
@@ -100,7 +100,7 @@ class Standings:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Strengths(Standings):
+class BradleyTerryStrengths(StrengthModel):
     """Log strengths of Bradley and Terry's model with Davidson's ties and a left-side term.
 
     Attributes
@@ -118,7 +118,7 @@ class Strengths(Standings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Worths(Standings):
+class PlackettLuceWorths(StrengthModel):
     """Log worths of Plackett and Luce's model, partial and tied rankings included.
 
     Attributes
@@ -131,7 +131,7 @@ class Worths(Standings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StrengthContrast(Estimate, PairPlace):
+class StrengthDifference(Estimate, PairPlace):
     """How much stronger a is than b, in logits.
 
     Attributes
@@ -146,43 +146,32 @@ class StrengthContrast(Estimate, PairPlace):
     by: Literal["wald", "sign"] = "wald"
 
 
-def strengths_of(
-    answers: pd.DataFrame, of: str | None, question: str
-) -> tuple[Strengths, tuple[StrengthContrast, ...]]:
+def fit_strengths(
+    answers: pd.DataFrame, set_name: str | None, question: str
+) -> tuple[BradleyTerryStrengths, tuple[StrengthDifference, ...]]:
     """Fit strengths to pairwise answers to one question, and compare every two conditions."""
     left, right = codes(answers, "left"), codes(answers, "right")
     shown, number = np.unique(np.concatenate([left, right]), return_inverse=True)
-    names = tuple(str(answers["left"].cat.categories[place]) for place in shown)
     votes = Votes(
-        conditions=names,
-        left=number[: len(left)].astype(np.intp),
-        right=number[len(left) :].astype(np.intp),
+        conditions=tuple(str(name) for name in answers["left"].cat.categories[shown]),
+        left=number[: len(left)],
+        right=number[len(left) :],
         outcome=np.sign(3 - answers["value"].to_numpy()).astype(np.intp),
-        participant=_numbered(answers, "participant"),
-        segment=_numbered(answers, "segment"),
+        participant=codes(answers, "participant"),
+        segment=codes(answers, "segment"),
     )
-    found = bradley_terry(votes)
-    if not votes.outcome.any():
-        found = replace(found, reason="all answers are ties")
-    known = not found.reason
-    p_values = _p_values(found, votes)
-    return Strengths(
-        tie=found.tie if known and found.tie is not None else math.nan,
-        tie_error=found.tie_error if known else math.nan,
-        left=found.left if known and found.left is not None else math.nan,
-        left_error=found.left_error if known else math.nan,
-        **_standings(
-            found,
-            p_values,
-            _segments(answers),
-            "nobody answered with a tie" if known and found.tie is None else "",
-        ),
-    ), _contrasts(found, p_values, of, question, _segments(answers))
+    fit = bradley_terry(votes)
+    no_ties = "nobody answered with a tie" if not fit.reason and math.isnan(fit.tie) else ""
+    segments = len(np.unique(votes.segment))
+    fields, differences = _results(fit, votes, set_name, question, segments, no_ties)
+    return BradleyTerryStrengths(
+        tie=fit.tie, tie_error=fit.tie_error, left=fit.left, left_error=fit.left_error, **fields
+    ), differences
 
 
-def worths_of(
-    answers: pd.DataFrame, of: str | None, question: str
-) -> tuple[Worths, tuple[StrengthContrast, ...]]:
+def fit_worths(
+    answers: pd.DataFrame, set_name: str | None, question: str
+) -> tuple[PlackettLuceWorths, tuple[StrengthDifference, ...]]:
     """Fit worths to the rankings of one question, and compare every two conditions."""
     names = shown_conditions(answers)
     rows = pd.DataFrame(
@@ -194,42 +183,19 @@ def worths_of(
             "segment": codes(answers, "segment"),
         }
     )
-    found = plackett_luce(rows, conditions=names)
-    if (rows.groupby("ranking")["rank"].nunique() < 2).all():
-        found = replace(found, reason="every ranking ties all that it places")
-    known = not found.reason
-    p_values = _p_values(found, _votes_of_rankings(rows, names))
-    return Worths(
-        ties=found.ties if known else {},
-        **_standings(found, p_values, _segments(answers)),
-    ), _contrasts(found, p_values, of, question, _segments(answers))
+    fit = plackett_luce(rows, names)
+    fields, differences = _results(
+        fit, _votes_of_rankings(rows, names), set_name, question, rows["segment"].nunique()
+    )
+    return PlackettLuceWorths(ties=fit.ties, **fields), differences
 
 
 RANKING: Final = ["participant", "segment", "trial"]
 """What tells one ranking from another."""
 
 
-def _p_values(found: Fitted, votes: Votes) -> Floats:
-    """Return the p of every two conditions; of different tiers, of the sign test."""
-    count = len(found.strengths)
-    if found.two_way is None or found.reason:
-        return np.full((count, count), math.nan)
-    p_values = difference_tests(found.strengths, found.two_way)
-    for a, b in combinations(range(count), 2):
-        if found.tiers[a] != found.tiers[b]:
-            p_values[a, b] = p_values[b, a] = _sign_p(votes, a, b)
-    return p_values
-
-
-def _sign_p(votes: Votes, a: int, b: int) -> float:
-    """Return the sign test's p of participants preferring a to b; NaN without any."""
-    for_a = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
-    own = ((votes.left == a) & (votes.right == b)) | ((votes.left == b) & (votes.right == a))
-    return sign_test(group_means(for_a[own], votes.participant[own])).p_value
-
-
 def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
-    """Return a vote for each two conditions of every ranking, the better placed one the winner."""
+    """Return a vote for every two conditions of every ranking; the better placed one wins."""
     table = rows.pivot(index="ranking", columns="condition", values="rank")[list(names)]
     of_ranking = rows.groupby("ranking")[["participant", "segment"]].first().loc[table.index]
     ranks = table.to_numpy(np.float64)
@@ -246,106 +212,122 @@ def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
     )
 
 
-def _standings(found: Fitted, p_values: Floats, segments: int, *remarks: str) -> dict[str, Any]:
-    """Return what Bradley-Terry and Plackett-Luce have in common: the fields of `Standings`."""
-    unknown = np.full(len(found.conditions), math.nan)
-    reach, method = unknown, ""
-    ranks: tuple[tuple[int | None, int | None], ...] = ((None, None),) * len(unknown)
-    if found.two_way is not None and not found.reason:
-        law = stats.t(found.two_way.freedoms)
-        reach = law.ppf((1 + LEVEL) / 2) * found.two_way.errors
-        ranks = rank_intervals(found.strengths, p_values)
-        freedom = f"t with at least {found.two_way.freedom:.3g} degrees of freedom"
-        method = f"{found.two_way.method}; {freedom}"
-    bounded = not found.reason and not found.swept
-    swept = found.swept and f"{found.swept}; {PENALISED}"
-    columns = np.stack([found.strengths, reach, found.errors_two_way, found.errors], axis=1)
-    if found.reason:
-        columns[:, 0] = math.nan
-    if not bounded:
-        columns[:, 1:] = math.nan
-    said = (found.remark, *remarks, swept, ONE_SEGMENT if segments == 1 else "")
-    return {
-        "conditions": tuple(
-            Standing(
-                condition=name,
-                estimate=estimate,
-                low=estimate - far,
-                high=estimate + far,
-                standard_error=error,
-                by_participant=one_way,
-                best=best,
-                worst=worst,
-                reason=found.reason or found.swept or found.remark,
-            )
-            for name, (estimate, far, error, one_way), (best, worst) in zip(
-                found.conditions, columns.tolist(), ranks, strict=True
+def _results(
+    fit: FittedStrengths,
+    votes: Votes,
+    set_name: str | None,
+    question: str,
+    segments: int,
+    remark: str = "",
+) -> tuple[dict[str, Any], tuple[StrengthDifference, ...]]:
+    """Return the fields of `StrengthModel`, and the difference of every two conditions."""
+    p_values = _p_values(fit, votes)
+    fields = {
+        "conditions": _condition_strengths(fit, p_values),
+        "omnibus": _omnibus(fit),
+        "log_likelihood": fit.log_likelihood,
+        "n": fit.n,
+        "participants": fit.participants,
+        "segments": segments,
+        "method": ""
+        if fit.two_way is None
+        else f"{fit.two_way.method}; t with at least {fit.two_way.freedom:.3g} degrees of freedom",
+        "remark": "; ".join(
+            filter(
+                None,
+                (
+                    fit.remark,
+                    remark,
+                    fit.swept and f"{fit.swept}; {PENALISED}",
+                    ONE_SEGMENT * (segments == 1),
+                ),
             )
         ),
-        "omnibus": _omnibus(found),
-        "log_likelihood": math.nan if found.reason else found.log_likelihood,
-        "n": found.n,
-        "participants": found.participants,
-        "segments": segments,
-        "method": method,
-        "remark": "; ".join(filter(None, said)),
-        "reason": found.reason,
+        "reason": fit.reason,
     }
-
-
-def _omnibus(found: Fitted) -> FTest:
-    if found.reason or found.two_way is None:
-        return FTest(reason=found.reason or found.remark)
-    if found.swept:
-        return FTest(reason=found.swept)
-    return omnibus(found.strengths, found.two_way)
-
-
-def _contrasts(
-    found: Fitted, p_values: Floats, of: str | None, question: str, segments: int
-) -> tuple[StrengthContrast, ...]:
-    strengths = found.strengths
-    return tuple(
-        StrengthContrast(
-            set=of,
-            a=found.conditions[a],
-            b=found.conditions[b],
+    return fields, tuple(
+        StrengthDifference(
+            set=set_name,
+            a=fit.conditions[a],
+            b=fit.conditions[b],
             question=question,
-            estimate=math.nan if found.reason else float(strengths[a] - strengths[b]),
-            n=found.n,
-            participants=found.participants,
+            estimate=float(fit.strengths[a] - fit.strengths[b]),
+            n=fit.n,
+            participants=fit.participants,
             segments=segments,
-            **_tested(float(strengths[a] - strengths[b]), found, float(p_values[a, b]), (a, b)),
+            **_tested(fit, a, b, float(p_values[a, b])),
         )
-        for a, b in combinations(range(len(strengths)), 2)
+        for a, b in combinations(range(len(fit.strengths)), 2)
     )
 
 
-def _tested(difference: float, found: Fitted, p: float, pair: tuple[int, int]) -> dict[str, Any]:
+def _p_values(fit: FittedStrengths, votes: Votes) -> Floats:
+    """Return p of every two conditions; of the sign test where one never lost to the other."""
+    if fit.two_way is None:
+        return np.full_like(fit.covariance, math.nan)
+    p_values = difference_tests(fit.strengths, fit.two_way)
+    for a, b in combinations(range(len(fit.strengths)), 2):
+        if fit.tiers[a] != fit.tiers[b]:
+            p_values[a, b] = p_values[b, a] = _sign_p(votes, a, b)
+    return p_values
+
+
+def _sign_p(votes: Votes, a: int, b: int) -> float:
+    """Return the sign test's p of participants preferring a to b; NaN without any."""
+    for_a = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
+    both = ((votes.left == a) & (votes.right == b)) | ((votes.left == b) & (votes.right == a))
+    return sign_test(group_means(for_a[both], votes.participant[both])).p_value
+
+
+def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[ConditionStrength, ...]:
+    columns = np.full((len(fit.strengths), 3), math.nan)
+    ranks: tuple[tuple[int | None, int | None], ...] = ((None, None),) * len(columns)
+    if fit.two_way is not None:
+        ranks = rank_intervals(fit.strengths, p_values)
+        if not fit.swept:
+            margins = stats.t(fit.two_way.freedoms).ppf((1 + LEVEL) / 2) * fit.two_way.errors
+            columns = np.stack([margins, fit.two_way.errors, fit.errors], axis=1)
+    return tuple(
+        ConditionStrength(
+            condition=name,
+            estimate=estimate,
+            low=estimate - margin,
+            high=estimate + margin,
+            standard_error=error,
+            by_participant=by_participant,
+            best=best,
+            worst=worst,
+            reason=fit.reason or fit.swept or fit.remark,
+        )
+        for name, estimate, (margin, error, by_participant), (best, worst) in zip(
+            fit.conditions, fit.strengths.tolist(), columns.tolist(), ranks, strict=True
+        )
+    )
+
+
+def _omnibus(fit: FittedStrengths) -> FTest:
+    if fit.two_way is None or fit.swept:
+        return FTest(reason=fit.reason or fit.remark or fit.swept)
+    return omnibus(fit.strengths, fit.two_way)
+
+
+def _tested(fit: FittedStrengths, a: int, b: int, p_value: float) -> dict[str, Any]:
     """Return the interval and the test of a difference, or why there is none."""
-    if found.reason or found.two_way is None:
-        return {"reason": found.reason or found.remark}
-    if found.tiers[pair[0]] != found.tiers[pair[1]]:
-        reason = NEVER_MET if math.isnan(p) else ""
-        return {"p_value": p, "by": "sign", "remark": SWEPT, "reason": reason}
-    error, freedom = found.two_way.differences[pair], found.two_way.difference_freedoms[pair]
+    if fit.two_way is None:
+        return {"reason": fit.reason or fit.remark}
+    if fit.tiers[a] != fit.tiers[b]:
+        reason = NEVER_MET if math.isnan(p_value) else ""
+        return {"p_value": p_value, "by": "sign", "remark": NEVER_LOST, "reason": reason}
+    error, freedom = fit.two_way.differences[a, b], fit.two_way.difference_freedoms[a, b]
     if math.isnan(error):
         return {"reason": LEANS_ON_ONE}
-    reach = float(stats.t(freedom).ppf((1 + LEVEL) / 2) * error)
+    difference = float(fit.strengths[a] - fit.strengths[b])
+    margin = float(stats.t(freedom).ppf((1 + LEVEL) / 2) * error)
     return {
-        "low": difference - reach,
-        "high": difference + reach,
+        "low": difference - margin,
+        "high": difference + margin,
         "standard_error": float(error),
         "df": float(freedom),
-        "p_value": p,
-        "method": found.two_way.method,
+        "p_value": p_value,
+        "method": fit.two_way.method,
     }
-
-
-def _segments(answers: pd.DataFrame) -> int:
-    return len(np.unique(codes(answers, "segment")))
-
-
-def _numbered(answers: pd.DataFrame, column: str) -> Codes:
-    """Return a column of names as numbers from 0 without gaps."""
-    return np.unique(codes(answers, column), return_inverse=True)[1].astype(np.intp)

@@ -20,9 +20,6 @@ from scipy.special import expit
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
-ROOM: Final = 8
-"""Cells of clusters and kinds, for each row, up to which empty ones are counted too."""
-
 STEPS: Final = 100
 FLAT: Final = 1e-10
 """Largest parameter change after which the maximum counts as found."""
@@ -46,93 +43,72 @@ class Situation:
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """Who chose what in which situation, one row for each choice or for several alike.
+    """Who chose what in which situation, one row for one or several equal choices.
 
     Attributes
     ----------
     situations : tuple of Situation
         All that occur.
-    situation, way, cluster : ndarray of int, shape (N,)
-        The situation, the way within it, and who chose; all from 0.
-    times : ndarray of int, shape (N,), or None
-        How many choices each row stands for; None for one each.
+    kind : ndarray of int, shape (N,)
+        The way that was chosen, numbered from 0 through the ways of all situations.
+    cluster : ndarray of int, shape (N,)
+        Who chose, from 0.
+    times : ndarray of int, shape (N,)
+        How many choices each row stands for.
     """
 
     situations: tuple[Situation, ...]
-    situation: Codes
-    way: Codes
+    kind: Codes
     cluster: Codes
-    times: Codes | None = None
+    times: Codes
 
-    @property
+    @cached_property
+    def features(self) -> Floats:
+        """Features of the alternatives of all situations, shape (alternatives, parameters)."""
+        return np.concatenate([situation.features for situation in self.situations])
+
+    @cached_property
+    def votes(self) -> Floats:
+        """Votes that each alternative was given, shape (alternatives,)."""
+        ends = np.cumsum([len(situation.ways) for situation in self.situations])
+        counts = np.bincount(self.kind, self.times, minlength=ends[-1])
+        return np.concatenate(
+            [
+                count @ situation.ways
+                for count, situation in zip(
+                    np.split(counts, ends[:-1]), self.situations, strict=True
+                )
+            ]
+        )
+
+    @cached_property
+    def sizes(self) -> list[int]:
+        """Number of alternatives of each situation."""
+        return [len(situation.features) for situation in self.situations]
+
+    @cached_property
     def starts(self) -> Codes:
-        """Where each situation's ways begin when all are counted through, and the total."""
-        sizes = [len(situation.ways) for situation in self.situations]
-        return np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp)
+        """Place of each situation's first alternative."""
+        return np.cumsum([0, *self.sizes[:-1]])
 
     @cached_property
-    def kind(self) -> Codes:
-        """Each choice's way, counted through all situations."""
-        return np.asarray(self.starts[self.situation] + self.way, np.intp)
+    def situation_of(self) -> Codes:
+        """Situation of each alternative, shape (alternatives,)."""
+        return np.repeat(np.arange(len(self.sizes)), self.sizes)
 
-
-@dataclass(frozen=True, kw_only=True)
-class Tabulated:
-    """All situations' alternatives under one another, and how many votes each was given.
-
-    Attributes
-    ----------
-    features : ndarray, shape (alternatives, parameters)
-        Of each alternative of each situation.
-    votes : ndarray, shape (alternatives,)
-        How many it has.
-    starts : ndarray of int, shape (situations,)
-        Where each situation's alternatives begin.
-    of : ndarray of int, shape (alternatives,)
-        Each alternative's situation.
-    """
-
-    features: Floats
-    votes: Floats
-    starts: Codes
-    of: Codes
-
-    @classmethod
-    def of_choices(cls, data: Choices) -> Tabulated:
-        """Count the votes of each alternative."""
-        flat = np.asarray(
-            np.bincount(data.kind, data.times, minlength=int(data.starts[-1])), np.float64
-        )
-        sizes = [len(situation.features) for situation in data.situations]
-        return cls(
-            features=np.concatenate([situation.features for situation in data.situations]),
-            votes=np.concatenate(
-                [
-                    flat[start : start + len(situation.ways)] @ situation.ways
-                    for start, situation in zip(data.starts[:-1], data.situations, strict=True)
-                ]
-            ),
-            starts=np.cumsum([0, *sizes[:-1]]).astype(np.intp),
-            of=np.repeat(np.arange(len(sizes)), sizes),
-        )
-
-    @cached_property
-    def totals(self) -> Floats:
-        """Votes of each situation."""
-        return np.asarray(np.add.reduceat(self.votes, self.starts), np.float64)
+    def totals(self, values: Floats) -> Floats:
+        """Return the sum of the alternatives' `values` in each situation."""
+        return np.asarray(np.add.reduceat(values, self.starts), np.float64)
 
     def log_shares(self, parameters: Floats) -> Floats:
         """Return the logarithm of each alternative's probability within its situation."""
-        worth = self.features @ parameters
-        worth = worth - np.maximum.reduceat(worth, self.starts)[self.of]
-        return np.asarray(
-            worth - np.log(np.add.reduceat(np.exp(worth), self.starts))[self.of], np.float64
-        )
+        worths = self.features @ parameters
+        worths = worths - np.maximum.reduceat(worths, self.starts)[self.situation_of]
+        return np.asarray(worths - np.log(self.totals(np.exp(worths)))[self.situation_of])
 
-    def means(self, shares: Floats) -> Floats:
+    def mean_features(self, shares: Floats) -> Floats:
         """Return each situation's mean of the features, weighted with `shares`."""
-        weighted = shares[:, None] * self.features
-        return np.asarray(np.add.reduceat(weighted, self.starts), np.float64)
+        return self.totals(shares[:, None] * self.features)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,11 +126,9 @@ class ChoiceFit:
     influences : ndarray, shape (kinds, parameters)
         What a choice of each kind (`Choices.kind`) adds to the estimates' error, to first order.
     situation : ndarray of int, shape (kinds,)
-        What each kind is an answer to.
+        Situation of each kind.
     log_likelihood : float
         At the estimates.
-    choices : int
-        How many there were.
     converged : bool
         Whether the maximum was found.
     """
@@ -165,7 +139,6 @@ class ChoiceFit:
     influences: Floats
     situation: Codes
     log_likelihood: float
-    choices: int
     converged: bool
 
 
@@ -178,14 +151,13 @@ def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
         The parameters must be identified by the situations, or by the prior: where some are not,
         `converged` is False.
     prior : ndarray, shape (comparisons, parameters), optional
-        What makes each of these comparisons likely. Each is taken to be won half a time and lost
-        half a time, as the pseudo-rankings of Turner, van Etten, Firth & Kosmidis (2020), so that
-        estimates are finite where nobody ever lost. The log-likelihood leaves them out.
+        Features of pseudo-comparisons, each won half a time and lost half a time, as the
+        pseudo-rankings of Turner, van Etten, Firth & Kosmidis (2020), so that estimates are finite
+        where nobody ever lost. The log-likelihood leaves them out.
     """
-    table = Tabulated.of_choices(data)
-    prior = np.empty((0, table.features.shape[1])) if prior is None else prior
-    parameters = np.zeros(table.features.shape[1])
-    value, score, hessian = _derivatives(table, parameters, prior)
+    prior = np.empty((0, data.features.shape[1])) if prior is None else prior
+    parameters = np.zeros(data.features.shape[1])
+    value, score, hessian = _derivatives(data, parameters, prior)
     converged = False
     for _ in range(STEPS):
         try:
@@ -194,7 +166,7 @@ def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
             break
         size = 1.0
         while True:
-            tried = _derivatives(table, parameters + size * step, prior)
+            tried = _derivatives(data, parameters + size * step, prior)
             if tried[0] >= value - 1e-12 * abs(value) or size < 1e-8:
                 break
             size /= 2
@@ -203,37 +175,29 @@ def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
         if np.abs(step).max(initial=0.0) < FLAT:
             converged = True
             break
-    return _with_errors(data, table, parameters, hessian, converged)
+    return _with_errors(data, parameters, hessian, converged)
 
 
-def _derivatives(
-    table: Tabulated, parameters: Floats, prior: Floats
-) -> tuple[float, Floats, Floats]:
+def _derivatives(data: Choices, parameters: Floats, prior: Floats) -> tuple[float, Floats, Floats]:
     """Return log-likelihood and log-prior, their gradient and minus their second derivatives."""
-    logs = table.log_shares(parameters)
+    logs = data.log_shares(parameters)
     shares = np.exp(logs)
-    means = table.means(shares)
-    expected = shares * table.totals[table.of]
-    score = (table.votes - expected) @ table.features
-    hessian = (table.features.T * expected) @ table.features - (means.T * table.totals) @ means
+    means, totals = data.mean_features(shares), data.totals(data.votes)
+    expected = shares * totals[data.situation_of]
+    score = (data.votes - expected) @ data.features
+    hessian = (data.features.T * expected) @ data.features - (means.T * totals) @ means
     won = expit(prior @ parameters)
-    value = float(table.votes @ logs) + float(np.log(won * (1 - won)).sum()) / 2
+    value = float(data.votes @ logs) + float(np.log(won * (1 - won)).sum()) / 2
     return value, score + (0.5 - won) @ prior, hessian + (prior.T * (won * (1 - won))) @ prior
 
 
-def _with_errors(
-    data: Choices,
-    table: Tabulated,
-    parameters: Floats,
-    hessian: Floats,
-    converged: bool,
-) -> ChoiceFit:
+def _with_errors(data: Choices, parameters: Floats, hessian: Floats, converged: bool) -> ChoiceFit:
     try:
         bread = np.asarray(np.linalg.inv(hessian), np.float64)
     except np.linalg.LinAlgError:
         bread = np.full_like(hessian, np.nan)
-    logs = table.log_shares(parameters)
-    means = table.means(np.exp(logs))
+    logs = data.log_shares(parameters)
+    means = data.mean_features(np.exp(logs))
     scores = np.concatenate(
         [
             situation.ways @ (situation.features - mean)
@@ -243,37 +207,21 @@ def _with_errors(
     return ChoiceFit(
         estimates=parameters,
         by_model=bread,
-        clustered=clustered_covariance(bread, scores, data),
+        clustered=_clustered_covariance(bread, scores, data),
         influences=scores @ bread,
-        situation=np.repeat(np.arange(len(data.situations)), np.diff(data.starts)),
-        log_likelihood=float(table.votes @ logs),
-        choices=len(data.way) if data.times is None else int(data.times.sum()),
+        situation=np.repeat(
+            np.arange(len(data.situations)), [len(each.ways) for each in data.situations]
+        ),
+        log_likelihood=float(data.votes @ logs),
         converged=converged,
     )
 
 
-def clustered_covariance(bread: Floats, scores: Floats, data: Choices) -> Floats:
-    """Return the covariance clustered by who chose (CR0); NaN where there is one cluster.
-
-    Parameters
-    ----------
-    bread : ndarray, shape (k, k)
-        Inverse of minus the log-likelihood's second derivatives.
-    scores : ndarray, shape (kinds, k)
-        Gradient of the log-likelihood of each kind of answer.
-    data : Choices
-        Who chose what.
-    """
-    kind, cluster = data.kind, data.cluster
-    if not (cluster != cluster[:1]).any():
+def _clustered_covariance(bread: Floats, scores: Floats, data: Choices) -> Floats:
+    """Return the covariance clustered by who chose (CR0); NaN where there is one cluster."""
+    if not np.ptp(data.cluster):
         return np.full_like(bread, np.nan)
-    weights = np.ones(len(kind)) if data.times is None else data.times.astype(np.float64)
-    clusters, kinds = int(cluster.max(initial=-1)) + 1, len(scores)
-    if clusters * kinds <= ROOM * len(kind):
-        cells = cluster * kinds + kind
-        flat = np.bincount(cells, weights=weights, minlength=clusters * kinds)
-        by_cluster = np.asarray(flat.reshape(clusters, kinds) @ scores, np.float64)
-    else:
-        table = sparse.coo_matrix((weights, (cluster, kind)), shape=(clusters, kinds))
-        by_cluster = np.asarray(table.tocsr() @ scores, np.float64)
+    shape = (int(data.cluster.max()) + 1, len(scores))
+    counts = sparse.coo_array((data.times, (data.cluster, data.kind)), shape=shape)
+    by_cluster = np.asarray(counts.tocsr() @ scores, np.float64)
     return np.asarray(bread @ (by_cluster.T @ by_cluster) @ bread)

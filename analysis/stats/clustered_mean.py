@@ -189,7 +189,7 @@ class Interval:
         """Tell whether the interval holds `value`; False where there is none."""
         return self.low <= value <= self.high
 
-    def turned(self, whole: float = 1.0) -> Self:
+    def mirrored(self, whole: float = 1.0) -> Self:
         """Return the same seen from the other side, whose share is the rest of the `whole`."""
         return replace(
             self, estimate=whole - self.estimate, low=whole - self.high, high=whole - self.low

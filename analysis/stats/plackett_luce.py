@@ -7,9 +7,10 @@ members' worths times a parameter for ties of that size (Turner, van Etten, Firt
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +18,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.stats.choices import Choices, Situation, fit_choices
-from analysis.stats.strengths import Strengths, centring, fitted, links, unknown
+from analysis.stats.strengths import (
+    FittedStrengths,
+    centring,
+    links,
+    strength_fields,
+    unknown_strengths,
+)
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -27,7 +34,7 @@ Stage = tuple[frozenset[int], frozenset[int]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlackettLuce(Strengths):
+class PlackettLuce(FittedStrengths):
     """Worths of conditions that were ranked.
 
     Attributes
@@ -39,137 +46,110 @@ class PlackettLuce(Strengths):
     ties: dict[int, float] = field(default_factory=dict)
 
 
-def plackett_luce(rankings: pd.DataFrame, *, conditions: Sequence[str] = ()) -> PlackettLuce:
+def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> PlackettLuce:
     """Fit worths to rankings.
 
     Parameters
     ----------
     rankings : DataFrame
-        Columns `ranking` (names one ranking), `participant`, `condition` and `rank` (1 is best,
-        equal numbers are a tie); `segment`, where two-way errors are wanted. A ranking may leave
-        conditions out.
+        Columns `ranking` (names one ranking), `participant`, `segment`, `condition` and `rank`
+        (1 is best, equal numbers are a tie). A ranking may leave conditions out.
     conditions : sequence of str
-        Their order; that of appearance unless given.
+        All of them, in order.
 
     Raises
     ------
     InputError
         If a ranking places a condition twice.
     """
-    names = tuple(conditions) or tuple(dict.fromkeys(rankings["condition"]))
     if rankings.duplicated(["ranking", "condition"]).any():
         raise InputError("a ranking places a condition twice")
-    given = _stages(rankings, names)
-    stages = given.stages
-    linked = links(given.beats, names)
-    count = int(rankings["ranking"].nunique())
-    if reason := linked.apart if stages else "no rankings":
-        return PlackettLuce(
-            conditions=names,
-            **unknown(len(names)),
-            n=count,
-            participants=given.people,
-            reason=reason,
-        )
+    names = tuple(conditions)
+    stages, rows = _stages(rankings, names)
+    linked = links(_wins(stages, len(names)), names)
+    unknown = PlackettLuce(
+        conditions=names,
+        **unknown_strengths(len(names)),
+        n=int(rankings["ranking"].nunique()),
+        participants=int(rankings["participant"].nunique()),
+    )
+    if all(remaining == chosen for remaining, chosen in stages):
+        return replace(unknown, reason="every ranking ties all that it places")
+    if linked.apart:
+        return replace(unknown, reason=linked.apart)
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})
-    left_over = list(dict.fromkeys(still for still, _ in stages))
-    sets = {still: _choosable(still, sizes) for still in left_over}
-    place = {still: number for number, still in enumerate(left_over)}
+    choosable = {
+        remaining: _choosable(remaining, sizes)
+        for remaining in dict.fromkeys(remaining for remaining, _ in stages)
+    }
+    kinds = {
+        stage: kind
+        for kind, stage in enumerate(
+            (remaining, chosen) for remaining, sets in choosable.items() for chosen in sets
+        )
+    }
     choices = Choices(
         situations=tuple(
             Situation(
-                features=np.array([_features(s, len(names), sizes) for s in sets[still]]),
-                ways=np.eye(len(sets[still])),
+                features=np.array([_features(chosen, len(names), sizes) for chosen in sets]),
+                ways=np.eye(len(sets)),
             )
-            for still in left_over
+            for sets in choosable.values()
         ),
-        situation=np.array([place[still] for still, _ in stages], np.intp),
-        way=np.array([sets[still].index(chosen) for still, chosen in stages], np.intp),
-        cluster=given.participants,
+        kind=np.array([kinds[stage] for stage in stages], np.intp),
+        cluster=pd.factorize(rankings["participant"])[0][rows],
+        times=np.ones(len(stages), np.intp),
     )
     prior = np.hstack([centring(len(names)), np.zeros((len(names), len(sizes)))])
     fit = fit_choices(choices, prior if linked.swept else None)
-    of_ties = fit.estimates[len(names) - 1 :].tolist()
-    return PlackettLuce(
-        conditions=names,
-        **fitted(linked, fit, choices.kind, given.participants, given.segments),
-        n=count,
-        participants=given.people,
-        ties=dict(zip(sizes, of_ties, strict=True)),
-        reason="" if fit.converged else "the worths did not converge",
+    if not fit.converged:
+        return replace(unknown, reason="the worths did not converge")
+    segments = pd.factorize(rankings["segment"])[0][rows]
+    return replace(
+        unknown,
+        **strength_fields(linked, fit, choices.kind, choices.cluster, segments),
+        ties=dict(zip(sizes, fit.estimates[len(names) - 1 :].tolist(), strict=True)),
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Stages:
-    """Every choice of the next best.
-
-    Attributes
-    ----------
-    stages : list of Stage
-        What was chosen of what.
-    participants, segments : ndarray of int, shape (stages,)
-        Whose choice it was, and about which segment; None where segments are not known.
-    beats : ndarray, shape (conditions, conditions)
-        How often the row's condition was placed before or beside the column's.
-    people : int
-        How many gave rankings.
-    """
-
-    stages: list[Stage]
-    participants: NDArray[np.intp]
-    segments: NDArray[np.intp] | None
-    beats: Floats
-    people: int
-
-
-def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> _Stages:
+def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> tuple[list[Stage], NDArray[np.intp]]:
+    """Return every choice of the next best, and a row of the ranking that it belongs to."""
     number = {name: place for place, name in enumerate(names)}
-    codes, people = pd.factorize(rankings["participant"])
-    known = (rankings["ranking"].notna() & rankings["rank"].notna()).to_numpy()
-    rankings, codes = rankings[known], codes[known]
-    placed: dict[int, dict[float, list[int]]] = {}
-    ranking_of = pd.factorize(rankings["ranking"])[0]
-    for ranking, condition, rank in zip(
-        ranking_of.tolist(),
-        rankings["condition"].map(number).tolist(),
-        rankings["rank"].tolist(),
-        strict=True,
-    ):
-        placed.setdefault(ranking, {}).setdefault(rank, []).append(condition)
+    levels_of: dict[object, dict[float, set[int]]] = {}
+    row_of: dict[object, int] = {}
+    columns = (rankings[name].tolist() for name in ("ranking", "condition", "rank"))
+    for row, (ranking, condition, rank) in enumerate(zip(*columns, strict=True)):
+        if not math.isnan(rank):
+            levels_of.setdefault(ranking, {}).setdefault(rank, set()).add(number[condition])
+            row_of.setdefault(ranking, row)
     stages: list[Stage] = []
-    owners: list[int] = []
-    for ranking, by_rank in placed.items():
-        levels = [frozenset(by_rank[rank]) for rank in sorted(by_rank)]
-        still = frozenset[int]().union(*levels)
-        for level in levels:
-            if len(still) > 1:
-                stages.append((still, level))
-                owners.append(ranking)
-            still -= level
-    beats = np.zeros((len(names), len(names)))
-    for (still, level), count in Counter(stages).items():
+    rows: list[int] = []
+    for ranking, levels in levels_of.items():
+        remaining = frozenset[int]().union(*levels.values())
+        for _, level in sorted(levels.items()):
+            if len(remaining) > 1:
+                stages.append((remaining, frozenset(level)))
+                rows.append(row_of[ranking])
+            remaining -= level
+    return stages, np.array(rows, np.intp)
+
+
+def _wins(stages: Sequence[Stage], count: int) -> Floats:
+    """Return how often the row's condition was placed before or beside the column's."""
+    wins = np.zeros((count, count))
+    for (remaining, level), times in Counter(stages).items():
         for better in level:
-            beats[better, list(still - {better})] += count
-    # The row in which each choice's ranking begins.
-    rows = np.unique(ranking_of, return_index=True)[1][np.array(owners, np.intp)]
-    things = pd.factorize(rankings["segment"])[0] if "segment" in rankings else None
-    return _Stages(
-        stages=stages,
-        participants=codes[rows],
-        segments=None if things is None else things[rows],
-        beats=beats,
-        people=len(people),
-    )
+            wins[better, list(remaining - {better})] += times
+    return wins
 
 
-def _choosable(still: frozenset[int], sizes: Sequence[int]) -> list[frozenset[int]]:
+def _choosable(remaining: frozenset[int], sizes: Sequence[int]) -> list[frozenset[int]]:
     """Return all sets that can be placed next."""
     return [
         frozenset(chosen)
         for size in (1, *sizes)
-        if size <= len(still)
-        for chosen in combinations(sorted(still), size)
+        if size <= len(remaining)
+        for chosen in combinations(sorted(remaining), size)
     ]
 
 

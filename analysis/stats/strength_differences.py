@@ -156,7 +156,7 @@ def _matrix(influences: Floats, way: sparse.csr_array) -> Floats:
     return np.asarray(sums.T @ sums * (len(sums) / (len(sums) - 1)), np.float64)
 
 
-def deviations(covariance: Floats) -> Floats:
+def standard_errors(covariance: Floats) -> Floats:
     """Return standard errors from a covariance whose variances may be negative by rounding."""
     return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance), 0.0)), np.float64)
 

@@ -1,4 +1,4 @@
-"""Fitted strengths, and what comparisons can tell of them: who is linked, and who never lost."""
+"""Fitted strengths, and which of them comparisons identify: links, and who never lost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from analysis.stats.choices import ChoiceFit
-from analysis.stats.strength_differences import ONE_PARTICIPANT, TwoWayErrors, deviations
+from analysis.stats.strength_differences import ONE_PARTICIPANT, TwoWayErrors, standard_errors
 from motion.errors import listed
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Strengths:
+class FittedStrengths:
     """Strengths, or worths, on the log scale; they add up to zero.
 
     Attributes
@@ -87,8 +87,8 @@ class Strengths:
     errors, errors_by_model : ndarray, shape (conditions,)
         Standard errors: clustered by participant; of the model.
     two_way : TwoWayErrors or None
-        Errors clustered by participant and segment; None where segments are not known, or there
-        is one of either.
+        Errors clustered by participant and segment; None where there are no strengths, or there
+        is one participant.
     log_likelihood : float
         At the estimates.
     n, participants : int
@@ -98,7 +98,8 @@ class Strengths:
     swept : str
         Which conditions never lost to which; empty where every one did.
     reason : str
-        Why there are no strengths; empty where there are. `remark` says why they have no errors.
+        Why there are no strengths, so that every number is NaN; empty where there are. `remark`
+        says why they have no errors.
     """
 
     conditions: tuple[str, ...]
@@ -122,54 +123,52 @@ class Strengths:
     @property
     def errors_two_way(self) -> Floats:
         """Standard errors clustered by participant and segment; NaN where there are none."""
-        none = np.full(len(self.conditions), math.nan)
-        return none if self.two_way is None else self.two_way.errors
+        if self.two_way is None:
+            return np.full(len(self.conditions), math.nan)
+        return self.two_way.errors
 
 
 def centring(count: int) -> Floats:
-    """Return what makes strengths that add up to zero from those relative to the first one."""
+    """Return the matrix from strengths relative to the first to ones that add up to zero."""
     return np.asarray(np.eye(count)[:, 1:] - 1 / count)
 
 
-def fitted(
-    linked: Links, fit: ChoiceFit, kind: Codes | None, participants: Codes, segments: Codes | None
+def strength_fields(
+    linked: Links, fit: ChoiceFit, kind: Codes, participants: Codes, segments: Codes
 ) -> dict[str, Any]:
-    """Return what a fit says of strengths, and how well they are known: fields of `Strengths`.
+    """Return the fields of `FittedStrengths` that follow from a fit.
 
     Parameters
     ----------
     linked : Links
         How the conditions are linked.
     fit : ChoiceFit
-        Of the other conditions' log strengths, and then of other parameters.
-    kind, participants, segments : ndarray of int, shape (N,), or None
-        Each answer's row among `fit.influences`, who gave it, and about which segment; without
-        one of them there are no two-way errors.
+        Of the log strengths of all conditions but the first, followed by other parameters.
+    kind, participants, segments : ndarray of int, shape (N,)
+        Each answer's row in `fit.influences`, who gave it, and about which segment.
     """
     free = len(linked.tiers) - 1
-    turn = centring(free + 1)
+    centre = centring(free + 1)
     clustered, by_model = (
-        turn @ part[:free, :free] @ turn.T for part in (fit.clustered, fit.by_model)
+        centre @ covariance[:free, :free] @ centre.T for covariance in (fit.clustered, fit.by_model)
     )
-    influences = fit.influences[:, :free] @ turn.T
+    influences = fit.influences[:, :free] @ centre.T
     return {
-        "strengths": turn @ fit.estimates[:free],
+        "strengths": centre @ fit.estimates[:free],
         "covariance": clustered,
-        "errors": deviations(clustered),
-        "errors_by_model": deviations(by_model),
-        "two_way": None
-        if kind is None or segments is None
-        else TwoWayErrors.of(influences, fit.situation, kind, participants, segments),
+        "errors": standard_errors(clustered),
+        "errors_by_model": standard_errors(by_model),
+        "two_way": TwoWayErrors.of(influences, fit.situation, kind, participants, segments),
         "log_likelihood": fit.log_likelihood,
         "tiers": linked.tiers,
         "swept": linked.swept,
     }
 
 
-def unknown(count: int) -> dict[str, Any]:
-    """Return the fields of `Strengths` of so many conditions whose strengths are not known."""
-    none = np.full(count, math.nan)
-    errors = dict.fromkeys(("strengths", "errors", "errors_by_model"), none)
+def unknown_strengths(count: int) -> dict[str, Any]:
+    """Return the fields of `FittedStrengths` of `count` conditions that have no strengths."""
+    missing = np.full(count, math.nan)
+    errors = dict.fromkeys(("strengths", "errors", "errors_by_model"), missing)
     return errors | {
         "covariance": np.full((count, count), math.nan),
         "tiers": np.zeros(count, np.intp),

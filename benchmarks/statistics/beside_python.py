@@ -77,13 +77,14 @@ def made_votes(count: int) -> Votes:
         right=right.astype(np.intp),
         outcome=np.where(won, 1, -1).astype(np.intp),
         participant=chance.integers(PARTICIPANTS, size=count).astype(np.intp),
+        segment=np.zeros(count, np.intp),
     )
 
 
 def beside_choix(votes: Votes, *, turns: int = 5) -> BesideChoix:
     """Find the strengths of `votes` here and by choix."""
     # A copy each time: votes remember what was counted of them.
-    ours, seconds = timed(lambda: bradley_terry(replace(votes), left=False), turns=turns)
+    ours, seconds = timed(lambda: bradley_terry(replace(votes), left_effect=False), turns=turns)
     won = votes.outcome > 0
     pairs = np.column_stack(
         [np.where(won, votes.left, votes.right), np.where(won, votes.right, votes.left)]

@@ -22,7 +22,7 @@ from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCon
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatedDifference, RatingResults
 from analysis.results.report import TableReport
-from analysis.results.strengths import StrengthContrast
+from analysis.results.strengths import StrengthDifference
 from analysis.stats.clustered_mean import LEVEL
 
 MOST: Final = 4
@@ -122,7 +122,7 @@ def _preferred(place: int, one: Comparison | MatchedCondition) -> Verdict:
 def _verdict(
     place: int,
     of: Place,
-    found: Decision | RatedDifference | StrengthContrast,
+    found: Decision | RatedDifference | StrengthDifference,
     measure: str,
     *,
     null: float = 0.0,

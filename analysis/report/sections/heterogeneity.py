@@ -141,9 +141,9 @@ def _effect(
         return Effect(wording.condition(found.condition), found, whole)
     if found.b != side:
         return Effect(wording.against(found.a, found.b), found, whole)
-    turned = replace(found, levels=tuple(level.turned() for level in found.levels))
+    turned = replace(found, levels=tuple(level.mirrored() for level in found.levels))
     about = wording.against(found.b, found.a)
-    return Effect(about, turned, None if whole is None else whole.turned())
+    return Effect(about, turned, None if whole is None else whole.mirrored())
 
 
 Key = tuple[str | None, str, tuple[str, ...]]

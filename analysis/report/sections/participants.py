@@ -208,9 +208,9 @@ def _turned(one: Sensitivity) -> Sensitivity:
     return replace(
         one,
         conditions=one.conditions[::-1],
-        analysed=one.analysed.turned(),
-        as_planned=one.as_planned.turned(),
-        everyone=one.everyone.turned(),
+        analysed=one.analysed.mirrored(),
+        as_planned=one.as_planned.mirrored(),
+        everyone=one.everyone.mirrored(),
     )
 
 

@@ -146,7 +146,7 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
 
 
 def _compared(comparison: Comparison, reference: str | None) -> PreferenceRow:
-    found = comparison.turned() if comparison.b == reference else comparison
+    found = comparison.mirrored() if comparison.b == reference else comparison
     one, other = wording.condition(found.a), wording.condition(found.b)
     label = f"{one} against {other}" if reference is None else other
     return PreferenceRow(label=label, one=one, other=other, found=found)
@@ -344,7 +344,7 @@ def _matrix(results: PairwiseResults, group: PreferenceGroup, told: About) -> tu
     comparisons = [one for one in results.comparisons if one.set == group.set and one.n]
     shares: dict[str, dict[tuple[str, str], Won]] = {name: {} for name in group.questions}
     for one in comparisons:
-        for seen in (one, one.turned()):
+        for seen in (one, one.mirrored()):
             shares[one.question][seen.a, seen.b] = Won(
                 seen.win_share.estimate,
                 share_words(seen.win_share),

@@ -22,7 +22,7 @@ from analysis.report.wording import (
     why_no_figure,
 )
 from analysis.results.ranking import RankedCondition, RankingResults
-from analysis.results.strengths import Standing, Standings, StrengthContrast
+from analysis.results.strengths import ConditionStrength, StrengthDifference, StrengthModel
 
 
 def ranking_sections(results: RankingResults, subject: Subject) -> tuple[Section, ...]:
@@ -127,13 +127,13 @@ def _all_tied(conditions: Sequence[RankedCondition]) -> str:
 
 
 def strength_pictures(
-    found: Mapping[str, Standings], axis: str, told: About
+    found: Mapping[str, StrengthModel], axis: str, told: About
 ) -> tuple[Picture, ...]:
     """Draw a panel per question and a row per condition, the strongest on the first one on top.
 
     Parameters
     ----------
-    found : mapping of str to Standings
+    found : mapping of str to StrengthModel
         By question; those without a fit are left out, and without any nothing is drawn.
     axis : str
         What the values are.
@@ -153,25 +153,25 @@ def strength_pictures(
     )
 
 
-def strongest_first(found: Mapping[str, Standings], names: Iterable[str]) -> list[str]:
+def strongest_first(found: Mapping[str, StrengthModel], names: Iterable[str]) -> list[str]:
     """Return each name once, by the strengths on the first question that has some."""
     first = next((one.conditions for one in found.values() if not one.reason), ())
     known = {c.condition: c.estimate for c in first if not math.isnan(c.estimate)}
     return sorted(dict.fromkeys(names), key=lambda name: -known.get(name, -math.inf))
 
 
-def _dot(found: Standing | None) -> Dot:
+def _dot(found: ConditionStrength | None) -> Dot:
     rank = ranks(found)
     below = f"rank {rank}" if rank != "–" else ""
     return dot_of(found, number, below=below, more=f", rank {rank}")
 
 
-def standings_table(found: Mapping[str, Standings], kind: str) -> Table:
+def standings_table(found: Mapping[str, StrengthModel], kind: str) -> Table:
     """Return values, errors and ranks by question, the strongest condition first.
 
     Parameters
     ----------
-    found : mapping of str to Standings
+    found : mapping of str to StrengthModel
         By question.
     kind : {'strengths', 'worths'}
         Which of them.
@@ -185,15 +185,15 @@ def standings_table(found: Mapping[str, Standings], kind: str) -> Table:
 
 
 def contrasts_table(
-    contrasts: Sequence[StrengthContrast], fitted: Mapping[str, Standings], what: str
+    contrasts: Sequence[StrengthDifference], fitted: Mapping[str, StrengthModel], what: str
 ) -> Table:
     """Return how much stronger the first of every two conditions is.
 
     Parameters
     ----------
-    contrasts : sequence of StrengthContrast
+    contrasts : sequence of StrengthDifference
         Of one set.
-    fitted : mapping of str to Standings
+    fitted : mapping of str to StrengthModel
         What they are differences of, by question.
     what : str
         What those are called.
@@ -202,7 +202,7 @@ def contrasts_table(
     return table("contrasts", contrasts, fitted=fitted, what=what, shared=shared)
 
 
-def _share_ranks(one: StrengthContrast, fitted: Standings) -> bool:
+def _share_ranks(one: StrengthDifference, fitted: StrengthModel) -> bool:
     """Tell whether a decided difference is between conditions whose ranks overlap."""
     first, second = (
         {

@@ -10,10 +10,10 @@ import pandas as pd
 
 from analysis.results.grouping import EVERYTHING
 from analysis.results.strengths import (
-    Standings,
-    StrengthContrast,
-    strengths_of,
-    worths_of,
+    StrengthDifference,
+    StrengthModel,
+    fit_strengths,
+    fit_worths,
 )
 from analysis.stats.clustered_mean import clustered_mean
 from benchmarks.validity.conclusions.conclusion import Conclusion, Protocol, no_truths
@@ -48,13 +48,13 @@ def conclude_verdicts(design: Design, generator: np.random.Generator) -> Mapping
     )
     return {
         WIN_SHARE: Conclusion(p_value=share.p_value),
-        **_of(strengths_of(voted, None, "q"), STRENGTHS, TOGETHER),
-        **_of(worths_of(ranked, None, "q"), WORTHS, WORTHS_TOGETHER),
+        **_of(fit_strengths(voted, None, "q"), STRENGTHS, TOGETHER),
+        **_of(fit_worths(ranked, None, "q"), WORTHS, WORTHS_TOGETHER),
     }
 
 
 def _of(
-    found: tuple[Standings, Sequence[StrengthContrast]], any_one: str, together: str
+    found: tuple[StrengthModel, Sequence[StrengthDifference]], any_one: str, together: str
 ) -> Mapping[str, Conclusion]:
     fitted, contrasts = found
     held = EVERYTHING.decide(contrasts)

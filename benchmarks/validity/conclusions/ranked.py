@@ -84,7 +84,7 @@ def _truths(design: Design) -> Mapping[str, float]:
 
 
 def _fitted(placed: Codes, participants: Codes, items: Codes) -> PlackettLuce:
-    return plackett_luce(_table(placed, participants, items), conditions=RANKED)
+    return plackett_luce(_table(placed, participants, items), RANKED)
 
 
 def _table(placed: Codes, participants: Codes, items: Codes) -> pd.DataFrame:

@@ -70,6 +70,7 @@ def _truths(design: Design) -> Mapping[str, float]:
             right=every[:, 1],
             outcome=every[:, 2],
             participant=np.arange(len(every)),
+            segment=np.zeros(len(every), np.intp),
         )
     )
     names = (STRENGTH, BY_PARTICIPANT, NAIVE)

@@ -47,5 +47,5 @@ def test_an_interval_that_is_not_there_holds_nothing() -> None:
 
 
 def test_the_other_sides_share_is_the_mirror_image() -> None:
-    turned = Estimate(estimate=0.7, low=0.6, high=0.75).turned()
+    turned = Estimate(estimate=0.7, low=0.6, high=0.75).mirrored()
     assert (turned.estimate, turned.low, turned.high) == pytest.approx((0.3, 0.25, 0.4))

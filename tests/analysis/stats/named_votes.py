@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
+import pandas as pd
 
 from analysis.stats.bradley_terry import Votes
 
@@ -16,21 +18,15 @@ def votes_of(
     participant: Sequence[str],
     *,
     conditions: Sequence[str] = (),
-    segment: Sequence[str] | None = None,
+    segment: Sequence[str] = (),
 ) -> Votes:
-    """Return named answers as numbers; conditions in order of appearance unless given."""
-    names = tuple(conditions) or tuple(
-        dict.fromkeys(name for pair in zip(left, right, strict=True) for name in pair)
-    )
-    number = {name: place for place, name in enumerate(names)}
-    people = np.unique(np.asarray(participant, str), return_inverse=True)[1]
+    """Return named answers as numbers; without `segment`, all are about one segment."""
+    names = tuple(conditions) or tuple(dict.fromkeys(chain(*zip(left, right, strict=True))))
     return Votes(
         conditions=names,
-        left=np.array([number[name] for name in left], np.intp),
-        right=np.array([number[name] for name in right], np.intp),
+        left=np.array([names.index(name) for name in left], np.intp),
+        right=np.array([names.index(name) for name in right], np.intp),
         outcome=np.asarray(outcome, np.intp),
-        participant=people.astype(np.intp),
-        segment=None
-        if segment is None
-        else np.unique(np.asarray(segment, str), return_inverse=True)[1].astype(np.intp),
+        participant=pd.factorize(np.asarray(participant, str), sort=True)[0],
+        segment=pd.factorize(np.asarray(segment or ["s"] * len(left), str), sort=True)[0],
     )

@@ -11,7 +11,8 @@ from tests.analysis.stats.named_votes import votes_of
 
 
 def rankings(rows: list[tuple[int, str, str, int]]) -> pd.DataFrame:
-    return pd.DataFrame(rows, columns=["ranking", "participant", "condition", "rank"])
+    table = pd.DataFrame(rows, columns=["ranking", "participant", "condition", "rank"])
+    return table.assign(segment="s")
 
 
 def drawn(worths: dict[str, float], count: int, seed: int = 0) -> pd.DataFrame:
@@ -28,7 +29,7 @@ def drawn(worths: dict[str, float], count: int, seed: int = 0) -> pd.DataFrame:
 def test_it_finds_what_was_put_in() -> None:
     worths = {"a": 1.0, "b": 0.0, "c": -0.2, "d": -0.8}
 
-    found = plackett_luce(drawn(worths, 800), conditions=tuple(worths))
+    found = plackett_luce(drawn(worths, 800), tuple(worths))
 
     assert found.strengths == pytest.approx(list(worths.values()), abs=0.2)
     assert found.strengths.sum() == pytest.approx(0, abs=1e-9)
@@ -51,8 +52,8 @@ def test_of_two_conditions_with_ties_it_is_davidsons_model() -> None:
             (number, who, second, 1 if won <= 0 else 2),
         ]
 
-    pairs = bradley_terry(votes_of(left, right, outcome, people), left=False)
-    ranked = plackett_luce(rankings(rows), conditions=pairs.conditions)
+    pairs = bradley_terry(votes_of(left, right, outcome, people), left_effect=False)
+    ranked = plackett_luce(rankings(rows), pairs.conditions)
 
     assert ranked.strengths == pytest.approx(pairs.strengths, abs=1e-8)
     assert ranked.errors == pytest.approx(pairs.errors, rel=1e-6)
@@ -64,7 +65,7 @@ def test_rankings_that_leave_conditions_out_count_for_those_they_hold() -> None:
     whole = drawn({"a": 0.8, "b": 0.0, "c": -0.8}, 300)
     partial = whole[~((whole["ranking"] % 3 == 0) & (whole["condition"] == "b"))]
 
-    found = plackett_luce(partial, conditions=("a", "b", "c"))
+    found = plackett_luce(partial, ("a", "b", "c"))
 
     assert not found.reason
     assert found.strengths[0] > found.strengths[1] > found.strengths[2]
@@ -74,12 +75,12 @@ def test_the_last_choice_of_one_says_nothing() -> None:
     two = rankings([(0, "P", "a", 1), (0, "P", "b", 2), (1, "Q", "b", 1), (1, "Q", "a", 2)])
     gaps = two.assign(rank=two["rank"] * 10)
 
-    assert plackett_luce(two).log_likelihood == pytest.approx(2 * np.log(0.5))
-    assert plackett_luce(gaps).log_likelihood == pytest.approx(2 * np.log(0.5))
+    assert plackett_luce(two, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
+    assert plackett_luce(gaps, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
 
 
 def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
-    found = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]))
+    found = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]), "ab")
 
     assert found.swept == "a never lost to any of the others"
     assert np.isfinite(found.strengths).all()
@@ -87,4 +88,4 @@ def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None
 
 def test_a_condition_placed_twice_is_refused() -> None:
     with pytest.raises(InputError, match="twice"):
-        plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "a", 2)]))
+        plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "a", 2)]), "ab")

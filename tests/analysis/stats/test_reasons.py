@@ -154,7 +154,8 @@ def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reas
 @pytest.mark.parametrize(
     ("votes", "reason"),
     [
-        (votes_of(["a", "c"], ["b", "d"], [0, 0], ["P"] * 2), "never compared"),
+        (votes_of(["a", "c"], ["b", "d"], [1, 0], ["P"] * 2), "never compared"),
+        (votes_of(["a", "c"], ["b", "d"], [0, 0], ["P"] * 2), "all answers are ties"),
         (votes_of([], [], [], []), "no answers"),
     ],
 )

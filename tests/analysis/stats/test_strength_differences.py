@@ -43,7 +43,7 @@ def test_errors_agree_with_those_of_a_logistic_regression() -> None:
     covariance = covariance * (len(design) - 3) / (len(design) - 1)  # Its factor for few answers.
     turn = np.eye(4)[:, 1:] - 1 / 4
 
-    found = bradley_terry(votes, left=False)
+    found = bradley_terry(votes, left_effect=False)
 
     assert found.two_way is not None
     assert found.two_way.method == TWO_WAY
@@ -95,10 +95,9 @@ def test_rankings_of_two_conditions_are_votes() -> None:
         right=votes.right[two],
         outcome=votes.outcome[two],
         participant=votes.participant[two],
-        segment=None if votes.segment is None else votes.segment[two],
+        segment=votes.segment[two],
     )
     count = len(votes.left)
-    assert votes.segment is not None
     rows = pd.DataFrame(
         {
             "ranking": np.repeat(np.arange(count), 2),
@@ -109,12 +108,11 @@ def test_rankings_of_two_conditions_are_votes() -> None:
         }
     )
 
-    ranked = plackett_luce(rows, conditions=("a", "b"))
+    ranked = plackett_luce(rows, ("a", "b"))
 
-    found = bradley_terry(votes, left=False)
+    found = bradley_terry(votes, left_effect=False)
     assert ranked.strengths == pytest.approx(found.strengths, abs=1e-8)
     assert ranked.errors_two_way == pytest.approx(found.errors_two_way, rel=1e-4)
-    assert plackett_luce(rows.drop(columns="segment")).two_way is None
 
 
 def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -170,8 +168,7 @@ def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_
 
 def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
     votes = made_votes()
-    assert votes.segment is not None
-    few = Votes(**{**vars(votes), "segment": votes.segment % 3})
+    few = replace(votes, segment=votes.segment % 3)
     found = bradley_terry(few)
     assert found.two_way is not None
     assert "too few for one test of 4 conditions" in omnibus(found.strengths, found.two_way).reason
@@ -189,7 +186,7 @@ def swept() -> Votes:
 
 
 def test_who_never_lost_has_a_strength_after_a_prior_and_is_named() -> None:
-    found = bradley_terry(swept(), left=False)
+    found = bradley_terry(swept(), left_effect=False)
     assert not found.reason
     assert found.swept == "c never lost to any of the others"
     assert np.isfinite(found.strengths).all()
@@ -198,7 +195,7 @@ def test_who_never_lost_has_a_strength_after_a_prior_and_is_named() -> None:
 
 def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:
     votes = votes_of(["c"] * 9, ["a"] * 9, [1] * 9, [str(n) for n in range(9)])
-    found = bradley_terry(votes, left=False)
+    found = bradley_terry(votes, left_effect=False)
     # With strengths s and -s: 9 log F(2s) + 2 * (log F(s) + log F(-s)) / 2 is largest.
     tried = np.linspace(0, 6, 60_001)
     value = -9 * np.log1p(np.exp(-2 * tried)) - np.log1p(np.exp(-tried)) - np.log1p(np.exp(tried))
