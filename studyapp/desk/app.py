@@ -52,12 +52,12 @@ def _go_to_desk() -> ResponseReturnValue:
 
 
 def _with_studies(desk: WSGIApplication, lab: Lab) -> WSGIApplication:
-    """Return the desk, and each study that can be served below its name."""
+    """Return the desk with each study that can be served below its name."""
 
-    def answer(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
-        name = environ.get("PATH_INFO", "").split("/")[1:2]
-        study = lab.study(name[0]) if name else None
+    def dispatch(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+        _, _, path = environ.get("PATH_INFO", "").partition("/")
+        study = lab.study(path.partition("/")[0])
         app = None if study is None else study.application()
         return (desk if app is None else app)(environ, start_response)
 
-    return answer
+    return dispatch

@@ -18,26 +18,27 @@ from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE, Inbox, Upload, Wron
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import StudyPage, page
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.study.folder import IMPORTABLE_ENDINGS
+from studyapp.web.research.pages import Page
 
 IMPORT: Final = "import"
 """The kind of job that brings files in."""
 
 REFUSED: Final = "refused: "
-"""What lines of its log begin with that say why a file was not brought in."""
+"""Begins the lines of its log that say why a file was not brought in."""
 
 
 def bring_in(study: OpenedStudy) -> ResponseReturnValue:
-    """Show what is in the inbox, and what became of the last import."""
+    """Show the inbox, and how the last import went."""
     return _page(study)
 
 
 def uploaded(study: OpenedStudy) -> ResponseReturnValue:
-    """Tell how much of a file is here."""
+    """Tell how many bytes of a file have arrived."""
     try:
-        return jsonify(offset=_inbox(study).received(_stated()))
+        return jsonify(offset=Inbox(study.folder).received(_requested_upload()))
     except InputError as error:
         return _refusal(error)
 
@@ -48,28 +49,28 @@ def take_piece(study: OpenedStudy) -> ResponseReturnValue:
     if not (offset.isascii() and offset.isdecimal()):
         abort(400)
     try:
-        lab = _inbox(study).append(_stated(), int(offset), request.get_data())
+        received = Inbox(study.folder).append(_requested_upload(), int(offset), request.get_data())
     except WrongOffsetError as error:
         return jsonify(offset=error.offset), 409
     except InputError as error:
         return _refusal(error)
-    return jsonify(offset=lab)
+    return jsonify(offset=received)
 
 
 def take_files(study: OpenedStudy) -> ResponseReturnValue:
     """Take small files from a form."""
-    inbox = _inbox(study)
+    inbox = Inbox(study.folder)
     now = round(current_lab().clock.now().timestamp() * 1000)
     try:
-        for sent in request.files.getlist("files"):
-            content = sent.read()
-            file = Upload(
+        for file in request.files.getlist("files"):
+            content = file.read()
+            upload = Upload(
                 condition=request.form.get("condition", "").strip(),
-                name=sent.filename or "",
+                name=file.filename or "",
                 size=len(content),
                 changed=now,
             )
-            inbox.append(file, 0, content)
+            inbox.append(upload, 0, content)
     except WrongOffsetError:
         abort(409)
     except InputError as error:
@@ -79,16 +80,12 @@ def take_files(study: OpenedStudy) -> ResponseReturnValue:
 
 def remove_upload(study: OpenedStudy) -> ResponseReturnValue:
     """Remove a file from the inbox."""
-    _inbox(study).remove(request.form.get("condition", ""), request.form.get("name", ""))
+    Inbox(study.folder).remove(request.form.get("condition", ""), request.form.get("name", ""))
     return redirect(url_for("research.bring_in", study=study.name), 303)
 
 
-def _inbox(study: OpenedStudy) -> Inbox:
-    return Inbox(study.folder)
-
-
-def _stated() -> Upload:
-    """Return which file the address of a request is about."""
+def _requested_upload() -> Upload:
+    """Return the file that the address of a request is about."""
     try:
         return Upload.model_validate(request.args.to_dict())
     except ValidationError:
@@ -100,8 +97,8 @@ def _refusal(error: InputError) -> ResponseReturnValue:
 
 
 def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
-    files = _inbox(study).files()
-    said = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN).splitlines()
+    files = Inbox(study.folder).files()
+    log = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN)
     return page(
         "bring_in",
         study=study,
@@ -116,26 +113,26 @@ def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
         last=job_standings(study.folder.jobs).get(IMPORT),
         refusals=[
             line.removeprefix(REFUSED).removeprefix(f"{study.folder.inbox.name}/")
-            for line in said
+            for line in log.splitlines()
             if line.startswith(REFUSED)
         ],
     )
 
 
 def _conditions(study: OpenedStudy) -> list[str]:
-    """Return the conditions that files may be brought for; none where the study file is wrong."""
+    """Return the conditions that take files; none where the study file is wrong."""
     try:
-        known = study.folder.study()
+        definition = study.folder.study()
     except InputError:
         return []
-    generated = known.generated()
-    return [name for name in (*known.conditions, known.catch.condition) if name not in generated]
+    conditions = (*definition.conditions, definition.catch.condition)
+    return [name for name in conditions if name not in definition.generated()]
 
 
 PAGES: Final = (
-    StudyPage("GET", "/bring-in", bring_in, Right.STEER),
-    StudyPage("POST", "/bring-in/files", take_files, Right.STEER),
-    StudyPage("POST", "/bring-in/remove", remove_upload, Right.STEER),
-    StudyPage("GET", "/uploads", uploaded, Right.STEER),
-    StudyPage("POST", "/uploads", take_piece, Right.STEER),
+    Page("GET", "/bring-in", bring_in, Right.STEER),
+    Page("POST", "/bring-in/files", take_files, Right.STEER),
+    Page("POST", "/bring-in/remove", remove_upload, Right.STEER),
+    Page("GET", "/uploads", uploaded, Right.STEER),
+    Page("POST", "/uploads", take_piece, Right.STEER),
 )

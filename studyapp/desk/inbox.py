@@ -1,9 +1,9 @@
 """A study's inbox: files that were uploaded, piece by piece, and are not in the study yet.
 
-What has come of a file lies in a hidden one beside it, named after the file, its size and when it
-was changed. So where to go on is the size of that file: an upload survives a lost line, another
-browser and a crash of the server, and a changed file begins anew. Nothing here is opened or
-believed: ``motionjury import`` reads the files, and refuses what it cannot use.
+An unfinished upload is a hidden file, named after the file, its size and its time of modification.
+Its own size is where to go on: an upload survives a lost connection, another browser and a crash of
+the server, and a changed file begins anew. Nothing here is opened or trusted: ``motionjury import``
+reads the files, and refuses what it cannot use.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ LARGEST_FILE: Final = 10 * 10**9
 """Bytes that an uploaded file may have."""
 
 KEPT_FREE: Final = 10**9
-"""Bytes of the disk that uploads leave free: participants' answers need room too."""
+"""Bytes of the disk that uploads leave free for participants' answers."""
 
 
 class WrongOffsetError(Exception):
-    """A piece does not begin where the file ends so far, which is at `offset`."""
+    """A piece does not begin at `offset`, where the file ends so far."""
 
     def __init__(self, offset: int) -> None:
         super().__init__()
@@ -52,9 +52,9 @@ class Upload(BaseModel):
     condition : str
         The condition that it belongs to; empty for speech.
     size : int
-        Bytes.
+        In bytes.
     changed : int
-        When it was changed last, in milliseconds since 1970.
+        When it was last modified, in milliseconds since 1970.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -73,19 +73,19 @@ class InboxFile:
     ----------
     condition : str
         Empty for speech.
-    here, size : int
-        Bytes that have come, of how many.
+    received, size : int
+        Bytes that have arrived, and bytes of the whole file.
     """
 
     condition: str
     name: str
-    here: int
+    received: int
     size: int
 
     @property
-    def is_whole(self) -> bool:
-        """Whether all of it is here."""
-        return self.here == self.size
+    def is_complete(self) -> bool:
+        """Whether all of it has arrived."""
+        return self.received == self.size
 
 
 class Inbox:
@@ -103,16 +103,16 @@ class Inbox:
         self._largest = largest
 
     def received(self, upload: Upload) -> int:
-        """Return how many bytes of a file are here.
+        """Return how many bytes of a file have arrived.
 
         Raises
         ------
         InputError
             If it can never be brought in, is too large, or another file of its name is here.
         """
-        whole, partial = self._places(upload)
-        if whole.exists():
-            state = whole.stat()
+        complete, partial = self._paths(upload)
+        if complete.exists():
+            state = complete.stat()
             if (state.st_size, state.st_mtime_ns) != (upload.size, upload.changed * 10**6):
                 raise InputError(
                     f"another {upload.name} is here already",
@@ -122,7 +122,7 @@ class Inbox:
         return partial.stat().st_size if partial.exists() else 0
 
     def append(self, upload: Upload, offset: int, piece: bytes) -> int:
-        """Add a piece to a file, and return how many bytes of it are here then.
+        """Add a piece to a file, and return how many bytes of it have arrived then.
 
         Raises
         ------
@@ -132,15 +132,15 @@ class Inbox:
             As `received`, and if the disk has no room for the rest, or the piece is empty or more
             than the rest.
         """
-        here = self.received(upload)
-        if here != offset:
-            raise WrongOffsetError(here)
+        received = self.received(upload)
+        if received != offset:
+            raise WrongOffsetError(received)
         if not 0 < len(piece) <= upload.size - offset:
             raise InputError(
                 f"{len(piece)} bytes came of {upload.name}, {upload.size - offset} were left",
                 remedy="Choose the file again",
             )
-        whole, partial = self._places(upload)
+        complete, partial = self._paths(upload)
         partial.parent.mkdir(parents=True, exist_ok=True)
         if shutil.disk_usage(partial.parent).free - (upload.size - offset) < KEPT_FREE:
             raise InputError(
@@ -148,57 +148,52 @@ class Inbox:
                 remedy="Make room there, then go on with this upload",
             )
         with partial.open("ab") as file:
-            # Another window, or a piece that was taken for lost, may write at this moment.
+            # Another window, or a piece that seemed lost, may write at this moment.
             fcntl.flock(file, fcntl.LOCK_EX)
-            here = os.fstat(file.fileno()).st_size
-            if here != offset:
-                raise WrongOffsetError(here)
+            received = os.fstat(file.fileno()).st_size
+            if received != offset:
+                raise WrongOffsetError(received)
             file.write(piece)
-            if here + len(piece) == upload.size:
+            if received + len(piece) == upload.size:
                 file.flush()
                 os.fsync(file.fileno())
                 os.utime(partial, ns=(upload.changed * 10**6,) * 2)
-                partial.rename(whole)
+                partial.rename(complete)
         return offset + len(piece)
 
     def files(self) -> list[InboxFile]:
-        """Return what is here, speech first."""
-        places = [self._root, *self._conditions()] if self._root.is_dir() else []
-        return [file for place in places for file in self._listed(place)]
+        """Return all files, speech first."""
+        if not self._root.is_dir():
+            return []
+        conditions = sorted(path for path in self._root.iterdir() if path.is_dir())
+        return [file for folder in (self._root, *conditions) for file in self._listed(folder)]
 
     def remove(self, condition: str, name: str) -> None:
-        """Remove a file, and what has come of it so far."""
-        wanted = Upload(condition=condition, name=name, size=1, changed=0)
-        whole, _ = self._places(wanted)
-        whole.unlink(missing_ok=True)
-        for path, file in self._partial(whole.parent):
+        """Remove a file, and its unfinished uploads."""
+        complete, _ = self._paths(Upload(condition=condition, name=name, size=1, changed=0))
+        complete.unlink(missing_ok=True)
+        for path, file in self._partial(complete.parent):
             if file.name == name:
                 path.unlink(missing_ok=True)
 
-    def _conditions(self) -> list[Path]:
-        return sorted(path for path in self._root.iterdir() if path.is_dir())
-
-    def _listed(self, place: Path) -> Iterator[InboxFile]:
-        condition = "" if place == self._root else place.name
-        for path in sorted(place.iterdir()):
+    def _listed(self, folder: Path) -> Iterator[InboxFile]:
+        for path in sorted(folder.iterdir()):
             if path.is_file() and not path.name.startswith("."):
-                size = path.stat().st_size
-                yield InboxFile(condition=condition, name=path.name, here=size, size=size)
-        yield from (file for _, file in self._partial(place))
+                yield self._file(path, path.name, path.stat().st_size)
+        yield from (file for _, file in self._partial(folder))
 
-    def _partial(self, place: Path) -> Iterator[tuple[Path, InboxFile]]:
-        condition = "" if place == self._root else place.name
-        for path in sorted(place.glob(".*.part")):
-            found = PARTIAL.fullmatch(path.name)
-            if found is not None:
-                here = path.stat().st_size
-                file = InboxFile(
-                    condition=condition, name=found["name"], here=here, size=int(found["size"])
-                )
-                yield path, file
+    def _partial(self, folder: Path) -> Iterator[tuple[Path, InboxFile]]:
+        for path in sorted(folder.glob(".*.part")):
+            if match := PARTIAL.fullmatch(path.name):
+                yield path, self._file(path, match["name"], int(match["size"]))
 
-    def _places(self, upload: Upload) -> tuple[Path, Path]:
-        """Return where a file lies when it is whole, and until then."""
+    def _file(self, path: Path, name: str, size: int) -> InboxFile:
+        condition = "" if path.parent == self._root else path.parent.name
+        received = path.stat().st_size
+        return InboxFile(condition=condition, name=name, received=received, size=size)
+
+    def _paths(self, upload: Upload) -> tuple[Path, Path]:
+        """Return where a file lies when it is complete, and until then."""
         if NAME.fullmatch(upload.name) is None:
             raise InputError(
                 f"a file cannot be called {upload.name[:200]!r} here",
@@ -215,8 +210,8 @@ class Inbox:
                 f"{upload.name} is empty" if not upload.size else f"{upload.name} is too large",
                 remedy=f"A file may have up to {limit}; import larger ones on the server",
             )
-        place = self._root
+        folder = self._root
         if upload.condition:
-            place /= check_name(upload.condition, "condition")
+            folder /= check_name(upload.condition, "condition")
         partial = f".{upload.name}.{upload.size}.{upload.changed}.part"
-        return place / upload.name, place / partial
+        return folder / upload.name, folder / partial

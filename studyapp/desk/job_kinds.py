@@ -1,4 +1,4 @@
-"""What the desk can run of a study: which command each kind of job is, and what comes of it."""
+"""The kinds of jobs that the desk runs: the command of each, and the files it makes."""
 
 from __future__ import annotations
 
@@ -31,53 +31,53 @@ class JobKind:
     ----------
     name : str
         In addresses, and of its folder.
-    title, words : str
+    title, purpose : str
         What it is called, and what it does.
     command : callable
-        Returns the command with its arguments, of the study and of what a form says.
-    sees : Right
-        Who sees it and what comes of it; running it needs the right to steer the study too.
+        Returns the command with its arguments, given the study and the submitted form.
+    needs : Right
+        Opens it and its files; running it needs the right to steer the study too.
     shows_answers : bool
-        Whether what comes of it tells what participants answered.
+        Whether its files tell what participants answered.
     asks : str
         What its form asks for; empty for nothing.
-    place : str
+    folder : str
         The folder in the study's whose files can be opened; empty for none.
-    opens : tuple of (str, str)
-        Files in there, and what each is called.
+    files : tuple of (str, str)
+        Files in there, and what each is called; all of them where none is named.
     packed : str
         The folder that is offered as an archive; empty for none.
     """
 
     name: str
     title: str
-    words: str
+    purpose: str
     command: Callable[[OpenedStudy, Form], tuple[str, ...]]
-    sees: Right = Right.WATCH
+    needs: Right = Right.WATCH
     shows_answers: bool = False
     asks: str = ""
-    place: str = ""
-    opens: tuple[tuple[str, str], ...] = ()
+    folder: str = ""
+    files: tuple[tuple[str, str], ...] = ()
     packed: str = ""
 
     def is_open(self, study: OpenedStudy) -> bool:
-        """Tell whether the researcher may see what comes of it now."""
-        has_right = study.account.may(self.sees)
+        """Return whether the researcher may see its files now."""
+        has_right = study.account.may(self.needs)
         return has_right and not (self.shows_answers and reason_to_look(study) is None)
 
 
 def reason_to_look(study: OpenedStudy) -> str | None:
-    """Return why the researcher sees answers; None where that is still to be said.
+    """Return why the researcher may see answers; None if a reason is still to be given.
 
-    Empty where there are none yet, so that nothing can be seen but a rehearsal.
+    Empty where there are no answers yet, so that only a rehearsal can be seen.
     """
     with study.database.reading() as session:
         if not answers_so_far(session):
             return ""
     now, served, token = current_lab().clock.now(), study.study.served(), visitor_cookie()
     over = "" if served is None else over_because(study.database, served, now)
-    own = "" if token is None else study_token(token, study.name)
-    return over or unblinded_because(study.database, own, now) or None
+    study_login = "" if token is None else study_token(token, study.name)
+    return over or unblinded_because(study.database, study_login, now) or None
 
 
 def _fixed(*command: str) -> Callable[[OpenedStudy, Form], tuple[str, ...]]:
@@ -85,7 +85,7 @@ def _fixed(*command: str) -> Callable[[OpenedStudy, Form], tuple[str, ...]]:
 
 
 RECORD: Final = "jobs/check/findings.json"
-"""What the last check found, in the study's folder."""
+"""The findings of the last check, in the study's folder."""
 
 
 def _check(study: OpenedStudy, form: Form) -> tuple[str, ...]:
@@ -99,31 +99,31 @@ def _check(study: OpenedStudy, form: Form) -> tuple[str, ...]:
 
 
 def _import(study: OpenedStudy, form: Form) -> tuple[str, ...]:
-    given = {key: form.get(key, "").strip() for key in ("speaker", "emotion", "segment", "fps")}
-    stated = [f"--{key}={value}" for key, value in given.items() if value]
-    return ("import", study.folder.inbox.name, ".", "--move", *stated)
+    fields = {key: form.get(key, "").strip() for key in ("speaker", "emotion", "segment", "fps")}
+    options = [f"--{key}={value}" for key, value in fields.items() if value]
+    return ("import", study.folder.inbox.name, ".", "--move", *options)
 
 
 def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
-    given = form.get("participants", "").strip()
-    if not given:
+    participants = form.get("participants", "").strip()
+    if not participants:
         return ("rehearse",)
-    count = read_count(given, MAX_PARTICIPANTS, what="participants")
+    count = read_count(participants, MAX_PARTICIPANTS, what="participants")
     return ("rehearse", "--participants", str(count))
 
 
 def _report(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     reason = reason_to_look(study)
-    played = ["--with-motion"] if "motion" in form else []
-    return ("report", ".", *played, *(["--reason", reason] if reason else []))
+    motion = ["--with-motion"] if "motion" in form else []
+    return ("report", ".", *motion, *(["--reason", reason] if reason else []))
 
 
 def _export(study: OpenedStudy, *out: str) -> tuple[str, ...]:
     reason = reason_to_look(study)
-    whose = ["--reason", reason] if reason else []
+    source = ["--reason", reason] if reason else []
     if reason == "" and study.folder.rehearsal.exists():
-        whose = ["--rehearsal"]
-    return ("export", *out, *whose)
+        source = ["--rehearsal"]
+    return ("export", *out, *source)
 
 
 TABLES: Final = "jobs/tables/answers"
@@ -140,7 +140,7 @@ def _figure(study: OpenedStudy, form: Form) -> tuple[str, ...]:
 def segment_names(study: OpenedStudy) -> list[str]:
     """Return the study's segments; none where they cannot be read."""
     try:
-        return [each.name for each in study.folder.segments_of(study.folder.study())]
+        return [segment.name for segment in study.folder.segments_of(study.folder.study())]
     except InputError:
         return []
 
@@ -149,100 +149,100 @@ BRING_IN: Final = (
     JobKind(
         name="import",
         title="Bring in",
-        words="Bring what was uploaded into the study",
+        purpose="Bring what was uploaded into the study",
         command=_import,
-        sees=Right.STEER,
+        needs=Right.STEER,
         asks="files",
     ),
 )
-"""What is run from the page of uploads."""
+"""Jobs that are run from the page of uploads."""
 
 RUN: Final = (
     JobKind(
         name="generate",
         title="Generate",
-        words="Make the motion of the conditions that name a generator",
+        purpose="Make the motion of the conditions that name a generator",
         command=_fixed("generate", "."),
     ),
     JobKind(
         name="render",
         title="Render",
-        words="Draw the videos that participants see",
+        purpose="Draw the videos that participants see",
         command=_fixed("render"),
     ),
     JobKind(
         name="check",
         title="Check",
-        words="Find what can go wrong before launch",
+        purpose="Find what can go wrong before launch",
         command=_check,
     ),
     JobKind(
         name="plan",
         title="Plan",
-        words="Simulate how many participants and segments are needed",
+        purpose="Simulate how many participants and segments are needed",
         command=_fixed("plan", "."),
-        place="plan",
-        opens=(("power.png", "Figure"), ("power.csv", "Numbers")),
+        folder="plan",
+        files=(("power.png", "Figure"), ("power.csv", "Numbers")),
     ),
     JobKind(
         name="rehearse",
         title="Rehearse",
-        words="Let simulated participants take part, and analyse what they answer",
+        purpose="Let simulated participants take part, and analyse what they answer",
         command=_rehearse,
         asks="participants",
-        place="rehearsal",
-        opens=(("recovery.html", "What it found"),),
+        folder="rehearsal",
+        files=(("recovery.html", "What it found"),),
     ),
     JobKind(
         name="metrics",
         title="Measure",
-        words="Compute the automatic metrics, for the report",
+        purpose="Compute the automatic metrics, for the report",
         command=_fixed("metrics", "."),
     ),
 )
-"""What makes a study ready, in its order."""
+"""Jobs that make a study ready, in their order."""
 
 TAKE_HOME: Final = (
     JobKind(
         name="report",
         title="Report",
-        words="Preferences and metrics side by side, with figures and tables",
+        purpose="Preferences and metrics side by side, with figures and tables",
         command=_report,
-        sees=Right.UNBLIND,
+        needs=Right.UNBLIND,
         shows_answers=True,
         asks="motion",
-        place="report",
-        opens=(("report.html", "Open the report"),),
+        folder="report",
+        files=(("report.html", "Open the report"),),
         packed="report",
     ),
     JobKind(
         name="tables",
         title="Tables of answers",
-        words="One row for each answer, with a codebook",
+        purpose="One row for each answer, with a codebook",
         command=lambda study, form: _export(study, "--out", f"{TABLES}/responses.csv"),
-        sees=Right.UNBLIND,
+        needs=Right.UNBLIND,
         shows_answers=True,
         packed=TABLES,
     ),
     JobKind(
         name="share",
         title="Folder for another lab",
-        words="All that repeats the report, without free text and names",
+        purpose="All that repeats the report, without free text and names",
         command=lambda study, form: _export(study, "--folder", SHARED),
-        sees=Right.UNBLIND,
+        needs=Right.UNBLIND,
         shows_answers=True,
         packed=SHARED,
     ),
     JobKind(
         name="figure",
         title="Figure for a paper",
-        words="Conditions beside each other, by name",
+        purpose="Conditions beside each other, by name",
         command=_figure,
-        sees=Right.STEER,
+        needs=Right.STEER,
         asks="figure",
-        place="figures",
+        folder="figures",
     ),
 )
-"""What can be downloaded."""
+"""Jobs whose files are downloaded."""
 
 KINDS: Final = {kind.name: kind for kind in (*BRING_IN, *RUN, *TAKE_HOME)}

@@ -1,4 +1,4 @@
-"""Running jobs of a study at the desk, watching them, and downloading what comes of them."""
+"""Running jobs of a study at the desk, watching them, and downloading their files."""
 
 from __future__ import annotations
 
@@ -21,92 +21,95 @@ from studyapp.desk.job_kinds import (
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import Section, StudyPage, page
+from studyapp.desk.page import Section, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
+from studyapp.web.research.pages import Page
 
 MOST_SHOWN: Final = 64 * 1024
-"""Bytes of a log."""
+"""Bytes of a log that pages show, from its end."""
 
 SHOWN_IN_PLACE: Final = (".html", ".png")
-"""Endings of files that the browser shows; all others are kept by it."""
+"""Endings of files that the browser shows; it downloads all others."""
 
 
 def job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
-    """Show the last job of a kind, with its log and what has come of it."""
-    return _page(study, _seen(study, kind))
+    """Show the last job of a kind, with its log and its files."""
+    return _page(study, _visible_kind(study, kind))
 
 
 def start_job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
     """Run a job."""
-    found = _opened(study, kind)
-    now = current_lab().clock.now()
+    job_kind = _open_kind(study, kind)
     try:
-        command = found.command(study, request.form)
-        begun = Job(
-            kind=kind, command=command, by=study.account.name, began_at=now, packed=found.packed
+        job = Job(
+            kind=kind,
+            command=job_kind.command(study, request.form),
+            by=study.account.name,
+            began_at=current_lab().clock.now(),
+            packed=job_kind.packed,
         )
-        run_job(study.folder.jobs, begun)
+        run_job(study.folder.jobs, job)
     except InputError as error:
-        return _page(study, found, problem=error), 409
-    _log(study, Event.JOB_BEGUN, found.title)
+        return _page(study, job_kind, problem=error), 409
+    _log(study, Event.JOB_BEGUN, job_kind.title)
     return redirect(url_for("research.job", study=study.name, kind=kind), 303)
 
 
 def stop_running_job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
-    """Have a job stop, whoever began it."""
-    found = _seen(study, kind)
+    """Stop a job, whoever began it."""
+    job_kind = _visible_kind(study, kind)
     stop_job(study.folder.jobs, kind, by=study.account.name)
-    _log(study, Event.JOB_STOPPED, found.title)
+    _log(study, Event.JOB_STOPPED, job_kind.title)
     return redirect(url_for("research.job", study=study.name, kind=kind), 303)
 
 
 def job_file(study: OpenedStudy, kind: str, file: str) -> Response:
-    """Send a file that came of a job."""
-    found = _opened(study, kind)
-    folder = study.folder.root / found.place
-    if not found.place or not (folder / file).is_file():
+    """Send a file that a job has made."""
+    job_kind = _open_kind(study, kind)
+    folder = study.folder.root / job_kind.folder
+    if not job_kind.folder or not (folder / file).is_file():
         abort(404)
-    if found.shows_answers:
-        _log(study, Event.DOWNLOADED, f"{found.title}: {file}")
-    shown = file.endswith(SHOWN_IN_PLACE)
-    return send_from_directory(folder.resolve(), file, as_attachment=not shown)
+    if job_kind.shows_answers:
+        _log(study, Event.DOWNLOADED, f"{job_kind.title}: {file}")
+    is_shown = file.endswith(SHOWN_IN_PLACE)
+    return send_from_directory(folder.resolve(), file, as_attachment=not is_shown)
 
 
 def job_archive(study: OpenedStudy, kind: str) -> Response:
-    """Send all that came of a job as one file."""
-    found = _opened(study, kind)
+    """Send all that a job has made as one archive."""
+    job_kind = _open_kind(study, kind)
     standing = job_standings(study.folder.jobs).get(kind)
-    if standing is None or standing.state != "done" or not found.packed:
+    if standing is None or standing.state != "done" or not job_kind.packed:
         abort(404)
-    _log(study, Event.DOWNLOADED, found.title)
+    _log(study, Event.DOWNLOADED, job_kind.title)
     return send_from_directory(
         (study.folder.jobs / kind).resolve(),
         f"{standing.job.archive}.zip",
         as_attachment=True,
-        download_name=f"{study.name}-{found.name}.zip",
+        download_name=f"{study.name}-{job_kind.name}.zip",
     )
 
 
-def _seen(study: OpenedStudy, kind: str) -> JobKind:
+def _visible_kind(study: OpenedStudy, name: str) -> JobKind:
     """Return the kind of job, if the researcher may know of it."""
-    found = KINDS.get(kind)
-    if found is None:
+    kind = KINDS.get(name)
+    if kind is None:
         abort(404)
-    if not study.account.may(found.sees):
+    if not study.account.may(kind.needs):
         abort(403)
-    return found
+    return kind
 
 
-def _opened(study: OpenedStudy, kind: str) -> JobKind:
-    """Return the kind of job, if the researcher may see now what comes of it."""
-    found = _seen(study, kind)
-    if not found.is_open(study):
+def _open_kind(study: OpenedStudy, name: str) -> JobKind:
+    """Return the kind of job, if the researcher may see its files now."""
+    kind = _visible_kind(study, name)
+    if not kind.is_open(study):
         raise InputError(
-            "results before the end are shown to whoever says why",
-            remedy="Say so on the study's page of results, which the desk's page of it leads to",
+            "before the end, results are shown only to researchers who give a reason",
+            remedy="Give one on the study's page of results, to which its page at the desk leads",
         )
-    return found
+    return kind
 
 
 def _log(study: OpenedStudy, event: Event, detail: str) -> None:
@@ -132,27 +135,26 @@ def _page(study: OpenedStudy, kind: JobKind, *, problem: InputError | None = Non
 
 
 def _is_busy(standings: Mapping[str, Any]) -> bool:
-    return any(each.is_running for each in standings.values())
+    return any(standing.is_running for standing in standings.values())
 
 
 def _files(study: OpenedStudy, kind: JobKind) -> list[tuple[str, str, int]]:
     """Return the files that can be opened, what each is called, and its bytes."""
-    if not kind.place:
+    if not kind.folder:
         return []
-    folder = study.folder.root / kind.place
-    names = [each.name for each in folder.glob("[!.]*")]
-    listed = kind.opens or [(name, name) for name in sorted(names)]
+    folder = study.folder.root / kind.folder
+    listed = kind.files or [(path.name, path.name) for path in sorted(folder.glob("[!.]*"))]
     return [
-        (name, words, (folder / name).stat().st_size)
-        for name, words in listed
+        (name, title, (folder / name).stat().st_size)
+        for name, title in listed
         if (folder / name).is_file()
     ]
 
 
-def _told(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
+def _section(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
     standings = job_standings(study.folder.jobs)
     return {
-        "kinds": [kind for kind in kinds if study.account.may(kind.sees)],
+        "kinds": [kind for kind in kinds if study.account.may(kind.needs)],
         "standings": standings,
         "is_busy": _is_busy(standings),
         "may_look": reason_to_look(study) is not None,
@@ -160,14 +162,14 @@ def _told(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
 
 
 SECTIONS: Final = (
-    Section("jobs", "Run", Right.WATCH, lambda study: _told(study, RUN)),
-    Section("take_home", "Take home", Right.UNBLIND, lambda study: _told(study, TAKE_HOME)),
+    Section("jobs", "Run", Right.WATCH, lambda study: _section(study, RUN)),
+    Section("take_home", "Take home", Right.UNBLIND, lambda study: _section(study, TAKE_HOME)),
 )
 
 PAGES: Final = (
-    StudyPage("GET", "/jobs/<kind>", job, Right.WATCH),
-    StudyPage("POST", "/jobs/<kind>", start_job, Right.STEER),
-    StudyPage("POST", "/jobs/<kind>/stop", stop_running_job, Right.STEER),
-    StudyPage("GET", "/jobs/<kind>/archive", job_archive, Right.WATCH),
-    StudyPage("GET", "/jobs/<kind>/files/<path:file>", job_file, Right.WATCH),
+    Page("GET", "/jobs/<kind>", job, Right.WATCH),
+    Page("POST", "/jobs/<kind>", start_job, Right.STEER),
+    Page("POST", "/jobs/<kind>/stop", stop_running_job, Right.STEER),
+    Page("GET", "/jobs/<kind>/archive", job_archive, Right.WATCH),
+    Page("GET", "/jobs/<kind>/files/<path:file>", job_file, Right.WATCH),
 )

@@ -1,7 +1,7 @@
-"""The process that runs one job of the desk: begins its command, stops it, tells how it ended.
+"""The process that runs one job of the desk: starts its command, stops it, records how it ended.
 
 ``python -m studyapp.desk.job_process FOLDER LOCK``, with the job's folder, and the descriptor of
-the lock that it has inherited and hands on: the study is busy as long as either of them lives.
+the inherited lock, which the command inherits too: the study is busy as long as either lives.
 """
 
 from __future__ import annotations
@@ -29,28 +29,27 @@ from studyapp.desk.jobs import (
 )
 from studyapp.side_process import LESS_URGENT
 
-LOOKS_EVERY: Final = 0.3
-"""Seconds."""
+POLL_SECONDS: Final = 0.3
 
 STOPPING: Final = (
     (0.0, signal.SIGINT),
     (30.0, signal.SIGTERM),
     (40.0, signal.SIGKILL),
 )
-"""What the command is sent, and how many seconds after it was asked to stop."""
+"""Signals to the command, each with the seconds after the request to stop."""
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
-    own, lock = Path(arguments[0]), int(arguments[1])
+    folder, lock = Path(arguments[0]), int(arguments[1])
     os.nice(LESS_URGENT)
-    # A server that a script began in the background ignores it, and so would all that it begins.
+    # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    job = Job.model_validate_json((own / DESCRIPTION).read_bytes())
-    study = own.parent.parent
+    job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())
+    study = folder.parent.parent
     environment = {
         **os.environ,
-        PROGRESS_FILE: str(own / PROGRESS),
+        PROGRESS_FILE: str(folder / PROGRESS),
         RESEARCHER: job.by,
         "PYTHONUNBUFFERED": "1",
     }
@@ -62,29 +61,29 @@ def main(arguments: Sequence[str]) -> int:
         process_group=0,
         pass_fds=(lock,),
     )
-    status = _ended(process, own / STOP)
+    status = _wait(process, folder / STOP)
     if status == 0 and job.packed:
         packed = study / job.packed
-        shutil.make_archive(str(own / job.archive), "zip", packed.parent, packed.name)
-    stopped_by = (own / STOP).read_text("utf-8") if (own / STOP).exists() else ""
+        shutil.make_archive(str(folder / job.archive), "zip", packed.parent, packed.name)
+    stopped_by = (folder / STOP).read_text("utf-8") if (folder / STOP).exists() else ""
     job.model_copy(
         update={"status": status, "ended_at": datetime.now(UTC), "stopped_by": stopped_by}
-    ).write(own)
+    ).write(folder)
     return 0
 
 
-def _ended(process: subprocess.Popen[bytes], stop: Path) -> int:
-    """Wait for the command, stopping it if that is asked for, and return its exit status."""
-    asked, due = 0.0, list(STOPPING)
+def _wait(process: subprocess.Popen[bytes], stop: Path) -> int:
+    """Wait for the command, stopping it once `stop` exists, and return its exit status."""
+    stop_requested, signals = 0.0, list(STOPPING)
     while True:
         with suppress(subprocess.TimeoutExpired):
-            status = process.wait(LOOKS_EVERY)
+            status = process.wait(POLL_SECONDS)
             break
-        if not asked and stop.exists():
-            asked = time.monotonic()
-        while asked and due and time.monotonic() >= asked + due[0][0]:
-            os.killpg(process.pid, due.pop(0)[1])
-    # What it has begun itself, and left behind, ends too.
+        if not stop_requested and stop.exists():
+            stop_requested = time.monotonic()
+        while stop_requested and signals and time.monotonic() >= stop_requested + signals[0][0]:
+            os.killpg(process.pid, signals.pop(0)[1])
+    # Processes that it started and left behind end too.
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     return status

@@ -1,9 +1,9 @@
 """Commands that the desk runs: one at a time for each study, known from the study's folder alone.
 
 A job is a command of the command line in processes of its own, which go on without the page and the
-server that began it. Whether it still runs is told by a lock that its processes hold, and that ends
-with them however they end; all else lies in the folder ``jobs/<kind>``, which keeps the last job of
-each kind. So every process of the server, and a server that is started anew, sees the same.
+server that began it. It runs as long as its processes hold a lock, which ends with them however
+they end; everything else is in the folder ``jobs/<kind>``, which keeps the last job of each kind.
+So every process of the server, and a server that is restarted, sees the same.
 """
 
 from __future__ import annotations
@@ -30,42 +30,40 @@ DESCRIPTION: Final = "job.json"
 LOG: Final = "log.txt"
 PROGRESS: Final = "progress.json"
 STOP: Final = "stop.txt"
-"""Holds the name of who asks the job to stop."""
+"""Holds the name of the researcher who asks the job to stop."""
 
 PROGRESS_FILE: Final = "MOTIONJURY_PROGRESS"
-"""The environment variable that names the file into which a command writes how far it is."""
+"""The environment variable that names the file in which a command reports its progress."""
 
 RESEARCHER: Final = "MOTIONJURY_RESEARCHER"
-"""The environment variable that names for whom a command is run, for the log of looks."""
+"""The environment variable that names who runs a command, for the log of looks."""
 
 PROGRAM: Final = "studyapp.desk.job_process"
 LOCK_SECONDS: Final = 1.0
-"""For how long a lock is tried for that somebody may only be looking at."""
+"""For how long to try for a lock that others take for a moment to look."""
 
 State = Literal["running", "stopping", "done", "failed", "stopped", "interrupted"]
 
 
-class _Plain(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Job(_Plain):
+class Job(BaseModel):
     """A command that was begun.
 
     Attributes
     ----------
     command : tuple of str
-        What stands behind ``motionjury``; it is run in the study's folder.
+        The arguments of ``motionjury``; it is run in the study's folder.
     by : str
         The researcher's name.
     packed : str
         A folder within the study's that becomes an archive when the command has succeeded;
         empty for none.
     status : int or None
-        With which the command ended; None until then, and where nobody could tell.
+        The command's exit status; None until it ends, and if that was not recorded.
     stopped_by : str
-        The name of who had it stopped; empty where nobody did.
+        The name of the researcher who stopped it; empty if nobody did.
     """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     kind: str
     command: tuple[str, ...]
@@ -86,7 +84,7 @@ class Job(_Plain):
         return Path(self.packed).name
 
 
-class Progress(_Plain):
+class Progress(BaseModel):
     """How far a command is.
 
     Attributes
@@ -96,6 +94,8 @@ class Progress(_Plain):
     words : str
         The same for people, with the time that is left.
     """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     done: int
     total: int
@@ -109,7 +109,7 @@ class JobStanding:
     Attributes
     ----------
     progress : Progress or None
-        None where the command has not said anything, and once it has ended.
+        None before the command has reported any, and once it has ended.
     """
 
     job: Job
@@ -135,38 +135,38 @@ def run_job(jobs: Path, job: Job) -> None:
     InputError
         If another job of the study runs.
     """
-    own = jobs / job.kind
+    folder = jobs / job.kind
     jobs.mkdir(exist_ok=True)
     with _locked(jobs) as lock:
-        shutil.rmtree(own, ignore_errors=True)
-        own.mkdir()
-        job.write(own)
-        with (own / LOG).open("wb") as log:
-            # Without -P, a folder that happens to be called like a package would be taken for it.
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        job.write(folder)
+        with (folder / LOG).open("wb") as log:
+            # Without -P, a folder with the name of a package would be imported in its place.
             process = subprocess.Popen(  # noqa: S603 - our own program
-                [sys.executable, "-P", "-m", PROGRAM, str(own), str(lock)],
+                [sys.executable, "-P", "-m", PROGRAM, str(folder), str(lock)],
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
                 pass_fds=(lock,),
             )
-    # Who began a process has to ask how it ended.
+    # Else the process remains as a zombie when it has ended.
     threading.Thread(target=process.wait, name="job", daemon=True).start()
 
 
 @contextmanager
 def _locked(jobs: Path) -> Iterator[int]:
-    """Give the lock of a study's jobs, which whoever inherits it holds on after the block."""
+    """Give the lock of a study's jobs; processes that inherit it go on holding it."""
     lock = os.open(jobs, os.O_RDONLY)
     try:
-        until = time.monotonic() + LOCK_SECONDS
+        deadline = time.monotonic() + LOCK_SECONDS
         while True:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 break
             except BlockingIOError:
-                if time.monotonic() > until:
+                if time.monotonic() > deadline:
                     raise InputError(
                         "another job of this study is running",
                         remedy="Wait until it is done, or stop it",
@@ -178,33 +178,33 @@ def _locked(jobs: Path) -> Iterator[int]:
 
 
 def stop_job(jobs: Path, kind: str, *, by: str) -> None:
-    """Ask the job of a kind to stop; it takes the time to leave everything in order.
+    """Ask the job of a kind to stop; it takes a while to leave everything in order.
 
     Raises
     ------
     InputError
         If none runs.
     """
-    found = job_standings(jobs).get(kind)
-    if found is None or not found.is_running:
+    standing = job_standings(jobs).get(kind)
+    if standing is None or not standing.is_running:
         raise InputError("this job is not running any more", remedy="See how it ended")
     write_text(jobs / kind / STOP, by)
 
 
 def job_standings(jobs: Path) -> Mapping[str, JobStanding]:
     """Return the last job of each kind that was ever begun."""
-    found = [job for path in jobs.glob(f"*/{DESCRIPTION}") if (job := _read(path)) is not None]
-    present = max(found, key=lambda job: job.began_at, default=None)
-    # Who holds the lock is whoever came last, unless that one has ended just now.
-    has_lock = present is not None and present.status is None and _is_locked(jobs)
+    last_jobs = [job for path in jobs.glob(f"*/{DESCRIPTION}") if (job := _read(path)) is not None]
+    latest = max(last_jobs, key=lambda job: job.began_at, default=None)
+    # Only the latest can hold the lock, unless it has just ended.
+    has_lock = latest is not None and latest.status is None and _is_locked(jobs)
     return {
-        job.kind: _standing(jobs / job.kind, job, is_running=has_lock and job is present)
-        for job in found
+        job.kind: _standing(jobs / job.kind, job, is_running=has_lock and job is latest)
+        for job in last_jobs
     }
 
 
 def _read(path: Path) -> Job | None:
-    """Return a job; None where there is none, or one of another version."""
+    """Return a job; None if there is none, or it was written by another version."""
     try:
         return Job.model_validate_json(path.read_bytes())
     except (OSError, ValidationError):
@@ -222,16 +222,16 @@ def _is_locked(jobs: Path) -> bool:
     return False
 
 
-def _standing(own: Path, job: Job, *, is_running: bool) -> JobStanding:
+def _standing(folder: Path, job: Job, *, is_running: bool) -> JobStanding:
     if is_running:
         progress = None
         with suppress(OSError, ValidationError):
-            progress = Progress.model_validate_json((own / PROGRESS).read_bytes())
-        state: State = "stopping" if (own / STOP).exists() else "running"
+            progress = Progress.model_validate_json((folder / PROGRESS).read_bytes())
+        state: State = "stopping" if (folder / STOP).exists() else "running"
         return JobStanding(job=job, state=state, progress=progress)
     if job.status is None:
         # It may have ended between two looks.
-        job = _read(own / DESCRIPTION) or job
+        job = _read(folder / DESCRIPTION) or job
     if job.status is None:
         state = "interrupted"
     elif job.status == 0:
@@ -253,5 +253,5 @@ def job_log(jobs: Path, kind: str, *, most: int) -> str:
 
 
 def command_line(command: Sequence[str]) -> list[str]:
-    """Return how the command line is called."""
+    """Return the arguments that start the command line."""
     return [sys.executable, "-P", "-m", "studyapp.cli.main", *command]

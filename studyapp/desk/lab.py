@@ -69,18 +69,25 @@ class Lab:
 
     def studies(self) -> list[LabStudy]:
         """Return all studies, by name."""
-        found = (self.study(each.name) for each in sorted(self.folder.iterdir()))
-        return [study for study in found if study is not None]
+        studies = (self.study(path.name) for path in sorted(self.folder.iterdir()))
+        return [study for study in studies if study is not None]
 
-    def study_of(self, name: str, account: Account) -> OpenedStudy | None:
+    def opened_study(self, name: str, account: Account) -> OpenedStudy | None:
         """Return the study `name` as the holder of a desk's account sees it, None where not."""
         study = self.study(name)
-        return None if study is None else opened(study, account)
+        if study is None or account.identity is None:
+            return None
+        try:
+            in_study = account_of_identity(study.database, account.identity)
+        except InputError:
+            # A database that cannot be read tells nobody's rights.
+            return None
+        return None if in_study is None else OpenedStudy(study=study, account=in_study)
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpenedStudy:
-    """A study and the account that the researcher who asks has in it, whose rights hold."""
+    """A study, and the account in it of the researcher who asks, whose rights count."""
 
     study: LabStudy
     account: Account
@@ -99,18 +106,6 @@ class OpenedStudy:
     def database(self) -> Database:
         """The study's own database."""
         return self.study.database
-
-
-def opened(study: LabStudy, account: Account) -> OpenedStudy | None:
-    """Return `study` as the holder of a desk's account sees it, None where they may not."""
-    if account.identity is None:
-        return None
-    try:
-        found = account_of_identity(study.database, account.identity)
-    except InputError:
-        # A database that cannot be read tells nobody's rights.
-        return None
-    return None if found is None else OpenedStudy(study=study, account=found)
 
 
 def study_token(token: str, study: str) -> str:

@@ -1,4 +1,4 @@
-"""Making a study: what is asked of it, as two pages."""
+"""Making a study by two pages of questions."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.desk.belonging import own_study
 from studyapp.desk.lab import current_lab
+from studyapp.desk.membership import own_study
 from studyapp.desk.page import page
 from studyapp.desk.studies import check_study_name
 from studyapp.researchers.account import Right
@@ -47,31 +47,31 @@ from studyapp.web.research.page import researcher
 from studyapp.web.research.pages import Page
 
 AVATARS: Final = get_args(Video.model_fields["avatar"].annotation)
-THE_TEMPLATES: Final = "stand-ins"
 MOST_TRIALS: Final = 500
 LONGEST_QUESTION: Final = 500
 
 
 def choose_template() -> ResponseReturnValue:
-    """Ask what participants do, and in which language they read."""
+    """Ask for the protocol and the language of the study."""
     return page(
         "choose_template", templates=TEMPLATE_DESCRIPTIONS, languages=LANGUAGES, questions=QUESTIONS
     )
 
 
 def describe_study() -> ResponseReturnValue:
-    """Ask for everything else, with the template's answers in the fields."""
+    """Ask for everything else, with the template's answers filled in."""
     return _page({})
 
 
 def make_study() -> ResponseReturnValue:
-    """Make the study, and have the researcher own it."""
+    """Make the study, owned by the researcher."""
     try:
         name = check_study_name(request.form.get("name", "").strip())
         root = current_lab().folder / name
-        text = render_study_file(_wanted(name, root), where=StudyFolder(root).definition.name)
+        definition = StudyFolder(root).definition
+        text = render_study_file(_requested_study(name, root), where=definition.name)
         _make_folder(root)
-        write_text(StudyFolder(root).definition, text)
+        write_text(definition, text)
     except InputError as error:
         return _page(request.form.to_dict(), error), 422
     study = current_lab().study(name)
@@ -90,23 +90,28 @@ def _make_folder(root: Path) -> None:
         ) from None
 
 
-def _wanted(name: str, root: Path) -> StudyOptions:
+def _requested_study(name: str, root: Path) -> StudyOptions:
     """Return what the form asks for."""
     form = {key: value.strip() for key, value in request.form.items()}
-    template, language = _chosen(form)
+    template, language = _template_and_language(form)
     channel = form.get("channel", "link")
     if channel not in CHANNEL_DESCRIPTIONS:
         abort(400)
     conditions = None
     if form.get("conditions") == "own":
-        rows = zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)
-        stated = [f"{who.strip()}={source}" for who, source in rows if who.strip()]
+        stated = [
+            f"{condition.strip()}={source}"
+            for condition, source in _condition_rows()
+            if condition.strip()
+        ]
         conditions = read_conditions(stated, root)
         if conditions is None:
             raise InputError("no condition is named", remedy="Name two or more of them")
     default = _template_study(template, language)
-    words = {each.name: form.get(f"question-{each.name}", "") for each in default.questions}
-    wanted = StudyOptions(
+    wording = {
+        question.name: form.get(f"question-{question.name}", "") for question in default.questions
+    }
+    requested = StudyOptions(
         name=name,
         template=template,
         language=cast(Language, language),
@@ -124,50 +129,54 @@ def _wanted(name: str, root: Path) -> StudyOptions:
         ethics=read_line(form.get("ethics", ""), 300),
         avatar=form.get("avatar") or None,
         wording={
-            each.name: read_line(words[each.name], LONGEST_QUESTION)
-            for each in default.questions
-            if words[each.name] not in ("", each.text)
+            question.name: read_line(wording[question.name], LONGEST_QUESTION)
+            for question in default.questions
+            if wording[question.name] not in ("", question.text)
         },
     )
-    require_stated_pay(wanted)
-    return wanted
+    require_stated_pay(requested)
+    return requested
+
+
+def _condition_rows() -> list[tuple[str, str]]:
+    """Return the names and sources of the conditions in the form."""
+    return list(
+        zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)
+    )
 
 
 def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
-    given = form.get(key, "")
-    return read_count(given, most, what=key) if given else None
+    count = form.get(key, "")
+    return read_count(count, most, what=key) if count else None
 
 
-def _chosen(given: Mapping[str, str]) -> tuple[str, str]:
-    template, language = given.get("template", ""), given.get("language", "en")
+def _template_and_language(form: Mapping[str, str]) -> tuple[str, str]:
+    template, language = form.get("template", ""), form.get("language", "en")
     if template not in TEMPLATE_DESCRIPTIONS or language not in LANGUAGES:
         abort(404)
     return template, language
 
 
 def _template_study(template: str, language: str) -> Study:
-    wanted = StudyOptions(name="study", template=template, language=cast(Language, language))
-    return parse_text(render_study_file(wanted, where=template), where=template)
+    plain = StudyOptions(name="study", template=template, language=cast(Language, language))
+    return parse_text(render_study_file(plain, where=template), where=template)
 
 
-def _page(given: Mapping[str, str], problem: InputError | None = None) -> str:
-    template, language = _chosen(given or request.args)
+def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
+    template, language = _template_and_language(form or request.args)
     default = _template_study(template, language)
-    shown: dict[str, Any] = {
+    defaults: dict[str, Any] = {
         "participants": template_participants(template),
         "trials": default.trials if isinstance(default, PairwiseStudy) else None,
-        "conditions": THE_TEMPLATES,
+        "conditions": "stand-ins",
         "channel": "link",
         "avatar": default.video.avatar,
     }
-    rows = list(
-        zip(request.form.getlist("condition"), request.form.getlist("source"), strict=False)
-    )
     return page(
         "describe_study",
         problem=problem,
-        given=shown | dict(given),
-        rows=rows or [("", "")] * MAX_VIDEOS_PER_PAGE,
+        given=defaults | dict(form),
+        rows=_condition_rows() or [("", "")] * MAX_VIDEOS_PER_PAGE,
         template=template,
         language=language,
         default=default,

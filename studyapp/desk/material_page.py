@@ -1,4 +1,4 @@
-"""What a study has of each segment and condition: a table of all, and a page for each of them."""
+"""The clips of a study: a table of all segments and conditions, and a page for each clip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from studyapp.database.tables import Event
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import Section, StudyPage, page
+from studyapp.desk.page import Section, page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
@@ -27,6 +27,7 @@ from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
 from studyapp.web.research.motion_scenes import WantedScene, scenes_of, send_scene
+from studyapp.web.research.pages import Page
 
 State = Literal["missing", "motion", "video"]
 
@@ -50,21 +51,21 @@ class _CheckRecord(BaseModel):
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """What there is of one segment in one condition.
+    """One segment in one condition.
 
     Attributes
     ----------
-    brought : Path
-        Where its motion, or its finished video, lies if it is there.
+    source : Path
+        Where its motion, or its finished video, belongs, whether it is there or not.
     video : Path or None
-        What shows it; None while there is nothing to play.
+        What can be played of it.
     findings : tuple
-        What the last check found wrong with its files, and that they have not been changed since.
+        What the last check found wrong with its files, unless they have changed since.
     """
 
     condition: str
     segment: Segment
-    brought: Path
+    source: Path
     video: Path | None
     findings: tuple[_CheckFinding, ...]
 
@@ -73,29 +74,29 @@ class Cell:
         """Whether it can be played, is there, or is missing."""
         if self.video is not None:
             return "video"
-        return "motion" if self.brought.is_file() else "missing"
+        return "motion" if self.source.is_file() else "missing"
 
     @property
     def has_motion(self) -> bool:
         """Whether it can be turned around."""
-        return self.brought.suffix != VIDEO_ENDING and self.brought.is_file()
+        return self.source.suffix != VIDEO_ENDING and self.source.is_file()
 
     @property
     def is_bad(self) -> bool:
         """Whether something must be fixed."""
-        return any(found.severity == "error" for found in self.findings)
+        return any(finding.severity == "error" for finding in self.findings)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Everything that a study has, by segment and condition.
+    """All clips of a study, by segment and condition.
 
     Attributes
     ----------
     conditions : tuple of str
         The catch condition comes last.
     checked_at : float or None
-        When the desk checked the study last, in seconds since 1970; None where it has not.
+        When the desk last checked the study, in seconds since 1970; None if it never has.
     """
 
     folder: StudyFolder
@@ -109,7 +110,7 @@ class Material:
 
     @classmethod
     def of(cls, folder: StudyFolder) -> Self:
-        """Read what is in a study's folder.
+        """Read a study's folder.
 
         Raises
         ------
@@ -118,23 +119,23 @@ class Material:
         """
         study = folder.study()
         stimuli = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
-        caught = (study.catch.condition,) if study.catch.trials else ()
+        catch = (study.catch.condition,) if study.catch.trials else ()
         shown_in: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
         for pair in stimuli.pairs:
             for condition in (pair.left, pair.right):
                 shown_in[pair.segment, condition].append(pair.file)
         for copy in stimuli.copies:
             shown_in[copy.segment, copy.condition].append(copy.file)
-        checked = folder.root / RECORD
+        record = folder.root / RECORD
         findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
-        for found in _found(checked):
-            findings[found.where].append(found)
+        for finding in _read_findings(record):
+            findings[finding.where].append(finding)
         return cls(
             folder=folder,
             study=study,
             segments={segment.name: segment for segment in folder.segments_of(study)},
-            conditions=(*study.conditions, *caught),
-            checked_at=_changed(checked) if checked.exists() else None,
+            conditions=(*study.conditions, *catch),
+            checked_at=_modified_at(record) if record.exists() else None,
             _clips={
                 (clip.segment, clip.condition): clip.file
                 for clip in stimuli.clips
@@ -145,29 +146,28 @@ class Material:
         )
 
     def cell(self, segment: str, condition: str) -> Cell:
-        """Return what there is of a segment in a condition."""
+        """Return the cell of a segment and a condition."""
         clip = self._clips.get((segment, condition), "")
         if self.study.is_finished(condition):
-            brought = finished_video_path(self.folder.videos, Stimulus.own(condition, segment))
-            video = brought
+            source = finished_video_path(self.folder.videos, Stimulus.own(condition, segment))
+            video = source
         else:
-            brought = self.folder.clip(condition, segment)
+            source = self.folder.clip(condition, segment)
             video = self.folder.root / clip
-        own = brought.relative_to(self.folder.root).as_posix()
-        files = dict.fromkeys((own, clip, *self._shown_in.get((segment, condition), ())))
+        source_name = source.relative_to(self.folder.root).as_posix()
+        files = dict.fromkeys((source_name, clip, *self._shown_in.get((segment, condition), ())))
         return Cell(
             condition=condition,
             segment=self.segments[segment],
-            brought=brought,
+            source=source,
             video=video if video.is_file() else None,
-            findings=tuple(found for file in files for found in self._still_found(file)),
+            findings=tuple(finding for file in files for finding in self._current_findings(file)),
         )
 
-    def _still_found(self, file: str) -> list[_CheckFinding]:
-        """Return what the check has found of a file that was not changed since."""
-        found = self._findings.get(file, [])
-        is_older = _changed(self.folder.root / file) <= (self.checked_at or 0)
-        return found if is_older else []
+    def _current_findings(self, file: str) -> list[_CheckFinding]:
+        """Return the findings of a file, unless it has changed since the check."""
+        is_older = _modified_at(self.folder.root / file) <= (self.checked_at or 0)
+        return self._findings.get(file, []) if is_older else []
 
     def rows(self) -> list[tuple[Segment, list[Cell]]]:
         """Return each segment with its cell in every condition."""
@@ -177,16 +177,16 @@ class Material:
         ]
 
 
-def _found(checked: Path) -> tuple[_CheckFinding, ...]:
-    """Return what the last check found; nothing where it was none, or of another version."""
+def _read_findings(record: Path) -> tuple[_CheckFinding, ...]:
+    """Return the findings of the last check; none if its record cannot be read."""
     try:
-        return _CheckRecord.model_validate_json(checked.read_bytes()).findings
+        return _CheckRecord.model_validate_json(record.read_bytes()).findings
     except (OSError, ValidationError):
         return ()
 
 
-def _changed(path: Path) -> float:
-    """Return when a file was changed, in seconds since 1970; 0 where there is none."""
+def _modified_at(path: Path) -> float:
+    """Return when a file was last modified, in seconds since 1970; 0 if there is none."""
     try:
         return path.stat().st_mtime
     except OSError:
@@ -196,21 +196,21 @@ def _changed(path: Path) -> float:
 def material(study: OpenedStudy) -> ResponseReturnValue:
     """Show the table of segments and conditions."""
     try:
-        found = Material.of(study.folder)
+        clips = Material.of(study.folder)
     except InputError as error:
-        return page("material", study=study, problem=error, rows=[], found=None)
-    rows = found.rows()
-    return page("material", study=study, problem=None, found=found, rows=rows, counts=_counts(rows))
+        return page("material", study=study, problem=error, rows=[], material=None)
+    rows = clips.rows()
+    return page("material", study=study, material=clips, rows=rows, counts=_counts(rows))
 
 
 def _summary(study: OpenedStudy) -> Mapping[str, Any]:
     """Return what the study's page says of its material."""
     waiting = len(Inbox(study.folder).files())
     try:
-        found = Material.of(study.folder)
+        clips = Material.of(study.folder)
     except InputError as error:
         return {"problem": error, "waiting": waiting}
-    return {"problem": None, "waiting": waiting, "counts": _counts(found.rows()), "found": found}
+    return {"problem": None, "waiting": waiting, "counts": _counts(clips.rows()), "material": clips}
 
 
 def _counts(rows: Sequence[tuple[Segment, Sequence[Cell]]]) -> Mapping[str, int]:
@@ -223,19 +223,19 @@ def _counts(rows: Sequence[tuple[Segment, Sequence[Cell]]]) -> Mapping[str, int]
 
 
 def clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
-    """Show what there is of one segment in one condition."""
-    found, cell = _cell(study, condition, segment)
-    names = list(found.segments)
-    at = names.index(segment)
+    """Show one segment in one condition."""
+    clips, cell = _cell(study, condition, segment)
+    names = list(clips.segments)
+    index = names.index(segment)
     return page(
         "clip",
         study=study,
-        found=found,
+        material=clips,
         cell=cell,
-        file=cell.brought.relative_to(study.folder.root),
-        before=names[at - 1] if at else None,
-        after=names[at + 1] if at + 1 < len(names) else None,
-        is_generated=condition in found.study.generated(),
+        file=cell.source.relative_to(study.folder.root),
+        before=names[index - 1] if index else None,
+        after=names[index + 1] if index + 1 < len(names) else None,
+        is_generated=condition in clips.study.generated(),
     )
 
 
@@ -255,9 +255,13 @@ def clip_scene(study: OpenedStudy, condition: str, segment: str) -> Response:
 
 def segment_motion(study: OpenedStudy, segment: str) -> ResponseReturnValue:
     """Show the motion of one segment in all conditions side by side."""
-    found, cells = _row(study, segment)
+    clips, cells = _row(study, segment)
     return page(
-        "segment", study=study, found=found, segment=found.segments[segment], scenes=_scenes(cells)
+        "segment",
+        study=study,
+        material=clips,
+        segment=clips.segments[segment],
+        scenes=_scenes(cells),
     )
 
 
@@ -268,10 +272,10 @@ def segment_scene(study: OpenedStudy, segment: str, scene: int) -> Response:
 
 
 def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
-    found = Material.of(study.folder)
-    if segment not in found.segments:
+    clips = Material.of(study.folder)
+    if segment not in clips.segments:
         abort(404)
-    return found, [found.cell(segment, condition) for condition in found.conditions]
+    return clips, [clips.cell(segment, condition) for condition in clips.conditions]
 
 
 def _scenes(cells: Sequence[Cell]) -> list[WantedScene]:
@@ -287,13 +291,13 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
     if "sure" not in request.form:
         raise InputError("nothing was removed", remedy="Tick the box to remove the file for good")
     with study.database.writing() as session:
-        cell.brought.unlink(missing_ok=True)
+        cell.source.unlink(missing_ok=True)
         log_change(
             session,
             current_lab().clock.now(),
             Event.MATERIAL_REMOVED,
             by=study.account.name,
-            detail=cell.brought.relative_to(study.folder.root).as_posix(),
+            detail=cell.source.relative_to(study.folder.root).as_posix(),
         )
     return redirect(
         url_for("research.clip", study=study.name, condition=condition, segment=segment), 303
@@ -301,10 +305,10 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
 
 
 def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, Cell]:
-    found = Material.of(study.folder)
-    if condition not in found.conditions or segment not in found.segments:
+    clips = Material.of(study.folder)
+    if condition not in clips.conditions or segment not in clips.segments:
         abort(404)
-    return found, found.cell(segment, condition)
+    return clips, clips.cell(segment, condition)
 
 
 SECTIONS: Final = (Section("material", "Material", Right.WATCH, _summary),)
@@ -313,11 +317,11 @@ CLIP: Final = "/material/<condition>/<segment>"
 SEGMENT: Final = "/segments/<segment>/motion"
 
 PAGES: Final = (
-    StudyPage("GET", "/material", material, Right.WATCH),
-    StudyPage("GET", CLIP, clip, Right.WATCH),
-    StudyPage("GET", f"{CLIP}/video.mp4", clip_video, Right.WATCH),
-    StudyPage("GET", f"{CLIP}/motion", clip_scene, Right.WATCH),
-    StudyPage("GET", SEGMENT, segment_motion, Right.WATCH),
-    StudyPage("GET", f"{SEGMENT}/<int:scene>", segment_scene, Right.WATCH),
-    StudyPage("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
+    Page("GET", "/material", material, Right.WATCH),
+    Page("GET", CLIP, clip, Right.WATCH),
+    Page("GET", f"{CLIP}/video.mp4", clip_video, Right.WATCH),
+    Page("GET", f"{CLIP}/motion", clip_scene, Right.WATCH),
+    Page("GET", SEGMENT, segment_motion, Right.WATCH),
+    Page("GET", f"{SEGMENT}/<int:scene>", segment_scene, Right.WATCH),
+    Page("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
 )

@@ -1,13 +1,11 @@
-"""What the desk's pages are made of: pages of a study, sections of its first page, templates."""
+"""What the desk's pages are made of: sections of a study's first page, templates, wording."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
-
-from flask.typing import ResponseReturnValue
+from typing import Any, Final
 
 from motion.errors import InputError
 from studyapp.desk.job_kinds import KINDS
@@ -25,47 +23,25 @@ DUTIES: Final[Mapping[Role, str]] = {
 
 
 @dataclass(frozen=True)
-class StudyPage:
-    """A page of one study at the desk.
-
-    Attributes
-    ----------
-    method : {'GET', 'POST'}
-    rule : str
-        Its address below the study's page.
-    view : callable
-        Makes it of the opened study and what else stands in the address; its name is the
-        endpoint's.
-    needs : Right
-        Of the researcher's account in the study.
-    """
-
-    method: Literal["GET", "POST"]
-    rule: str
-    view: Callable[..., ResponseReturnValue]
-    needs: Right
-
-
-@dataclass(frozen=True)
 class Section:
     """A part of a study's first page at the desk.
 
     Attributes
     ----------
     name : str
-        Its template is ``desk/<name>_section.html``, which sees what `told` returns as ``it``.
+        Its template is ``desk/<name>_section.html``, which sees what `context` returns as ``it``.
     title : str
         Its heading.
     needs : Right
         Of the researcher's account in the study; others do not see it.
-    told : callable
+    context : callable
         Returns what the template shows.
     """
 
     name: str
     title: str
     needs: Right
-    told: Callable[[OpenedStudy], Mapping[str, Any]]
+    context: Callable[[OpenedStudy], Mapping[str, Any]]
 
 
 _COMMAND: Final = re.compile(rf"'motionjury\s+({'|'.join(KINDS)})'")
@@ -85,5 +61,5 @@ def problem_at_the_desk(error: InputError) -> InputError:
 
 def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:
     """Return the page that ``desk/<template>.html`` makes of `values` and of what is wrong."""
-    told = None if problem is None else problem_at_the_desk(problem)
-    return rendered(f"desk/{template}.html", duties=DUTIES, problem=told, **values)
+    shown = None if problem is None else problem_at_the_desk(problem)
+    return rendered(f"desk/{template}.html", duties=DUTIES, problem=shown, **values)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from typing import ClassVar
 
@@ -16,7 +16,7 @@ from motion.errors import InputError
 from studyapp.desk.app import create_desk, open_desk
 from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.lab import Lab
-from studyapp.monitoring.alarms import LOG, SECONDS_BETWEEN, AlarmChannels, raise_alarms
+from studyapp.monitoring.alarms import LOG, AlarmChannels, raise_alarms, watch_for_alarms
 from studyapp.web.app import LARGEST_REQUEST
 from studyapp.web.server import THREADS, WORKERS, require_free, serve_application
 from studyapp.web.worker import StudyWorker
@@ -45,7 +45,7 @@ def run_desk(
     folder : Path
         Holds the studies as sub-folders.
     origin : str
-        What public addresses begin with; empty where nobody has said so.
+        What public addresses begin with; empty if unknown.
     host, port, workers, threads, on_ready
         See `studyapp.web.server.run_server`.
 
@@ -72,7 +72,7 @@ def run_desk(
 
     def make() -> Flask:
         lab = open_desk(folder, origin=origin)
-        threading.Thread(target=_watch, args=(lab,), name="alarms", daemon=True).start()
+        watch_for_alarms(partial(_raise_alarms, lab))
         return create_desk(lab)
 
     serve_application(
@@ -80,15 +80,13 @@ def run_desk(
     )
 
 
-def _watch(lab: Lab) -> None:
-    """Tell researchers what happens to their studies, as long as the process lives."""
-    waits = threading.Event()
-    while not waits.wait(SECONDS_BETWEEN):
-        for study in lab.studies():
-            try:
-                served = study.served()
-                channels = None if served is None else AlarmChannels.of(served.study)
-                if served is not None and channels is not None and channels.is_any:
-                    raise_alarms(study.database, served, lab.clock, channels.send)
-            except (InputError, SQLAlchemyError) as error:
-                LOG.error("Alarms of %s: %s", study.name, type(error).__name__)
+def _raise_alarms(lab: Lab) -> None:
+    """Send the alarms that are due in each study; one that cannot be read stops no other."""
+    for study in lab.studies():
+        try:
+            served = study.served()
+            channels = None if served is None else AlarmChannels.of(served.study)
+            if served is not None and channels is not None and channels.is_any:
+                raise_alarms(study.database, served, lab.clock, channels.send)
+        except (InputError, SQLAlchemyError) as error:
+            LOG.error("Alarms of %s: %s", study.name, type(error).__name__)

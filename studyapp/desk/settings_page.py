@@ -14,13 +14,14 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError, listed
 from studyapp.database.tables import Event
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import StudyPage, page
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.session.versions import definition_in_use
 from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.study_file import ChangedMeanwhileError, replace_text, text_digest
 from studyapp.study.versioning import changeable_keys, design_changes
+from studyapp.web.research.pages import Page
 
 LINE: Final = re.compile(r"\bline (\d+)")
 
@@ -43,9 +44,9 @@ class _Finding:
     Attributes
     ----------
     number : int
-        The line's; 0 where there is none.
+        Of the line; 0 if the message names none.
     line : str
-        What stands there.
+        The line itself.
     """
 
     before: str
@@ -54,53 +55,53 @@ class _Finding:
     line: str = ""
 
     @classmethod
-    def of(cls, said: str, lines: list[str]) -> Self:
-        """Return what an error says of `lines`."""
-        found = LINE.search(said)
-        number = int(found[1]) if found else 0
-        if found is None or not 1 <= number <= len(lines):
-            return cls(before=said)
-        before, after = said[: found.start()], said[found.end() :]
+    def of(cls, message: str, lines: list[str]) -> Self:
+        """Return what a message says of `lines`."""
+        match = LINE.search(message)
+        number = int(match[1]) if match else 0
+        if match is None or not 1 <= number <= len(lines):
+            return cls(before=message)
+        before, after = message[: match.start()], message[match.end() :]
         return cls(before=before, after=after, number=number, line=lines[number - 1])
 
 
 def settings(study: OpenedStudy) -> ResponseReturnValue:
     """Show the study file, to be edited."""
     text = read_text(study.folder.definition)
-    return _page(study, text, seen=text_digest(text))
+    return _page(study, text, digest=text_digest(text))
 
 
 def save_settings(study: OpenedStudy) -> ResponseReturnValue:
     """Save the study file, unless it is wrong or somebody else has saved another one."""
     text = request.form.get("text", "").replace("\r\n", "\n").rstrip() + "\n"
-    seen, is_new_version = request.form.get("seen", ""), "new_version" in request.form
+    digest, is_new_version = request.form.get("seen", ""), "new_version" in request.form
     try:
-        if (changed := _changed_design(study, text)) and not is_new_version:
-            raise NewVersionError(changed)
+        if (keys := _changed_design(study, text)) and not is_new_version:
+            raise NewVersionError(keys)
         if is_new_version and not study.account.may(Right.MANAGE):
             raise InputError("only owners begin a new version", remedy="Ask one of them")
-        _save(study, text, seen)
+        _save(study, text, digest)
     except ChangedMeanwhileError as error:
-        seen = text_digest(error.text)
-        return _page(study, text, seen=seen, problem=error, other=error.text), 409
+        digest = text_digest(error.text)
+        return _page(study, text, digest=digest, problem=error, other=error.text), 409
     except InputError as error:
-        return _page(study, text, seen=seen, problem=error), 422
+        return _page(study, text, digest=digest, problem=error), 422
     if is_new_version:
         with suppress(InputError):
-            # Where a video is missing, the study's page says so, and begins it later.
+            # If a video is missing, the study's page says so, and offers to begin it later.
             study.study.begin_new_version()
         return redirect(url_for("research.study_page", study=study.name), 303)
     return redirect(url_for("research.settings", study=study.name, saved=""), 303)
 
 
-def _save(study: OpenedStudy, text: str, seen: str) -> None:
-    # The study's database is what all processes of the server wait for.
+def _save(study: OpenedStudy, text: str, digest: str) -> None:
+    # The study's database makes all processes of the server wait for each other.
     with study.database.writing() as session:
         before = read_text(study.folder.definition)
-        replace_text(study.folder.definition, text, seen=seen)
+        replace_text(study.folder.definition, text, seen=digest)
         # The first two lines name the files.
-        differing = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
-        lines = sum(line[0] != "@" for line in differing)
+        difference = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
+        lines = sum(line[0] != "@" for line in difference)
         log_change(
             session,
             current_lab().clock.now(),
@@ -112,29 +113,33 @@ def _save(study: OpenedStudy, text: str, seen: str) -> None:
 
 def _changed_design(study: OpenedStudy, text: str) -> tuple[str, ...]:
     """Return the keys of `text` that may not change under those who take part."""
-    now = definition_in_use(study.database)
+    text_in_use = definition_in_use(study.database)
     where = study.folder.definition.name
-    after = parse_text(text, where=where)
-    return () if now is None else design_changes(parse_text(now, where=where), after)
+    changed = parse_text(text, where=where)
+    if text_in_use is None:
+        return ()
+    return design_changes(parse_text(text_in_use, where=where), changed)
 
 
 def _page(
     study: OpenedStudy,
     text: str,
     *,
-    seen: str,
+    digest: str,
     problem: InputError | None = None,
     other: str = "",
 ) -> str:
     lines = text.split("\n")
-    findings = [_Finding.of(said, lines) for said in problem.what.split("; ")] if problem else []
+    findings = (
+        [_Finding.of(message, lines) for message in problem.what.split("; ")] if problem else []
+    )
     return page(
         "settings",
         study=study,
         text=text,
-        seen=seen,
+        digest=digest,
         problem=problem,
-        findings=sorted(findings, key=lambda each: each.number),
+        findings=sorted(findings, key=lambda finding: finding.number),
         difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
         if other
         else [],
@@ -146,6 +151,6 @@ def _page(
 
 
 PAGES: Final = (
-    StudyPage("GET", "/settings", settings, Right.STEER),
-    StudyPage("POST", "/settings", save_settings, Right.STEER),
+    Page("GET", "/settings", settings, Right.STEER),
+    Page("POST", "/settings", save_settings, Right.STEER),
 )

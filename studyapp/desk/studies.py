@@ -1,4 +1,4 @@
-"""The studies of a desk: which there are, what is served of each, and how far it is."""
+"""The studies of a desk: what is served of each, and how far it is."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ RESERVED: Final = ("healthz", "research", "static")
 PAGE: Final = "/research/studies/{name}/"
 """A study's page at the desk."""
 
-QUICK: Final = 0.2
-"""Seconds; a study that takes longer to be read is not read again and again while it changes."""
+QUICK_SECONDS: Final = 0.2
+"""A study that takes longer to read is not read again at every request while it changes."""
 
-RESTS: Final = 20
-"""How many times as long as reading took it is not read again then."""
+PAUSE: Final = 20
+"""For how many times as long as reading took, it is then not read again."""
 
 State = Literal["being made", "changed", "ready", "running", "paused", "closed", "done"]
 
 
 def check_study_name(name: str) -> str:
-    """Return `name` if a study of a desk can be called so, else raise `InputError`."""
+    """Return `name`, or raise `InputError` unless a study of a desk can be called so."""
     if NAME.fullmatch(name) is None or name in RESERVED:
         raise InputError(
             f"a study of a desk cannot be called {name!r}",
@@ -61,9 +61,10 @@ class Standing:
     Attributes
     ----------
     state : str
-        ``being made`` until it can be served, ``changed`` where it can only as a new version.
+        ``being made`` until it can be served, ``changed`` if it can only be served as a new
+        version.
     problem : InputError or None
-        Why it cannot be served, or not as its file says now.
+        Why it cannot be served as its files are now.
     done, wanted : int
         Places; both 0 while it is being made.
     """
@@ -89,14 +90,14 @@ class LabStudy:
         self._origin = origin
         self._lock = threading.RLock()
         self._database: Database | None = None
-        self._seen: object = None
+        self._read_stamp: object = None
         self._app: Flask | None = None
         self._served: ServedStudy | None = None
         self._problem: InputError | None = None
         self._awaits_new_version = False
-        self._not_before = 0.0
-        self._videos_written: tuple[int, int] | None = None
-        self._videos_in: list[Path] = []
+        self._next_read = 0.0
+        self._videos_stamp: tuple[int, int] | None = None
+        self._video_folders: list[Path] = []
 
     @property
     def database(self) -> Database:
@@ -108,40 +109,40 @@ class LabStudy:
 
     def application(self) -> Flask | None:
         """Return what serves the study below its name; None while nothing can be served."""
-        self._look()
+        self._reread()
         with self._lock:
             if self._app is None and self._served is not None:
-                self._app = self._made(self._served)
+                self._app = self._make_app(self._served)
             return self._app
 
     def served(self) -> ServedStudy | None:
         """Return what is served of the study, None while nothing can be."""
-        self._look()
+        self._reread()
         return self._served
 
     @property
     def problem(self) -> InputError | None:
         """Why the study cannot be served as its files are now; None where it is."""
-        self._look()
+        self._reread()
         return self._problem
 
     @property
     def awaits_new_version(self) -> bool:
-        """Whether what the files say now can only be served as a new version of the study."""
-        self._look()
+        """Whether the files as they are can only be served as a new version of the study."""
+        self._reread()
         return self._awaits_new_version
 
     def begin_new_version(self) -> None:
-        """Serve from now on what the files say; earlier answers are kept apart.
+        """Serve the files as they are as a new version; earlier answers are kept apart.
 
         Raises
         ------
         InputError
             If it cannot be served.
         """
-        found = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
-        open_study(self.database, found, self._clock, new_version=True)
-        # All processes of the server look at the files again.
+        served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
+        open_study(self.database, served, self._clock, new_version=True)
+        # So that all processes of the server read the files again.
         os.utime(self.folder.definition)
 
     def standing(self) -> Standing:
@@ -155,29 +156,29 @@ class LabStudy:
             state = _state(session, served, is_done=places.done >= places.wanted)
         return Standing(state=state, problem=problem, done=places.done, wanted=places.wanted)
 
-    def _look(self) -> None:
-        """Read the study anew where its files have changed."""
+    def _reread(self) -> None:
+        """Read the study again if its files have changed."""
         with self._lock:
             began = time.monotonic()
-            if began < self._not_before or (found := self._stamp()) == self._seen:
+            if began < self._next_read or (stamp := self._stamp()) == self._read_stamp:
                 return
-            self._seen, self._awaits_new_version = found, False
+            self._read_stamp, self._awaits_new_version = stamp, False
             try:
                 served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
                 self._awaits_new_version = must_be_new_version(self.database, served.design)
                 open_study(self.database, served, self._clock)
                 if self._app is not None:
-                    self._app = self._made(served)
+                    self._app = self._make_app(served)
                 self._served, self._problem = served, None
             except InputError as error:
                 self._problem = error
             except OSError as error:
                 self._problem = InputError(f"a file cannot be read ({error})")
-            spent = time.monotonic() - began
-            # While videos are rendered, what they are changes all the time.
-            self._not_before = began + (RESTS * spent if spent > QUICK else 0)
+            seconds = time.monotonic() - began
+            # While videos are rendered, the files change all the time.
+            self._next_read = began + (PAUSE * seconds if seconds > QUICK_SECONDS else 0)
 
-    def _made(self, served: ServedStudy) -> Flask:
+    def _make_app(self, served: ServedStudy) -> Flask:
         return create_app(
             self.folder.root,
             database_url=sqlite_url(self.folder.responses),
@@ -188,23 +189,23 @@ class LabStudy:
         )
 
     def _stamp(self) -> tuple[tuple[int, int], ...]:
-        """Return what changes with the files that say what is served."""
+        """Return what changes with the files that define what is served."""
         files = (
             self.folder.definition,
             self.folder.stimuli,
             self.folder.speech / "segments.csv",
             self.folder.videos,
         )
-        stamps = tuple(map(_written, files))
-        if stamps[-1] != self._videos_written:
+        stamps = tuple(map(_file_stamp, files))
+        if stamps[-1] != self._videos_stamp:
             # There may be thousands of videos, and every request comes by here.
-            inside = sorted(self.folder.videos.iterdir()) if self.folder.videos.is_dir() else ()
-            self._videos_in = [each for each in inside if each.is_dir()]
-            self._videos_written = stamps[-1]
-        return (*stamps, *map(_written, self._videos_in))
+            paths = sorted(self.folder.videos.iterdir()) if self.folder.videos.is_dir() else ()
+            self._video_folders = [path for path in paths if path.is_dir()]
+            self._videos_stamp = stamps[-1]
+        return (*stamps, *map(_file_stamp, self._video_folders))
 
 
-def _written(path: Path) -> tuple[int, int]:
+def _file_stamp(path: Path) -> tuple[int, int]:
     try:
         state = path.stat()
     except OSError:

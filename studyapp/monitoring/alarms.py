@@ -1,8 +1,8 @@
 """Alarms: researchers are told once when the study is full, stalls, or fills from one address.
 
-Each server process looks now and then. The one that stores an alarm first sends it, by mail and to
-a webhook, beside all requests. What cannot be sent is forgotten, so that a later look tries again.
-Passwords and addresses that let somebody write there come from the environment.
+Each server process looks every minute. The one that stores an alarm first sends it, by mail and to
+a webhook, outside all requests. An alarm that cannot be sent is removed again, and tried later.
+Passwords, and addresses that let somebody write there, come from the environment.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import smtplib
 import ssl
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -35,7 +36,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study
 
 WEBHOOK: Final = "MOTIONJURY_ALARM_WEBHOOK"
-"""An address that gets each alarm as JSON; whoever knows it can write there."""
+"""An address to which each alarm is posted as JSON; whoever knows it can write there."""
 
 SMTP: Final = "MOTIONJURY_SMTP"
 """The server that sends mail, such as ``smtps://name:password@mail.example.org``."""
@@ -71,19 +72,19 @@ class AlarmChannels:
         InputError
             If the environment names no usable address, or there is nothing to send mail with.
         """
-        found = cls(
+        channels = cls(
             study=study.name,
             webhook=_address(WEBHOOK, ("https", "http")),
             smtp=_address(SMTP, ("smtps", "smtp")),
             mail=study.alarms.mail,
         )
-        if found.mail and not found.smtp:
+        if channels.mail and not channels.smtp:
             raise InputError(
                 "alarms are to be mailed, and no mail server is named",
                 where="alarms.mail in study.toml",
                 remedy=f"Set {SMTP}, such as smtps://name:password@mail.example.org",
             )
-        return found
+        return channels
 
     @property
     def is_any(self) -> bool:
@@ -91,27 +92,27 @@ class AlarmChannels:
         return bool(self.webhook or self.mail)
 
     def send(self, text: str) -> bool:
-        """Send `text` by every way there is; tell whether one of them succeeded.
+        """Send `text` by every channel there is; return whether one of them succeeded.
 
-        A failure is logged without what it was sent with.
+        A failure is logged without address and password.
         """
-        ways: list[tuple[str, Callable[[str], None]]] = []
+        channels: list[tuple[str, Callable[[str], None]]] = []
         if self.webhook:
-            ways.append(("the webhook", self._post))
+            channels.append(("the webhook", self._post))
         if self.mail:
-            ways.append(("mail", self._mail))
+            channels.append(("mail", self._mail))
         succeeded = False
-        for name, way in ways:
+        for name, send in channels:
             try:
-                way(text)
+                send(text)
                 succeeded = True
             except (httpx.HTTPError, httpx.InvalidURL, smtplib.SMTPException, OSError) as error:
                 LOG.error("An alarm could not be sent by %s (%s)", name, type(error).__name__)
         return succeeded
 
     def _post(self, text: str) -> None:
-        answer = httpx.post(self.webhook, json={"study": self.study, "text": text}, timeout=SECONDS)
-        answer.raise_for_status()
+        message = {"study": self.study, "text": text}
+        httpx.post(self.webhook, json=message, timeout=SECONDS).raise_for_status()
 
     def _mail(self, text: str) -> None:
         server = urlsplit(self.smtp)
@@ -121,18 +122,18 @@ class AlarmChannels:
         message["To"] = ", ".join(self.mail)
         message["Subject"] = f"Motion Jury: {self.study}"
         message.set_content(text)
-        safely = ssl.create_default_context()
+        tls = ssl.create_default_context()
         host = server.hostname or ""
         if server.scheme == "smtps":
             connection: smtplib.SMTP = smtplib.SMTP_SSL(
-                host, server.port or 465, timeout=SECONDS, context=safely
+                host, server.port or 465, timeout=SECONDS, context=tls
             )
         else:
             connection = smtplib.SMTP(host, server.port or 587, timeout=SECONDS)
         with connection:
             if server.scheme == "smtp" and name:
-                # A password never travels in the open.
-                connection.starttls(context=safely)
+                # Passwords are only sent encrypted.
+                connection.starttls(context=tls)
             if name:
                 connection.login(name, password)
             connection.send_message(message)
@@ -165,30 +166,25 @@ Kind = Literal["full", "stalled", "one address"]
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
-    """What researchers are to be told; see `studyapp.database.tables.Alarm`."""
+    """An alarm that is due; see `studyapp.database.tables.Alarm`."""
 
     kind: Kind
     about: str
     text: str
 
 
-def watch_for_alarms(
-    database: Database,
-    served: ServedStudy,
-    clock: Clock,
-    send: Callable[[str], bool],
-) -> None:
-    """Look for alarms from a thread of its own, as long as the process lives."""
+def watch_for_alarms(raise_due: Callable[[], None]) -> None:
+    """Call `raise_due` every minute from a thread of its own, as long as the process lives."""
 
-    def look_again_and_again() -> None:
-        waits = threading.Event()
-        while not waits.wait(SECONDS_BETWEEN):
+    def watch() -> None:
+        while True:
+            time.sleep(SECONDS_BETWEEN)
             try:
-                raise_alarms(database, served, clock, send)
+                raise_due()
             except SQLAlchemyError as error:
                 LOG.error("Alarms could not be looked for (%s)", type(error).__name__)
 
-    threading.Thread(target=look_again_and_again, name="alarms", daemon=True).start()
+    threading.Thread(target=watch, name="alarms", daemon=True).start()
 
 
 def raise_alarms(
@@ -202,7 +198,7 @@ def raise_alarms(
     Parameters
     ----------
     send : callable
-        Sends a text, and tells whether that succeeded.
+        Sends a text, and returns whether that succeeded.
     """
     now = clock.now()
     with database.reading() as session:
@@ -213,8 +209,8 @@ def raise_alarms(
             continue
         if not send(event.text):
             with database.writing() as session:
-                own = (Alarm.kind == event.kind, Alarm.about == event.about)
-                session.execute(delete(Alarm).where(*own))
+                stored = (Alarm.kind == event.kind, Alarm.about == event.about)
+                session.execute(delete(Alarm).where(*stored))
 
 
 def _claim(database: Database, event: Event, now: datetime) -> bool:
@@ -266,7 +262,7 @@ def _due(session: Session, served: ServedStudy, now: datetime) -> Iterator[Event
 
 
 def _last_progress(session: Session, version: StudyVersion) -> datetime:
-    """Return when somebody last finished, or newcomers were last decided about."""
+    """Return when somebody last finished, or when the intake last changed."""
     moments = (
         version.opened_at,
         session.scalar(select(func.max(StudySession.completed_at))),

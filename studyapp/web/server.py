@@ -19,7 +19,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.monitoring.alarms import AlarmChannels, watch_for_alarms
+from studyapp.monitoring.alarms import AlarmChannels, raise_alarms, watch_for_alarms
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.web.app import create_app
@@ -196,11 +196,13 @@ def serve_application(
 
 
 def _watch_for_alarms(app: Flask) -> None:
-    """Tell researchers what happens to the study of `app`; a rehearsal concerns nobody."""
+    """Send the alarms of the study of `app`, unless it is a rehearsal."""
     with app.app_context():
         site = study_site()
     if site.clock.speed == 1.0 and (channels := AlarmChannels.of(site.study)).is_any:
-        watch_for_alarms(site.database, site.served, site.clock, channels.send)
+        watch_for_alarms(
+            lambda: raise_alarms(site.database, site.served, site.clock, channels.send)
+        )
 
 
 def _allow_descriptors() -> None:

@@ -1,4 +1,4 @@
-"""All pages of researchers, with the right that each needs: one table, asked in one place."""
+"""All pages of researchers, with the right that each needs, which one guard asks for."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from flask import Blueprint, redirect, request, url_for
+from flask import Blueprint, abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
@@ -40,22 +40,22 @@ READING: Final = ("GET", "HEAD", "OPTIONS")
 def guard(
     needed: Mapping[str, Right | None], harmless: Collection[str] = ()
 ) -> Callable[[], ResponseReturnValue | None]:
-    """Return what lets a request through, or answers it before anything has been done for it.
+    """Return what lets a request through, or answers it before its view is called.
 
     Parameters
     ----------
     needed : mapping of endpoint to Right or None
-        The right that each page needs; None where nobody need be logged in. A page that is not
-        in it is shown to nobody.
+        The right that each page needs; None for pages that need no login. A page that is missing
+        here is shown to nobody.
     harmless : collection of str
-        Endpoints of which nothing comes, so that what is sent to them needs no code.
+        Endpoints that change nothing, so that their forms need no code.
     """
 
-    def look() -> ResponseReturnValue | None:
+    def check_visitor() -> ResponseReturnValue | None:
         recognise()
         endpoint = request.endpoint or ""
-        asks_only = request.method in READING or endpoint in harmless
-        if not asks_only and not came_from_our_page(visitor_cookie()):
+        is_harmless = request.method in READING or endpoint in harmless
+        if not is_harmless and not came_from_our_page(visitor_cookie()):
             return problem_page(
                 "This form did not come from a page of this server, or the page was too old",
                 "Open the page again and fill the form in once more. The browser must accept "
@@ -74,7 +74,7 @@ def guard(
             )
         return None
 
-    return look
+    return check_visitor
 
 
 NAME: Final = "research"
@@ -92,13 +92,13 @@ class Page:
     rule : str
         Its address below `PREFIX`.
     view : callable
-        Makes it; its name is the endpoint's.
+        Answers requests; its name is the endpoint's.
     needs : Right or None
-        Who may open it; None for everybody.
+        The right that opens it; None for everybody.
     rehearsed : bool
-        Whether there is one of the participants' data and one of the rehearsal's.
+        Whether there is one for the participants' data and one for the rehearsal's.
     changes_nothing : bool
-        Of a ``POST``: whether it may be sent without a form's code, since nothing comes of it.
+        Of a ``POST``: whether it may be sent without a form's code.
     """
 
     method: Literal["GET", "POST"]
@@ -108,6 +108,19 @@ class Page:
     rehearsed: bool = False
     changes_nothing: bool = False
 
+    @property
+    def endpoint(self) -> str:
+        """The name by which addresses of the page are made."""
+        return f"{NAME}.{self.view.__name__}"
+
+
+def nowhere(rest: str) -> ResponseReturnValue:
+    """Say that there is no such page, to researchers alone."""
+    del rest
+    abort(404)
+
+
+NOWHERE: Final = Page("GET", "/<path:rest>", nowhere, Right.KEEP_ACCOUNT)
 
 ROW: Final = "<int(max=2147483647)"
 TRIAL: Final = f"/preview/{ROW}:arm>/{ROW}:place>/{ROW}:position>"
@@ -241,7 +254,7 @@ PAGES: Final = (
     Page("POST", "/newcomers/more", progress.want_more, Right.STEER),
     Page("GET", "/results", results.results, Right.UNBLIND),
     Page("POST", "/results", results.ask_for_results, Right.UNBLIND),
-    Page("GET", "/<path:rest>", progress.nowhere, Right.KEEP_ACCOUNT),
+    NOWHERE,
 )
 
 
@@ -257,8 +270,8 @@ def research_pages() -> Blueprint:
                 methods=[page.method],
                 defaults={} if data is None else {"data": data},
             )
-    needed = {f"{NAME}.{page.view.__name__}": page.needs for page in PAGES}
-    harmless = {f"{NAME}.{page.view.__name__}" for page in PAGES if page.changes_nothing}
+    needed = {page.endpoint: page.needs for page in PAGES}
+    harmless = {page.endpoint for page in PAGES if page.changes_nothing}
     pages.before_request(guard(needed, harmless))
     pages.after_request(keep_visitor)
     pages.context_processor(lambda: {"study": study_site().study})

@@ -213,12 +213,6 @@ def changes() -> ResponseReturnValue:
     return page("changes", lines=lines, older=older)
 
 
-def nowhere(rest: str) -> ResponseReturnValue:
-    """Say that there is no such page, to researchers alone."""
-    del rest
-    abort(404)
-
-
 def _choice() -> Choice:
     """Return which study sessions the address asks for."""
     standing = request.args.get("standing") or None

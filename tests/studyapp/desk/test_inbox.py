@@ -62,7 +62,7 @@ def test_an_upload_goes_on_where_it_stopped_even_after_a_crash(folder: StudyFold
     wanted = upload(condition="ours", name="take.npz")
     assert again.received(wanted) == 5100
     assert again.files() == [
-        InboxFile(condition="ours", name="take.npz", here=5100, size=len(CONTENT))
+        InboxFile(condition="ours", name="take.npz", received=5100, size=len(CONTENT))
     ]
     again.append(wanted, 5100, CONTENT[5100:])
     assert (folder.inbox / "ours" / "take.npz").read_bytes() == CONTENT

@@ -1,0 +1,123 @@
+"""The desk's first page, which lists the studies, each study's page, and the ways into a study."""
+
+from __future__ import annotations
+
+from typing import Final, cast
+
+from flask import Response, abort, g, redirect, request
+from flask.typing import ResponseReturnValue
+
+from motion.errors import InputError
+from studyapp.desk.lab import OpenedStudy, current_lab, study_token
+from studyapp.desk.membership import enter_study
+from studyapp.desk.page import page
+from studyapp.desk.studies import LabStudy
+from studyapp.recruitment.invitations import make_test_participation
+from studyapp.researchers.account import Right, has_owner
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.settings.reading import read_study
+from studyapp.web.mounting import path_to_try
+from studyapp.web.research.page import COOKIE, researcher, visitor_cookie
+from studyapp.web.research.pages import Page
+
+
+def overview() -> ResponseReturnValue:
+    """List the researcher's studies, and to owners those that nobody owns."""
+    lab = current_lab()
+    studies = [
+        study
+        for each in lab.studies()
+        if (study := lab.opened_study(each.name, researcher())) is not None
+    ]
+    unowned = [
+        study.name
+        for study in lab.studies()
+        if researcher().may(Right.MANAGE) and _is_unowned(study)
+    ]
+    rows = [(study, _title(study), study.study.standing()) for study in studies]
+    return page("overview", rows=rows, unowned=unowned)
+
+
+def _is_unowned(study: LabStudy) -> bool:
+    try:
+        return not has_owner(study.database)
+    except InputError:
+        return False
+
+
+def _title(study: OpenedStudy) -> str:
+    """Return the study's title; its folder's name where the study file cannot be read."""
+    try:
+        return read_study(study.folder.definition).title
+    except InputError:
+        return study.name
+
+
+def study_page(study: OpenedStudy) -> ResponseReturnValue:
+    """Show how far a study is, and what can be done with it."""
+    served = study.study.served()
+    address = f"{current_lab().origin}/{study.name}/"
+    return page(
+        "study",
+        study=study,
+        title=_title(study),
+        standing=study.study.standing(),
+        link="" if served is None else served.study.recruitment.link(address),
+        shown=[
+            (section, section.context(study))
+            for section in g.sections
+            if study.account.may(section.needs)
+        ],
+    )
+
+
+WAYS: Final = ("", "preview", "study-sessions", "newcomers", "results", "researchers", "changes")
+"""Pages of the study itself that its page at the desk leads to."""
+
+
+def open_study_pages(study: OpenedStudy) -> ResponseReturnValue:
+    """Go on to the study's own pages, logged in there."""
+    way, token = request.form.get("way", ""), visitor_cookie()
+    served = _require_served(study)
+    if token is None:
+        abort(403)
+    enter_study(study, token)
+    page_address = f"/{study.name}/research/{way if way in WAYS else ''}"
+    response = cast(Response, redirect(page_address, 303))
+    study_login = study_token(token, study.name)
+    COOKIE.send(response, served.study.name, study_login, below=f"/{study.name}")
+    return response
+
+
+def take_part_as_test(study: OpenedStudy) -> ResponseReturnValue:
+    """Let the researcher take part in the study; nothing of it counts."""
+    invitation = make_test_participation(
+        study.folder.root, _require_served(study), current_lab().clock, by=study.account.name
+    )
+    return redirect(f"/{study.name}{path_to_try(invitation)}", 303)
+
+
+def begin_new_version(study: OpenedStudy) -> ResponseReturnValue:
+    """Serve what the study file says as a new version."""
+    study.study.begin_new_version()
+    return redirect(request.path.removesuffix("new-version"), 303)
+
+
+def _require_served(study: OpenedStudy) -> ServedStudy:
+    served = study.study.served()
+    if served is None:
+        raise InputError(
+            "the study cannot be opened yet",
+            remedy="Its page at the desk says what is missing",
+        )
+    return served
+
+
+LIST_PAGES: Final = (Page("GET", "/", overview, Right.KEEP_ACCOUNT),)
+
+PAGES: Final = (
+    Page("GET", "/", study_page, Right.KEEP_ACCOUNT),
+    Page("POST", "/open", open_study_pages, Right.WATCH),
+    Page("POST", "/try", take_part_as_test, Right.WATCH),
+    Page("POST", "/new-version", begin_new_version, Right.MANAGE),
+)
