@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page
 
 from studyapp.database.engine import Database, sqlite_url
 from tests.functional.browsing import launched, serving, watched_page
-from tests.support.compiled_once import compiled_once
+from tests.support.fast_applications import fast_applications
 from tests.support.studies.tiny_study import write_tiny_study
 
 SECONDS = 1.0
@@ -19,8 +19,8 @@ SECONDS = 1.0
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _compiled_once() -> Iterator[None]:
-    with compiled_once():
+def _fast_applications() -> Iterator[None]:
+    with fast_applications():
         yield
 
 

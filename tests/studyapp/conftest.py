@@ -22,7 +22,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, study_site
-from tests.support.compiled_once import compiled_once
+from tests.support.fast_applications import fast_applications
 from tests.support.figures_at_hand import FiguresAtHand
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.support.servers.throwaway_postgresql import (
@@ -92,8 +92,8 @@ def clock() -> SetClock:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _compiled_once() -> Iterator[None]:
-    with compiled_once():
+def _fast_applications() -> Iterator[None]:
+    with fast_applications():
         yield
 
 
