@@ -263,6 +263,7 @@ class Player {
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setScissorTest(true);
+    this.renderer.domElement.addEventListener("webglcontextrestored", () => { this.drawn = ""; });
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = LARGEST_ANGLE;
     this.controls.minDistance = 0.4;
@@ -298,8 +299,10 @@ class Player {
       type: "range", min: -180, max: 180, step: 1, value: 0,
       oninput: () => this.turnTo(Number(this.turn.value)),
     });
-    const skeleton = element("input", { type: "checkbox",
-      onchange: () => this.performers.forEach(performer => performer.showSkeleton(skeleton.checked)) });
+    const skeleton = element("input", { type: "checkbox", onchange: () => {
+      this.performers.forEach(performer => performer.showSkeleton(skeleton.checked));
+      this.drawn = "";
+    } });
     const front = element("button", { type: "button", textContent: "From the front", onclick: () => this.front() });
     this.figure.replaceChildren(
       this.stage,
@@ -338,8 +341,10 @@ class Player {
     this.camera.aspect = aspect;
     this.camera.fov = 360 / Math.PI * Math.atan(Math.tan(half) / Math.min(aspect, 1));
     this.camera.updateProjectionMatrix();
+    this.drawn = "";
   }
 
+  /* Draw what has changed since the last time: motion is made for fewer pictures than a screen shows. */
   draw() {
     this.asked = requestAnimationFrame(this.draw);
     const { now, paused, seconds } = this.clock;
@@ -349,16 +354,23 @@ class Player {
     if (document.activeElement !== this.turn) {
       this.turn.value = this.controls.getAzimuthalAngle() * 180 / Math.PI;
     }
+    this.performers.forEach(performer => performer.pose(now));
+    const frames = this.performers.map(performer => performer.frame);
+    const view = [...frames, ...this.camera.position, ...this.controls.target].join();
+    if (view !== this.drawn) this.render();
+    this.drawn = view;
+    this.figure.dataset.seconds = now.toFixed(3);
+  }
+
+  render() {
     const width = this.stage.clientWidth / this.columns, height = this.stage.clientHeight / this.rows;
     this.performers.forEach((performer, number) => {
       const column = number % this.columns, row = Math.floor(number / this.columns);
       const place = [column * width, (this.rows - 1 - row) * height, width, height];
       this.renderer.setViewport(...place);
       this.renderer.setScissor(...place);
-      performer.pose(now);
       this.renderer.render(performer.scene, this.camera);
     });
-    this.figure.dataset.seconds = now.toFixed(3);
   }
 
   stop() {

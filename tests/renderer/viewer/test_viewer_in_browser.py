@@ -31,6 +31,14 @@ from tests.functional.looking import SCHEMES, barriers, photograph
 pytestmark = IN_A_BROWSER
 
 FULL_BODY = Look(framing="full_body")
+COUNTED_DRAWINGS = """() => {
+  const draw = WebGL2RenderingContext.prototype.drawElements;
+  window.drawings = 0;
+  WebGL2RenderingContext.prototype.drawElements = function (...given) {
+    window.drawings += 1;
+    return draw.apply(this, given);
+  };
+}"""
 SECOND = 0.6
 """Where the pictures are compared."""
 
@@ -145,6 +153,21 @@ def test_clips_play_side_by_side_on_the_clock_of_the_speech(
         left, right = (body_in(side) for side in (image[:, :half], image[:, half : 2 * half]))
         assert left.any()
         assert shared(left, right) < 0.99
+
+
+def test_a_figure_at_rest_is_not_drawn_again(
+    browser: Browser, shown: MotionClip, tmp_path: Path
+) -> None:
+    with watched_page(browser, tmp_path.as_uri()) as page:
+        page.add_init_script(f"({COUNTED_DRAWINGS})()")
+        opened(page, tmp_path / "page.html", ours=shown)
+        scrub(page, SECOND)
+        drawn = page.evaluate("drawings")
+        assert drawn > 0
+
+        picture(page)
+
+        assert page.evaluate("drawings") == drawn
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
