@@ -18,7 +18,7 @@ from training.run.passes import Pass
 Optimizer = Literal["adam", "adamw"]
 Precision = Literal["float32", "bfloat16", "float16"]
 
-UNCOMPARED: Final = ("steps", "checkpoint_every")
+CHANGEABLE_SETTINGS: Final = ("steps", "checkpoint_every")
 """Settings that may change when a run goes on: the steps already made stay what they are."""
 
 
@@ -65,7 +65,7 @@ class TrainingConfig:
     accumulate : int
         Parts into which the examples of an update are cut, at least 1; gradients are summed over
         them, so that memory need hold but one. Several processes share the parts, and make more
-        of them where they are too few: see `training.run.batches.parts_of_step`.
+        of them where they are too few: see `training.run.batches.step_parts`.
     learning_rate : float
         Above 0 and at most 1.
     decay : Decay or None
@@ -131,10 +131,12 @@ class TrainingConfig:
         self._check("ema_decay", decay is None or 0 < decay < 1, "a number above 0 and below 1")
         self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
 
-    def _check(self, name: str, fits: bool, wanted: str) -> None:
-        _check(name, getattr(self, name), fits, wanted)
+    def _check(self, name: str, valid: bool, requirement: str) -> None:
+        _check(name, getattr(self, name), valid, requirement)
 
-    def changed(self, changes: Mapping[str, Any], *, epochs: int | None, examples: int) -> Self:
+    def with_changes(
+        self, changes: Mapping[str, Any], *, epochs: int | None, examples: int
+    ) -> Self:
         """Return the settings with some of them changed.
 
         Where `epochs` are told and the changes tell no steps, there are as many steps as go so
@@ -148,7 +150,7 @@ class TrainingConfig:
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON holds them."""
         facts = asdict(self) | {"betas": list(self.betas)}
-        passes = [one | {"parts": list(one["parts"])} for one in facts.pop("passes")]
+        passes = [settings | {"parts": list(settings["parts"])} for settings in facts.pop("passes")]
         return facts | ({"passes": passes} if passes else {})
 
 
@@ -167,20 +169,20 @@ class Preset:
     training: TrainingConfig
     epochs: int | None = None
 
-    def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
+    def config_for(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
         """Return how it is trained on so many examples, with some settings changed."""
-        return self.training.changed(changes, epochs=self.epochs, examples=examples)
+        return self.training.with_changes(changes, epochs=self.epochs, examples=examples)
 
 
-Told = TypeVar("Told")
+Table = TypeVar("Table")
 
 
-def read_presets(file: Path, kind: type[Told]) -> Mapping[str, Told]:
+def read_presets(file: Path, kind: type[Table]) -> Mapping[str, Table]:
     """Return the tables of a TOML file by name, each as the type `kind`."""
     tables = tomllib.loads(file.read_text("utf-8"))
     return TypeAdapter(dict[str, kind]).validate_python(tables)  # type: ignore[valid-type]
 
 
-def _check(name: str, value: object, fits: bool, wanted: str) -> None:
-    if not fits:
-        raise InputError(f"{name} of the training is {value!r}", remedy=f"Give {wanted}")
+def _check(name: str, value: object, valid: bool, requirement: str) -> None:
+    if not valid:
+        raise InputError(f"{name} of the training is {value!r}", remedy=f"Give {requirement}")

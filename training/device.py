@@ -29,41 +29,43 @@ def check_device(device: str) -> None:
 First = TypeVar("First")
 Second = TypeVar("Second")
 
-_TURN: Final = Lock()
+_THREADS_LOCK: Final = Lock()
 
 
 @contextmanager
 def torch_threads(number: int) -> Iterator[None]:
     """Give torch so many threads for a while; rounding may differ with their number."""
-    before = torch.get_num_threads()
+    previous = torch.get_num_threads()
     torch.set_num_threads(number)
     try:
         yield
     finally:
-        torch.set_num_threads(before)
+        torch.set_num_threads(previous)
 
 
-def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
+def run_side_by_side(
+    first: Callable[[], First], second: Callable[[], Second]
+) -> tuple[First, Second]:
     """Return what both compute, `second` on this thread and `first` on another one.
 
     Each has half of torch's threads meanwhile. Where torch has one thread, `first` runs before
     `second`, so `second` may wait for what `first` tells but not the other way round. The number
     of threads belongs to the whole process, so calls that share several of them take turns.
     """
-    with _TURN:
-        whole = torch.get_num_threads()
-        if whole > 1:
-            return _halved(first, second, whole)
+    with _THREADS_LOCK:
+        threads = torch.get_num_threads()
+        if threads > 1:
+            return _run_on_half_the_threads(first, second, threads)
     return first(), second()
 
 
-def _halved(
-    first: Callable[[], First], second: Callable[[], Second], whole: int
+def _run_on_half_the_threads(
+    first: Callable[[], First], second: Callable[[], Second], threads: int
 ) -> tuple[First, Second]:
-    with torch_threads(whole // 2), ThreadPoolExecutor(1, "side-by-side") as other:
-        firstly = other.submit(_without_gradients, first)
-        found = second()
-        return firstly.result(), found
+    with torch_threads(threads // 2), ThreadPoolExecutor(1, "side-by-side") as pool:
+        future = pool.submit(_without_gradients, first)
+        result = second()
+        return future.result(), result
 
 
 def _without_gradients(work: Callable[[], First]) -> First:

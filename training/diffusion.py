@@ -25,7 +25,7 @@ class Diffusion:
 
     Attributes
     ----------
-    first, last : float
+    beta_start, beta_end : float
         Variance that the first and the last step add.
     steps : int
         Number of steps.
@@ -34,8 +34,8 @@ class Diffusion:
         2022), and not the variance.
     """
 
-    first: float = 1e-4
-    last: float = 0.02
+    beta_start: float = 1e-4
+    beta_end: float = 0.02
     steps: int = 1000
     scaled: bool = False
 
@@ -43,9 +43,9 @@ class Diffusion:
     def alpha_bar(self) -> NDArray[np.float64]:
         """Share of the signal's variance that is left after each step, (steps,)."""
         power = 2 if self.scaled else 1
-        ends = self.first ** (1 / power), self.last ** (1 / power)
-        added = np.linspace(*ends, self.steps, dtype=np.float64) ** power
-        return np.cumprod(1.0 - added, dtype=np.float64)
+        ends = self.beta_start ** (1 / power), self.beta_end ** (1 / power)
+        beta = np.linspace(*ends, self.steps, dtype=np.float64) ** power
+        return np.cumprod(1.0 - beta, dtype=np.float64)
 
     def x_t(self, x0: Tensor, eps: Tensor, t: Tensor) -> Tensor:
         """Return the clean motion `x0` with noise `eps` at diffusion steps `t`."""
@@ -88,24 +88,24 @@ class Diffusion:
         steps : int
             From 1 to the schedule's number of steps.
         """
-        distance = self.steps // steps
+        stride = self.steps // steps
         for step in reversed(range(steps)):
-            t, to = (
-                torch.tensor([place], device=x_t.device)
-                for place in (
-                    min(step * distance + 1, self.steps - 1),
-                    max((step - 1) * distance + 1, 0),
+            t, t_next = (
+                torch.tensor([step_index], device=x_t.device)
+                for step_index in (
+                    min(step * stride + 1, self.steps - 1),
+                    max((step - 1) * stride + 1, 0),
                 )
             )
             eps = eps_of(x_t, t)
-            x_t = self.x_t(self.x0_hat(x_t, eps, t), eps, to)
+            x_t = self.x_t(self.x0_hat(x_t, eps, t), eps, t_next)
         return x_t
 
 
 LINEAR: Final = Diffusion()
 """The schedule of DDPM and of DiffSHEG."""
 
-SCALED_LINEAR: Final = Diffusion(first=0.00085, last=0.012, scaled=True)
+SCALED_LINEAR: Final = Diffusion(beta_start=0.00085, beta_end=0.012, scaled=True)
 """The schedule of latent diffusion and of AMUSE."""
 
 
@@ -115,6 +115,6 @@ def step_embedding(t: Tensor, width: int) -> Tensor:
     Frequencies fall from 1 to 1/10000 (Vaswani et al. 2017, section 3.5).
     """
     half = width // 2
-    falling = torch.arange(half, dtype=torch.float32, device=t.device) / half
-    angles = t[:, None].float() * torch.exp(-math.log(10_000) * falling)
+    exponents = torch.arange(half, dtype=torch.float32, device=t.device) / half
+    angles = t[:, None].float() * torch.exp(-math.log(10_000) * exponents)
     return torch.cat([angles.cos(), angles.sin()], dim=-1)

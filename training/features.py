@@ -35,11 +35,11 @@ from training.hearing.spectra import (
     mel_bands,
     mfcc,
 )
-from training.hearing.speech_frames import at_speech_rate, hear
+from training.hearing.speech_frames import at_speech_rate, extract_frames
 from training.hearing.word_vectors import WordVectors, word_rows
-from training.spaces.beat import TOLD_JOINTS, body_values, face_values
-from training.spaces.bones_and_landmarks import values_of
-from training.spaces.smplx_bodies import TOLD_JOINTS as SHOW_JOINTS
+from training.spaces.beat import UPPER_BODY_JOINTS, body_values, face_values
+from training.spaces.bones_and_landmarks import bone_and_landmark_values
+from training.spaces.smplx_bodies import UPPER_BODY_JOINTS as SHOW_JOINTS
 from training.spaces.smplx_bodies import show_values, smplx_6d_values
 
 FloatArray = NDArray[np.float32]
@@ -73,7 +73,7 @@ def beat_gesture(frame_rate: float) -> Feature:
 
 
 def _joints(values: NDArray[np.float64]) -> FloatArray:
-    return values.reshape(len(values), len(TOLD_JOINTS), 3).astype(np.float32)
+    return values.reshape(len(values), len(UPPER_BODY_JOINTS), 3).astype(np.float32)
 
 
 def beat_expression(frame_rate: float) -> Feature:
@@ -95,7 +95,7 @@ def show_gesture(frame_rate: float) -> Feature:
     """Return the rotations of SHOW's 43 told joints, 129 channels, axis-angle in radians."""
 
     def compute(take: Take) -> FloatArray:
-        return _show(take, frame_rate)[:, :_SHOW_BODY]
+        return _show_motion(take, frame_rate)[:, :_SHOW_BODY]
 
     return Feature(name="gesture", version=VERSION, compute=compute)
 
@@ -104,12 +104,12 @@ def show_expression(frame_rate: float) -> Feature:
     """Return SHOW's jaw (axis-angle) and 100 expression coefficients."""
 
     def compute(take: Take) -> FloatArray:
-        return _show(take, frame_rate)[:, _SHOW_BODY:]
+        return _show_motion(take, frame_rate)[:, _SHOW_BODY:]
 
     return Feature(name="expression", version=VERSION, compute=compute)
 
 
-def _show(take: Take, frame_rate: float) -> FloatArray:
+def _show_motion(take: Take, frame_rate: float) -> FloatArray:
     return show_values(resample(read_smplx(take), frame_rate)).astype(np.float32)
 
 
@@ -137,12 +137,12 @@ def mel(frame_rate: float) -> Feature:
     return Feature(name="mel", version=VERSION, compute=compute)
 
 
-def heard(frame_rate: float, hubert: Hubert) -> Feature:
-    """Return what HuBERT hears in the speech, 1024 channels, see `hear`."""
+def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
+    """Return what HuBERT hears in the speech, 1024 channels, see `extract_frames`."""
 
     def compute(take: Take) -> FloatArray:
-        parts = hear(read_audio(take.speech), frame_rate, hubert)
-        return np.concatenate([part.hubert.numpy() for part in parts])
+        pieces = extract_frames(read_audio(take.speech), frame_rate, hubert)
+        return np.concatenate([piece.hubert.numpy() for piece in pieces])
 
     return Feature(name="hubert", version=f"{VERSION} {hubert.identity}", compute=compute)
 
@@ -183,7 +183,7 @@ def speech_filterbank(bands: int) -> Feature:
     return Feature(name="filterbank", version=f"{VERSION} {bands}", compute=compute)
 
 
-def features_of(
+def bone_features(
     kind: Kind, face: FaceLandmarks, vectors: WordVectors, frame_rate: float, *, faces: bool
 ) -> tuple[Feature, ...]:
     """Return ``motion``, ``sound``, ``spectrum`` and ``words`` of takes of a layout.
@@ -215,8 +215,8 @@ def features_of(
     def motion(take: Take) -> FloatArray:
         if kind == "ted":
             return _ted_values(take, frame_rate)
-        clip = _clip_of(kind, take, frame_rate, faces=faces)
-        return values_of(clip, face if faces else None).astype(np.float32)
+        clip = _resampled_clip(kind, take, frame_rate, faces=faces)
+        return bone_and_landmark_values(clip, face if faces else None).astype(np.float32)
 
     def with_still_face(take: Take) -> FloatArray:
         values = motion(take)
@@ -225,16 +225,16 @@ def features_of(
 
     def words(take: Take) -> FloatArray:
         audio = read_audio(take.speech)
-        said = () if take.transcript is None else read_transcript(take.transcript, audio)
+        spoken = () if take.transcript is None else read_transcript(take.transcript, audio)
         frames = max(1, round(audio.duration * frame_rate))
-        return word_rows(said, vectors, frames, frame_rate)
+        return word_rows(spoken, vectors, frames, frame_rate)
 
-    mark = hashlib.sha256(face.neutral.tobytes()).hexdigest()[:16]
-    told = f"{kind} {mark}" if faces else f"{kind} {face.count} still"
+    face_hash = hashlib.sha256(face.neutral.tobytes()).hexdigest()[:16]
+    motion_version = f"{kind} {face_hash}" if faces else f"{kind} {face.count} still"
     return (
         Feature(
             name="motion",
-            version=f"{VERSION} {told}",
+            version=f"{VERSION} {motion_version}",
             compute=motion if faces else with_still_face,
         ),
         Feature(
@@ -260,12 +260,12 @@ def _ted_values(take: Take, frame_rate: float) -> FloatArray:
     motion = read_ted_npz(take.motion)
     before, after, share = frame_places(len(motion.directions), motion.frame_rate, frame_rate)
     share = np.reshape(share, (-1, 1, 1))
-    mixed = (1 - share) * motion.directions[before] + share * motion.directions[after]
-    units = mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)
+    blended = (1 - share) * motion.directions[before] + share * motion.directions[after]
+    units = blended / np.linalg.norm(blended, axis=-1, keepdims=True)
     return np.asarray((units * AXES).reshape(len(units), -1), np.float32)
 
 
-def _clip_of(kind: Kind, take: Take, frame_rate: float, *, faces: bool) -> MotionClip:
+def _resampled_clip(kind: Kind, take: Take, frame_rate: float, *, faces: bool) -> MotionClip:
     if kind != "beat":
         return resample(read_smplx(take), frame_rate)
     if faces and take.face is None:

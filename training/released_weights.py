@@ -41,10 +41,10 @@ def read_saved(file: Path) -> object:
     try:
         return torch.load(file, map_location="cpu", weights_only=True)
     except (pickle.UnpicklingError, RuntimeError, EOFError, ValueError, KeyError) as error:
-        raise not_weights(file, str(error).partition("\n")[0]) from None
+        raise not_weights_error(file, str(error).partition("\n")[0]) from None
 
 
-def tensors_in(found: object, file: Path) -> dict[str, Tensor]:
+def tensors_in(content: object, file: Path) -> dict[str, Tensor]:
     """Return the tensors of a state dictionary by name, without the prefix ``module.``.
 
     Raises
@@ -52,9 +52,11 @@ def tensors_in(found: object, file: Path) -> dict[str, Tensor]:
     InputError
         If it is no mapping, or holds anything but tensors.
     """
-    if not isinstance(found, Mapping) or not all(isinstance(one, Tensor) for one in found.values()):
-        raise not_weights(file, "it holds more than named tensors")
-    return {str(name).removeprefix("module."): weight for name, weight in found.items()}
+    if not isinstance(content, Mapping) or not all(
+        isinstance(value, Tensor) for value in content.values()
+    ):
+        raise not_weights_error(file, "it holds more than named tensors")
+    return {str(name).removeprefix("module."): weight for name, weight in content.items()}
 
 
 @dataclass(frozen=True)
@@ -77,31 +79,31 @@ class ReleasedNames:
         """Return what a TOML file says."""
         return cls(**tomllib.loads(file.read_text("utf-8")))
 
-    def ours(self, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    def renamed_weights(self, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
         """Return the weights that are used, under our names."""
         return {
-            self._ours(name): weight
+            self._rename(name): weight
             for name, weight in weights.items()
             if not re.search(self.unused, name)
         }
 
-    def _ours(self, name: str) -> str:
+    def _rename(self, name: str) -> str:
         for pattern, replacement in self.renamed:
             name = re.sub(pattern, replacement, name)
         return name
 
 
-def not_weights(file: Path, why: str) -> InputError:
+def not_weights_error(file: Path, reason: str) -> InputError:
     """Return the error for a file that holds no weights."""
     return InputError(
-        f"this is not a file of network weights: {why}",
+        f"this is not a file of network weights: {reason}",
         where=file,
         remedy="Give what torch.save(state_dict) or safetensors wrote, with tensors only",
     )
 
 
 def fill(
-    network: Network, weights: Mapping[str, Tensor], file: Path, whose: str, remedy: str
+    network: Network, weights: Mapping[str, Tensor], file: Path, description: str, remedy: str
 ) -> Network:
     """Give a network of the meta device the weights of a file; return it, ready to be asked.
 
@@ -113,7 +115,7 @@ def fill(
         By the network's own names.
     file : Path
         Where they come from.
-    whose : str
+    description : str
         What the file should be, as in ``DiffSHEG's network for beat``.
     remedy : str
         What to do where it is another.
@@ -123,32 +125,34 @@ def fill(
     InputError
         If weights are missing, unknown, or of another shape: it names them.
     """
-    wanted = network.state_dict()
+    expected = network.state_dict()
     problems = [
-        f"{len(names)} {what} ({', '.join(names[:3])}{', …' if len(names) > 3 else ''})"
-        for what, names in _misfits(wanted, weights)
+        f"{len(names)} {problem} ({', '.join(names[:3])}{', …' if len(names) > 3 else ''})"
+        for problem, names in _mismatches(expected, weights)
         if names
     ]
     if problems:
-        raise InputError(f"this is not {whose}: {listed(problems)}", where=file, remedy=remedy)
-    typed = {name: weight.to(wanted[name].dtype) for name, weight in weights.items()}
+        raise InputError(
+            f"this is not {description}: {listed(problems)}", where=file, remedy=remedy
+        )
+    typed = {name: weight.to(expected[name].dtype) for name, weight in weights.items()}
     network.load_state_dict(typed, assign=True)
     network.requires_grad_(False).eval()
     return network
 
 
-def _misfits(
-    wanted: Mapping[str, Tensor], found: Mapping[str, Tensor]
+def _mismatches(
+    expected: Mapping[str, Tensor], weights: Mapping[str, Tensor]
 ) -> Sequence[tuple[str, list[str]]]:
-    other = [
-        f"{name} {tuple(found[name].shape)} instead of {tuple(weight.shape)}"
-        for name, weight in wanted.items()
-        if name in found and found[name].shape != weight.shape
+    reshaped = [
+        f"{name} {tuple(weights[name].shape)} instead of {tuple(weight.shape)}"
+        for name, weight in expected.items()
+        if name in weights and weights[name].shape != weight.shape
     ]
     return (
-        ("missing", [name for name in wanted if name not in found]),
-        ("unknown", [name for name in found if name not in wanted]),
-        ("of another shape", other),
+        ("missing", [name for name in expected if name not in weights]),
+        ("unknown", [name for name in weights if name not in expected]),
+        ("of another shape", reshaped),
     )
 
 
@@ -165,20 +169,20 @@ class SavedNetworks:
 
     Attributes
     ----------
-    whose : str
+    owner : str
         Whose weights they are.
     types : mapping of str to str
         Their types, as ``config.json`` calls them, and their names.
     remedy : str
         How to come by such a folder.
-    unasked : collection of str
+    optional : collection of str
         Weights that may be missing, by the beginnings of their names.
     """
 
-    whose: str
+    owner: str
     types: Mapping[str, str]
     remedy: str
-    unasked: Collection[str] = ()
+    optional: Collection[str] = ()
 
     def check(self, folder: Path) -> Mapping[str, Any]:
         """Return what ``config.json`` says of the network; its weights are not loaded.
@@ -190,16 +194,16 @@ class SavedNetworks:
         """
         for name in (CONFIG, WEIGHTS):
             if not (folder / name).is_file():
-                raise self.refused(f"the folder of {self.whose} holds no {name}", folder)
+                raise self.error(f"the folder of {self.owner} holds no {name}", folder)
         path = folder / CONFIG
         try:
             facts = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
-            raise self.refused("the file is not JSON", path) from error
+            raise self.error("the file is not JSON", path) from error
         kind = facts.get("model_type") if isinstance(facts, dict) else None
         if kind not in self.types:
-            wanted = " or ".join(self.types.values())
-            raise self.refused(f"the folder holds a network of type {kind!r}, not {wanted}", path)
+            expected = " or ".join(self.types.values())
+            raise self.error(f"the folder holds a network of type {kind!r}, not {expected}", path)
         return dict(facts)
 
     def load(self, folder: Path) -> PreTrainedModel:
@@ -218,20 +222,20 @@ class SavedNetworks:
                 folder, local_files_only=True, use_safetensors=True, output_loading_info=True
             )
         except (SafetensorError, OSError, ValueError, RuntimeError, KeyError, TypeError) as error:
-            what = str(error).partition("\n")[0]
-            raise self.refused(f"the weights of {self.whose} cannot be read: {what}", folder) from (
-                error
-            )
+            problem = str(error).partition("\n")[0]
+            raise self.error(
+                f"the weights of {self.owner} cannot be read: {problem}", folder
+            ) from (error)
         missing = sorted(
-            name for name in report["missing_keys"] if not name.startswith(tuple(self.unasked))
+            name for name in report["missing_keys"] if not name.startswith(tuple(self.optional))
         )
         if missing:
-            raise self.refused(
-                f"the file of {self.whose} lacks {len(missing)} weights ({', '.join(missing[:3])})",
+            raise self.error(
+                f"the file of {self.owner} lacks {len(missing)} weights ({', '.join(missing[:3])})",
                 folder / WEIGHTS,
             )
         return network
 
-    def refused(self, what: str, where: Path) -> InputError:
+    def error(self, problem: str, where: Path) -> InputError:
         """Return the error for a folder that does not hold what is wanted."""
-        return InputError(what, where=where, remedy=self.remedy)
+        return InputError(problem, where=where, remedy=self.remedy)

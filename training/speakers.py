@@ -52,7 +52,7 @@ class Speakers:
             remedy=f"Give a number from 1 to {len(self.names)}, or one of {listed(self.names)}",
         )
 
-    def stand_in(self, name: str) -> int:
+    def number_or_substitute(self, name: str) -> int:
         """Return whom the network moves as for a speaker it may never have heard of.
 
         Known ones are themselves. All others are one of the known, which one the name decides: a
@@ -62,7 +62,7 @@ class Speakers:
             return self.names.index(name) + 1
         return zlib.crc32(name.encode()) % len(self.names) + 1
 
-    def chosen(self, wanted: int | str | None, speaking: str | None, checkpoint: Path) -> int:
+    def resolve(self, requested: int | str | None, speaker: str | None, checkpoint: Path) -> int:
         """Return whom the network moves as: whom is wanted, else who speaks, else the first one.
 
         Raises
@@ -70,15 +70,15 @@ class Speakers:
         InputError
             If the network, which lies in `checkpoint`, never heard of who is wanted.
         """
-        if wanted is None:
-            return 1 if speaking is None else self.stand_in(speaking)
+        if requested is None:
+            return 1 if speaker is None else self.number_or_substitute(speaker)
         with found_at(checkpoint):
-            return self.number(wanted)
+            return self.number(requested)
 
     def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
         """Return the vectors, (names, width), of whoever stands in for each of `names`."""
         vectors = np.zeros((len(names), self.width), np.float32)
-        vectors[np.arange(len(names)), [self.stand_in(name) - 1 for name in names]] = 1
+        vectors[np.arange(len(names)), [self.number_or_substitute(name) - 1 for name in names]] = 1
         return vectors
 
 

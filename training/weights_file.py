@@ -43,7 +43,7 @@ class WeightsFile:
     tensors: Mapping[str, Tensor]
     facts: Mapping[str, Any]
 
-    def part(self, prefix: str) -> dict[str, Tensor]:
+    def with_prefix(self, prefix: str) -> dict[str, Tensor]:
         """Return the tensors whose names begin with ``prefix.``, without it; all for no prefix."""
         start = prefix and f"{prefix}."
         return {
@@ -54,7 +54,7 @@ class WeightsFile:
 
     def loaded(self, network: Network, part: str = "") -> Network:
         """Return a network with the weights of a part, or with all, in evaluation mode."""
-        network.load_state_dict(self.part(part))
+        network.load_state_dict(self.with_prefix(part))
         network.requires_grad_(False).eval()
         return network
 
@@ -123,7 +123,7 @@ class NetworkKind:
             If the file cannot be read, or a fact or a tensor is missing or of another shape.
         """
         file = read_weights(path)
-        usual = f"Give {self.wanted}: one that was trained here, or the released one"
+        default_remedy = f"Give {self.wanted}: one that was trained here, or the released one"
         try:
             if file.facts["network"] != self.name:
                 raise ValueError("another network")
@@ -132,7 +132,7 @@ class NetworkKind:
             raise InputError(
                 f"the file holds weights, but not of {self.wanted}",
                 where=path,
-                remedy=self.remedy or usual,
+                remedy=self.remedy or default_remedy,
             ) from error
 
 
@@ -144,11 +144,11 @@ def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str,
     InputError
         If they cannot be stored there, as on a full disk.
     """
-    plain = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
+    stored = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
     text = json.dumps(facts, sort_keys=True, allow_nan=False)
     with replacing(path) as draft:
         try:
-            save_file(plain, draft, metadata={_KEY: text})
+            save_file(stored, draft, metadata={_KEY: text})
         except SafetensorError as error:
             raise InputError(
                 f"the weights cannot be stored: {error}",

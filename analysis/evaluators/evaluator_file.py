@@ -136,7 +136,9 @@ def read_evaluator(path: Path) -> EvaluatorFile:
         facts = _facts(found)
         landmarks = None
         if facts.channels == "landmarks":
-            arrays = {name: tensor.numpy() for name, tensor in found.part("landmarks").items()}
+            arrays = {
+                name: tensor.numpy() for name, tensor in found.with_prefix("landmarks").items()
+            }
             landmarks = FaceLandmarks.from_arrays(arrays)
         channels = facts.view(landmarks).channels
         return EvaluatorFile(
@@ -185,14 +187,14 @@ def _lists_as_tuples(sizes: dict[str, Any]) -> dict[str, Any]:
 def _network(found: WeightsFile, design: Design, channels: int) -> Network:
     network = design.fresh_network(channels)
     try:
-        network.load_state_dict(found.part("network"))
+        network.load_state_dict(found.with_prefix("network"))
     except RuntimeError as error:
         raise InputError("the weights do not fit the network's sizes", remedy=_REMEDY) from error
     return network.eval().requires_grad_(False)
 
 
 def _normalisation(found: WeightsFile, channels: int) -> Normalisation:
-    arrays = {name: tensor.numpy() for name, tensor in found.part("normalisation").items()}
+    arrays = {name: tensor.numpy() for name, tensor in found.with_prefix("normalisation").items()}
     for name in ("mean", "deviation"):
         if name not in arrays or arrays[name].shape != (channels,):
             raise InputError(f"the {name} of the channels does not fit", remedy=_REMEDY)

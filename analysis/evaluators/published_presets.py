@@ -20,7 +20,7 @@ from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import rest_corrections
 from motion.formats.ted_npz import BONES
 from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, forward_kinematics, joint_index
-from training.spaces.beat import BEAT_SKELETON, TOLD_JOINTS
+from training.spaces.beat import BEAT_SKELETON, UPPER_BODY_JOINTS
 from training.spaces.smplx_bodies import rotation_rows
 
 FloatArray = NDArray[np.float64]
@@ -109,8 +109,8 @@ def beat_frames(clip: MotionClip) -> FloatArray:
     world = _beat_world(clip)
     parents = {joint.name: joint.parent for joint in BEAT_SKELETON}
     names = [joint.name for joint in BEAT_SKELETON]
-    angles = np.full((len(clip), len(TOLD_JOINTS), 3), np.nan)
-    for place, name in enumerate(TOLD_JOINTS):
+    angles = np.full((len(clip), len(UPPER_BODY_JOINTS), 3), np.nan)
+    for place, name in enumerate(UPPER_BODY_JOINTS):
         if name not in world:
             continue
         above = names[parents[name]]

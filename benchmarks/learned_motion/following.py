@@ -17,7 +17,7 @@ from analysis.metrics.joint_motion import WRISTS, joint_motion, select
 from analysis.stats.samples import percentile_interval, times_drawn
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
-from training.corpus.motion_curves import follow as follow_curve
+from training.corpus.motion_curves import correlate_curves as follow_curve
 from training.corpus.motion_curves import mean_speed
 
 FloatArray = NDArray[np.float64]

@@ -40,7 +40,12 @@ from motion.skeleton import REST_JOINTS, joint_index
 from training.data.windows import Windows
 from training.device import torch_threads
 from training.hearing.word_vectors import StandIn
-from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, directions_of, joints_of
+from training.spaces.bones_and_landmarks import (
+    BONE_LENGTHS,
+    BONE_VALUES,
+    bone_directions,
+    joints_from_directions,
+)
 from training.speakers import Speakers
 
 FloatArray = NDArray[np.float64]
@@ -106,7 +111,7 @@ class Measure:
         """Return joints and landmarks, (windows, T, points, 3)."""
         count, frames, _ = values.shape
         directions = values[..., :BONE_VALUES].reshape(count * frames, -1, 3)
-        joints = joints_of(directions, BONE_LENGTHS)
+        joints = joints_from_directions(directions, BONE_LENGTHS)
         shifts = values[..., BONE_VALUES:].reshape(count, frames, -1, 3)
         return joints.reshape(count, frames, -1, 3), self._neutral + shifts
 
@@ -170,7 +175,7 @@ def speed(rounds: int) -> None:
     network = Network(NetworkConfig(speakers=4, **PRESETS["tiny"].sizes), face)
     standing = np.zeros(BONE_VALUES + 3 * face.count, np.float32)
     rest = REST_JOINTS[[joint_index(name) for name in JOINT_NAMES]][None]
-    standing[:BONE_VALUES] = directions_of(rest).ravel()
+    standing[:BONE_VALUES] = bone_directions(rest).ravel()
     network.mean.copy_(torch.from_numpy(standing))
     network.rest.copy_(network.mean)
     network.deviation.fill_(1e-3)

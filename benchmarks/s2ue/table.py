@@ -19,7 +19,7 @@ from training.data.feature_cache import prepare
 from training.data.folders import read_takes
 from training.data.take import Split, TakeFolder
 from training.data.windows import Windows
-from training.features import features_of
+from training.features import bone_features
 from training.hearing.word_vectors import StandIn
 
 FloatArray = NDArray[np.float64]
@@ -73,7 +73,7 @@ def table(
 def windows_of(takes: TakeFolder, folder: Path, split: Split, *, stride: int) -> Windows:
     """Return windows of a corpus, with what networks are told of them; `folder` keeps it."""
     face = FaceLandmarks.of_default_body()
-    features = features_of(takes.kind, face, StandIn(), RATE, faces=True)
+    features = bone_features(takes.kind, face, StandIn(), RATE, faces=True)
     prepared = prepare(takes, features, folder / "features", frame_rate=RATE)
     return Windows(prepared, split=split, frames=34, stride=stride)
 

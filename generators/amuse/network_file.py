@@ -18,7 +18,7 @@ from generators.amuse.config import LABELS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import AnySpeechModel, SpeechModel, speech_model_of
 from motion.errors import InputError, listed
-from training.released_weights import ReleasedNames, fill, not_weights, read_saved, tensors_in
+from training.released_weights import ReleasedNames, fill, not_weights_error, read_saved, tensors_in
 from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 _MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
@@ -106,7 +106,7 @@ def load_speech(path: Path) -> SpeechNetwork:
     with _SPEECH.reading(path) as file:
         return SpeechNetwork(
             model=file.loaded(speech_model_of(SpeechConfig(**file.facts["config"])), "model"),
-            latents={part: found for part in LABELS if (found := file.part(part))},
+            latents={part: found for part in LABELS if (found := file.with_prefix(part))},
             training=file.facts["training"],
         )
 
@@ -115,7 +115,7 @@ def read_motion_model(file: Path) -> MotionModel:
     """Return the released prior and denoiser, which ``torch.save`` wrote under these names."""
     found = read_saved(file)
     if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
-        raise not_weights(file, "it has no 'prior' and 'denoiser'")
+        raise not_weights_error(file, "it has no 'prior' and 'denoiser'")
     model = MotionModel(MotionConfig())
     for part, whose in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
         weights = _asked(found[part], file)
@@ -136,7 +136,7 @@ def read_speech_model(file: Path) -> SpeechModel:
 
 def _asked(found: object, file: Path) -> dict[str, Tensor]:
     """Return, by our names, the weights that the release's own forward pass asks."""
-    weights = _NAMES.ours(tensors_in(found, file))
+    weights = _NAMES.renamed_weights(tensors_in(found, file))
     # A position is one row for each token; the release keeps a dimension for the batch.
     return {
         name: weight.squeeze(1) if name.endswith(".pe") else weight

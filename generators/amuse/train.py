@@ -29,7 +29,7 @@ from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
 from training.hearing.speech_windows import WindowPlan, filterbanks_under
 from training.layers import first_weights
-from training.run.batches import evenly
+from training.run.batches import evenly_spaced
 from training.run.passes import Pass
 from training.run.task import WindowTask
 
@@ -76,14 +76,14 @@ class MotionTask(WindowTask):
     def network(self) -> MotionModel:
         """Return fresh networks that set out from what motion and speech are like."""
         model = MotionModel(self.config)
-        seen = self.training.batch(evenly(self.examples, SEEN))
+        seen = self.training.batch(evenly_spaced(self.examples, SEEN))
         if isinstance(model.prior, MotionPrior):
             set_out(model.prior, torch.from_numpy(seen["motion"]))
         # All parts of the speech are to count alike.
         told = self._parts(torch.from_numpy(seen["latents"][:, 0]))
         for part, latents in zip(PARTS, told, strict=False):
             layer = model.denoiser.get_submodule(f"{part}.1")
-            first_weights.hear_alike(layer, latents.relu())
+            first_weights.standardise_inputs(layer, latents.relu())
         return model.to(self.device)
 
     def losses_of(
@@ -100,7 +100,7 @@ class MotionTask(WindowTask):
 
         All count, whatever is learned by, so that ablations are measured alike.
         """
-        rows = evenly(len(self.held_out), HELD_OUT)
+        rows = evenly_spaced(len(self.held_out), HELD_OUT)
         weights = MOTION_LOSSES if self.config.prior else without(MOTION_LOSSES, *OF_PRIOR)
         found = self._losses(network, self.held_out, rows, weights)
         return {name: float(value) for name, value in found.items()}
@@ -154,9 +154,9 @@ def set_out(prior: MotionPrior, motion: Tensor) -> None:
         prior.final_layer.bias.copy_(motion.mean(dim=(0, 1)))
         return
     held = 5 * config.width // 8
-    found = first_weights.components_of(motion.flatten(0, 1), held)
-    first_weights.tell_components(prior.skel_embedding, found, alone=True)
-    first_weights.show_components(prior.final_layer, found)
+    found = first_weights.principal_components(motion.flatten(0, 1), held)
+    first_weights.encode_components(prior.skel_embedding, found, only=True)
+    first_weights.decode_components(prior.final_layer, found)
 
     def times(count: int) -> Tensor:
         """Return what tells the time of `count` evenly spaced moments of a window."""
@@ -174,7 +174,7 @@ def set_out(prior: MotionPrior, motion: Tensor) -> None:
     prior.global_motion_token[:, :held].normal_(std=0.3)
     for module in prior.modules():
         if isinstance(module, nn.MultiheadAttention):
-            first_weights.look_near(module, held)
+            first_weights.attend_nearby(module, held)
 
 
 def speech_latents(
@@ -229,10 +229,10 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         align_steps=preset.align_steps,
         named=preset.named,
         means=speech.latents,
-        further={"speech model": identity, **further},
+        extra_settings={"speech model": identity, **further},
         **windows,
     )
-    training = preset.trained_on(task.examples, request.changes)
+    training = preset.config_for(task.examples, request.changes)
     if config.prior:
         passes = _passes(preset.together, training.steps, disjoint=ablation == "disjoint")
         training = replace(training, passes=passes)

@@ -26,9 +26,13 @@ from training.data.labelled_windows import Classes, check_texts, macro_f1, quadr
 from training.data.windows import Windows
 from training.features import speech_filterbank
 from training.hearing.spectra import ROWS_PER_SECOND
-from training.hearing.spectrogram_transformer import augmented, listen, read_ast_weights
+from training.hearing.spectrogram_transformer import (
+    augment,
+    initialise_from_speech,
+    read_ast_weights,
+)
 from training.released_weights import WEIGHTS
-from training.run.batches import evenly
+from training.run.batches import evenly_spaced
 from training.run.task import WindowTask
 
 MOST: Final = 20_000
@@ -86,12 +90,12 @@ class SpeechTask(WindowTask):
         if isinstance(network, SpeechModel):
             # First weights are computed on the processor, so that they are the same anywhere.
             here = replace(self, device="cpu")
-            seen = here._filterbanks(self.training, evenly(len(self.training), SEEN))
+            seen = here._filterbanks(self.training, evenly_spaced(len(self.training), SEEN))
             for encoder in (network.content, network.emotion, network.style):
                 if self.encoder_weights:
                     encoder.transformer.load_state_dict(self.encoder_weights)
                 else:
-                    listen(encoder.transformer, seen)
+                    initialise_from_speech(encoder.transformer, seen)
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -104,7 +108,7 @@ class SpeechTask(WindowTask):
         if isinstance(network, SpeechAutoencoder):
             return {"loss": network.missed(filterbanks)}
         numbers = self._numbers(self.training, chosen)
-        return losses.speech_losses(network, *augmented(filterbanks), numbers, self.weights)
+        return losses.speech_losses(network, *augment(filterbanks), numbers, self.weights)
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
         """Return what is measured of held-out windows.
@@ -137,15 +141,15 @@ class SpeechTask(WindowTask):
     @cached_property
     def measured(self) -> NDArray[np.int64]:
         """Rows of `held_out` that tell how well held-out recordings are known."""
-        known = self.classes.known(self.held_out)
-        return known[evenly(len(known), HELD_OUT)]
+        known = self.classes.labelled_rows(self.held_out)
+        return known[evenly_spaced(len(known), HELD_OUT)]
 
     @cached_property
     def held_out_fours(self) -> NDArray[np.int64]:
         """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
-        fours = quadruples(self.held_out, most=MOST, seed=0)
-        fours = fours[np.isin(fours, self.classes.known(self.held_out)).all(axis=1)]
-        return fours[evenly(len(fours), HELD_OUT // 4)]
+        fours = quadruples(self.held_out, limit=MOST, seed=0)
+        fours = fours[np.isin(fours, self.classes.labelled_rows(self.held_out)).all(axis=1)]
+        return fours[evenly_spaced(len(fours), HELD_OUT // 4)]
 
     def _heard(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, HeardSpeech]:
         """Return held-out filterbanks, and what is heard in them."""
@@ -158,7 +162,7 @@ class SpeechTask(WindowTask):
         """Return the mean latent of each emotion, and of each speaker's style."""
         if isinstance(model, SpeechAutoencoder):
             return {}
-        rows = self.classes.known(self.training)
+        rows = self.classes.labelled_rows(self.training)
         parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
         means: dict[str, dict[str, Tensor]] = {}
         for part, numbers in zip(LABELS, self._numbers(self.training, rows), strict=True):
@@ -187,15 +191,15 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     features = (speech_filterbank(config.bands),)
     windows = cut_windows(request, features, ROWS_PER_SECOND, frames, stride)
     training = windows["training"]
-    fours = quadruples(training, most=MOST, seed=preset.training.seed, needed=True)
-    classes = Classes.of(training, LABELS.values())
+    fours = quadruples(training, limit=MOST, seed=preset.training.seed, required=True)
+    classes = Classes.from_windows(training, LABELS.values())
     emotions, speakers = classes.names.values()
     task = SpeechTask(
         config=replace(config, emotions=len(emotions), styles=len(speakers)),
         weights=losses.without(losses.SPEECH_LOSSES, ablation),
         fours=fours,
         classes=classes,
-        further={"emotions": list(emotions), "speakers": list(speakers), **origin},
+        extra_settings={"emotions": list(emotions), "speakers": list(speakers), **origin},
         encoder_weights=weights,
         **windows,
     )
@@ -204,7 +208,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
-    schedule = preset.trained_on(task.examples, request.changes)
+    schedule = preset.config_for(task.examples, request.changes)
     trained, facts = learn(request, task, schedule, ("transformers",))
     network, latents = trained.network, task.mean_latents(trained.network)
     write_speech(

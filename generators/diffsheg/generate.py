@@ -27,13 +27,13 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
 from training.hearing.speech_frames import (
-    HearingWindow,
     SpeechFrames,
-    hear,
-    hear_stream,
-    hearing_of,
+    StreamWindow,
+    extract_frames,
+    stream_frames,
+    window_for,
 )
-from training.spaces.beat import beat_clip, beat_piece
+from training.spaces.beat import beat_clip, beat_clip_piece
 from training.spaces.smplx_bodies import show_clip
 
 
@@ -67,9 +67,9 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         config = self._network.denoiser.config
         speaker = self._speaker(speech.segment.speaker)
         frames = max(1, round(speech.audio.duration * config.frame_rate))
-        heard = hear(speech.audio, config.frame_rate, self._hubert)
+        heard = extract_frames(speech.audio, config.frame_rate, self._hubert)
         clip = self._clip(joined(self._moved(heard, seed, speaker), frames, on_part))
-        window = hearing_of(speech.audio)
+        window = window_for(speech.audio)
         return clip, {
             "heard": "as a whole" if window is None else str(window),
             **self._facts(speaker, speech.segment.speaker),
@@ -80,7 +80,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         pieces: Iterable[NDArray[np.float32]],
         *,
         seed: int,
-        window: HearingWindow | None = None,
+        window: StreamWindow | None = None,
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion while somebody still speaks, as soon as it is settled.
 
@@ -94,7 +94,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             Samples at 16 kHz, in order.
         seed : int
             Not negative.
-        window : HearingWindow, optional
+        window : StreamWindow, optional
             What is heard around each second; by default four seconds before and one ahead.
 
         Yields
@@ -110,8 +110,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         """
         seeded_stream(seed)
         config = self._network.denoiser.config
-        window = HearingWindow() if window is None else window
-        heard = hear_stream(pieces, int(config.frame_rate), self._hubert, window)
+        window = StreamWindow() if window is None else window
+        heard = stream_frames(pieces, int(config.frame_rate), self._hubert, window)
         return self._moved(heard, seed, self._speaker(None))
 
     def stream_clips(
@@ -119,7 +119,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         pieces: Iterable[NDArray[np.float32]],
         *,
         seed: int,
-        window: HearingWindow | None = None,
+        window: StreamWindow | None = None,
     ) -> Iterator[MotionClip]:
         """Yield clips while somebody still speaks, as soon as they are settled.
 
@@ -140,13 +140,13 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "generator": self.name,
             "seed": str(seed),
             "segment": "",
-            "heard": str(HearingWindow() if window is None else window),
+            "heard": str(StreamWindow() if window is None else window),
         }
         frame_rate = self._network.denoiser.config.frame_rate
         twists: ForearmTwists | None = None
         for motion in self.stream(pieces, seed=seed, window=window):
             if self._network.dataset == "beat":
-                clip, twists = beat_piece(motion, frame_rate, twists)
+                clip, twists = beat_clip_piece(motion, frame_rate, twists)
             else:
                 clip = show_clip(motion, frame_rate)
             yield clip.with_provenance(**facts)
@@ -187,7 +187,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         """Return the number of whom it moves as, when the speaker of that name is heard."""
         known, wanted = self._network.speakers, self._settings.speaker
         if known is not None:
-            return known.chosen(wanted, speaking, self._settings.checkpoint)
+            return known.resolve(wanted, speaking, self._settings.checkpoint)
         if wanted is None:
             return 1
         speakers = self._network.denoiser.config.speakers
@@ -248,7 +248,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
                 where=self._settings.checkpoint,
                 remedy="Name the folder of the same HuBERT, or none where a stand-in heard",
             )
-        return hubert.on(self._device)
+        return hubert.to_device(self._device)
 
     @cached_property
     def _walk(self) -> Sampling:

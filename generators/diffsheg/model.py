@@ -253,7 +253,7 @@ class Denoiser(nn.Module):
         """
         for name, branch in self.in_order:
             if branch.skip is not None:
-                branch.skip.tell(windows[..., self.part_of(name)])
+                branch.skip.fit(windows[..., self.part_of(name)])
 
 
 def _parts(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:

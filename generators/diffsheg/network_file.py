@@ -61,7 +61,7 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
             f"DiffSHEG was not released for {dataset!r}", remedy=f"Use {listed(list(DATASETS))}"
         )
     file = Path(path)
-    weights = _NAMES.ours(read_weights(file))
+    weights = _NAMES.renamed_weights(read_weights(file))
     with torch.device("meta"):
         denoiser = Denoiser(DATASETS[dataset])
     return fill(

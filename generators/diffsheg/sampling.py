@@ -23,7 +23,7 @@ from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
 from generators.interface import seeded_stream
 from motion.errors import InputError
-from training.device import side_by_side
+from training.device import run_side_by_side
 from training.diffusion import LINEAR
 from training.hearing.speech_frames import SpeechFrames
 
@@ -99,12 +99,12 @@ def stream(
             return sampler(windows, known)
 
     for piece in speech:
-        waiting = piece if waiting is None else waiting.then(piece)
+        waiting = piece if waiting is None else waiting.followed_by(piece)
         while len(waiting) >= frames:
             count = min(1 + (len(waiting) - frames) // settled, TOGETHER)
             begins = range(0, count * settled, settled)
-            motions = moved([waiting.part(begin, begin + frames) for begin in begins])
-            waiting = waiting.part(count * settled)
+            motions = moved([waiting.slice(begin, begin + frames) for begin in begins])
+            waiting = waiting.slice(count * settled)
             known = shared_frames(motions[-1], sampling)
             yield from (motion[:settled] for motion in motions)
     if waiting is None:
@@ -317,7 +317,7 @@ class WindowSampler:
         def behind() -> list[Tensor]:
             return self._walk(second, windows, known, lambda _: _received(heard), eps_behind)
 
-        found = side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        found = run_side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
         return [
             self._denoiser.joined(dict(zip((first, second), parts, strict=True)))
             for parts in zip(*found, strict=True)

@@ -28,14 +28,14 @@ from training.diffusion import LINEAR
 from training.features import (
     beat_expression,
     beat_gesture,
-    heard,
+    hubert_features,
     mel,
     semantic_scores,
     show_expression,
     show_gesture,
 )
 from training.hearing.hubert import Hubert, load_hubert, stand_in
-from training.run.batches import evenly
+from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.spaces.normalisation import Normalisation
@@ -125,7 +125,7 @@ class DiffShegTask(WindowTask):
     @cached_property
     def _seen(self) -> NDArray[np.float32]:
         """Normalised windows, evenly among those to learn from."""
-        rows = evenly(len(self.training), _SEEN)
+        rows = evenly_spaced(len(self.training), _SEEN)
         return self._motion(dict(self.training.batch(rows)))
 
     def _losses(
@@ -188,7 +188,7 @@ def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Featur
     InputError
         If motion is told as nobody's.
     """
-    speech = (mel(frame_rate), heard(frame_rate, hubert))
+    speech = (mel(frame_rate), hubert_features(frame_rate, hubert))
     if dataset == "beat":
         scores = semantic_scores(frame_rate)
         return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
@@ -202,13 +202,13 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     dataset = _dataset_of(request.takes)
     preset = _preset_of(request, dataset)
     folder = request.choices.get("hubert")
-    hubert = (stand_in() if folder is None else load_hubert(Path(folder))).on(request.device)
+    hubert = (stand_in() if folder is None else load_hubert(Path(folder))).to_device(request.device)
     frame_rate = preset.network.frame_rate
     features = features_of(dataset, hubert, frame_rate)
     windows = cut_windows(request, features, frame_rate, preset.network.frames, STRIDE)
     prepared = windows["training"].prepared
     task = _task(request, preset, windows, hubert)
-    config = preset.trained_on(task.examples, request.changes)
+    config = preset.config_for(task.examples, request.changes)
     trained, facts = learn(request, task, config, ("transformers",))
     untrained = _untrained(task, config.seed)
     facts |= {
@@ -260,7 +260,7 @@ def _task(
     request: TrainingRequest, preset: TrainingPreset, windows: Cut, hubert: Hubert
 ) -> DiffShegTask:
     prepared = windows["training"].prepared
-    names = prepared.taught(request.takes.speakers)
+    names = prepared.training_speakers(request.takes.speakers)
     network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
     weights = LOSSES[preset.losses]
     return DiffShegTask(
@@ -268,7 +268,7 @@ def _task(
         weights=weights,
         normalisation=normalisation_of(prepared),
         speakers=Speakers(names, network.speakers),
-        further={
+        extra_settings={
             "hubert": hubert.identity,
             "speakers": list(names),
             "weights chosen by": f"{CHOSEN_BY} of {HELD_OUT} windows",

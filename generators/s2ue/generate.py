@@ -21,9 +21,15 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.formats.transcript import Word, find_transcript
 from training.hearing.speech_frames import at_speech_rate
-from training.hearing.speech_windows import HeardWindow, hear_windows
-from training.hearing.word_vectors import StandIn, WordVectors, same_vectors, word_rows, words_in
-from training.spaces.bones_and_landmarks import values_clip, with_units
+from training.hearing.speech_windows import SpeechWindow, stream_windows
+from training.hearing.word_vectors import (
+    StandIn,
+    WordVectors,
+    matching_vectors,
+    slice_rows,
+    word_rows,
+)
+from training.spaces.bones_and_landmarks import bone_and_landmark_clip, with_units
 
 FADES: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
@@ -99,21 +105,21 @@ class S2ue(NetworkGenerator[S2ueSettings]):
             if name in speakers.names
             else chance.dirichlet(np.ones(len(speakers.names)))
         )
-        heard = hear_windows(pieces, config.frame_rate, config.frames, config.seeds)
+        heard = stream_windows(pieces, config.frame_rate, config.frames, config.seeds)
         told = (torch.from_numpy(one.astype(np.float32)) for one in (person, noise))
         return move(heard, words, network, *(one.to(self._device) for one in told))
 
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
-        return values_clip(values, self._network.network.config.frame_rate, self._face)
+        return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
 
     def _name(self, speaking: str | None) -> str:
         """Return whom it moves as: one whom it learned from, or somebody between all of them."""
         speakers, wanted = self._network.speakers, self._settings.speaker
         if wanted == ANYBODY:
             return ANYBODY
-        return speakers.names[speakers.chosen(wanted, speaking, self._settings.checkpoint) - 1]
+        return speakers.names[speakers.resolve(wanted, speaking, self._settings.checkpoint) - 1]
 
     def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
         config, name = self._network.network.config, self._name(speaking)
@@ -148,13 +154,13 @@ class S2ue(NetworkGenerator[S2ueSettings]):
     @cached_property
     def _vectors(self) -> WordVectors:
         learned, named = self._network, self._settings.vectors
-        return same_vectors(
+        return matching_vectors(
             named, learned.vectors, learned.network.config.words, self._settings.checkpoint
         )
 
 
 def move(
-    windows: Iterable[HeardWindow],
+    windows: Iterable[SpeechWindow],
     words: NDArray[np.float32] | None,
     network: Network,
     person: Tensor,
@@ -181,7 +187,7 @@ def move(
     told = network.rest.expand(seeds, -1)
     way = torch.from_numpy(_way_over(config.frames, seeds)).to(told)
     for window in windows:
-        said = words_in(words, window.first, config.frames, config.words)
+        said = slice_rows(words, window.first, config.frames, config.words)
         with torch.inference_mode():
             found, _ = network.synthesise(
                 window.sound[None].to(told.device),

@@ -8,7 +8,7 @@ from torch.nn import functional
 
 from generators.s2ue.config import LossWeights
 from generators.s2ue.model import Network
-from training.spaces.bones_and_landmarks import joint_tensors_of, split_motion
+from training.spaces.bones_and_landmarks import joint_tensors, split_motion
 
 
 def phoneme_loss(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
@@ -30,9 +30,7 @@ def reconstruction_losses(
     for name in (told for together in network.config.modalities for told in together):
         motion = _distance(one[name], two[name], spread[name])
         steps = _distance(_steps(one[name]), _steps(two[name]), spread[name])
-        joints = (
-            (joint_tensors_of(one[name]), joint_tensors_of(two[name])) if name == "pose" else None
-        )
+        joints = (joint_tensors(one[name]), joint_tensors(two[name])) if name == "pose" else None
         parts["place"] = parts["place"] + (
             _distance(*joints, spread["joints"]) if joints else motion
         )

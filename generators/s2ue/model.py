@@ -21,7 +21,7 @@ from training.layers.convolutions import (
     lips_of,
     over_time,
 )
-from training.spaces.bones_and_landmarks import BONE_VALUES, points_of, split_motion
+from training.spaces.bones_and_landmarks import BONE_VALUES, as_points, split_motion
 from training.speakers import SpeakerEncoder
 
 Motion = Mapping[str, Tensor]
@@ -105,7 +105,7 @@ class Synthesis(nn.Module):
             ],
             dim=-1,
         )
-        found = {name: points_of(decode(embedding)) for name, decode in self.decoders.items()}
+        found = {name: as_points(decode(embedding)) for name, decode in self.decoders.items()}
         return found, (mean, variance)
 
 
@@ -149,7 +149,7 @@ class PhonemePredictor(nn.Module):
     def forward(self, spectrogram: Tensor) -> Tensor:
         """Return normalised landmarks of the lips, (B, T, lips, 3), of (B, T, bands)."""
         heard = self.backbone(spectrogram.transpose(1, 2)).transpose(1, 2)
-        return points_of(self.full(heard))
+        return as_points(self.full(heard))
 
 
 class Network(nn.Module):
@@ -231,7 +231,7 @@ class Network(nn.Module):
         """Return shifts of the lips' landmarks, (B, T, lips, 3), metres."""
         found: Tensor = self.phonemes((spectrogram - self.spectrum[0]) / self.spectrum[1])
         mean, deviation = (
-            points_of(one[BONE_VALUES:])[self.lips] for one in (self.mean, self.deviation)
+            as_points(one[BONE_VALUES:])[self.lips] for one in (self.mean, self.deviation)
         )
         return mean + deviation * found
 
@@ -239,7 +239,7 @@ class Network(nn.Module):
         """Return motion whose lips, but for the corners, are those of the phoneme predictor."""
         if not self.config.faces:
             return values
-        face = points_of(values[..., BONE_VALUES:]).clone()
+        face = as_points(values[..., BONE_VALUES:]).clone()
         face[..., self.lips, :] = self.lips_heard(spectrogram)
         return torch.cat([values[..., :BONE_VALUES], face.flatten(-2)], dim=-1)
 

@@ -31,12 +31,12 @@ from generators.s2ue.model import Latents, Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
-from training.features import features_of
-from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
-from training.run.batches import evenly
+from training.features import bone_features
+from training.hearing.word_vectors import StandIn, WordVectors, load_word_vectors
+from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
-from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of, split_motion
+from training.spaces.bones_and_landmarks import BONE_VALUES, joints_from_directions, split_motion
 from training.spaces.normalisation import mean_and_deviation, spread
 from training.speakers import Speakers, latent_loss
 
@@ -121,7 +121,7 @@ class S2ueTask(WindowTask):
 
         All of equation 17 counts, whatever is learned by, so that ablations are measured alike.
         """
-        rows = evenly(len(self.held_out), HELD_OUT)
+        rows = evenly_spaced(len(self.held_out), HELD_OUT)
         batch = self._batch(self.held_out, rows)
         noise = batch["motion"].new_zeros(len(rows), *self.config.latents)
         found, _ = self._told(network, batch, noise)
@@ -153,10 +153,10 @@ class S2ueTask(WindowTask):
     @cached_property
     def _spreads(self) -> Mapping[str, NDArray[np.floating[Any]]]:
         """The buffers of a network: means and deviations over windows, evenly among all."""
-        seen = self.training.batch(evenly(self.examples, _SEEN))
+        seen = self.training.batch(evenly_spaced(self.examples, _SEEN))
         flat = {name: one.reshape(-1, one.shape[-1]).astype(float) for name, one in seen.items()}
         pose, face = np.split(flat["motion"], [BONE_VALUES], axis=1)
-        joints = joints_of(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
+        joints = joints_from_directions(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
         mean, deviation = mean_and_deviation(flat["motion"])
         return {
             "mean": mean,
@@ -171,22 +171,22 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     """Train Speech2UnifiedExpressions; see `generators.registry.TrainGenerator`."""
     preset, kind = PRESETS[request.config], request.takes.kind
     changes = ABLATIONS.get(str(request.choices.get("ablation")), {})
-    vectors = vectors_of(request.choices.get("vectors"))
+    vectors = load_word_vectors(request.choices.get("vectors"))
     face = FaceLandmarks.of_default_body()
     sizes = NetworkConfig(speakers=1, words=vectors.width, **preset.sizes)
     config, weights = _changed(sizes, changes), _changed(LossWeights(), changes)
-    features = features_of(kind, face, vectors, config.frame_rate, faces=config.faces)
+    features = bone_features(kind, face, vectors, config.frame_rate, faces=config.faces)
     windows = cut_windows(request, features, config.frame_rate, config.frames, STRIDE)
-    names = windows["training"].prepared.taught(request.takes.speakers)
+    names = windows["training"].prepared.training_speakers(request.takes.speakers)
     task = S2ueTask(
         config=replace(config, speakers=len(names)),
         weights=weights,
         face=face,
         speakers=Speakers(names, len(names)),
-        further={"speakers": list(names), "vectors": vectors.description},
+        extra_settings={"speakers": list(names), "vectors": vectors.description},
         **windows,
     )
-    training = preset.trained_on(task.examples, request.changes)
+    training = preset.config_for(task.examples, request.changes)
     used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
     passes = tuple(one for one in training.passes if used[one.name])
     trained, facts = learn(request, task, replace(training, passes=passes))

@@ -11,7 +11,7 @@ from training.diffusion import LINEAR, SCALED_LINEAR, Diffusion
 
 
 def test_what_is_kept_is_the_product_of_what_each_step_keeps() -> None:
-    schedule = Diffusion(first=0.1, last=0.3, steps=3)
+    schedule = Diffusion(beta_start=0.1, beta_end=0.3, steps=3)
     assert schedule.alpha_bar == pytest.approx([0.9, 0.9 * 0.8, 0.9 * 0.8 * 0.7])
 
 

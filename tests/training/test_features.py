@@ -27,11 +27,11 @@ from training.data.beat import read_beat_bvh
 from training.data.folders import read_takes
 from training.data.take import Feature, Kind, Take
 from training.hearing.hubert import Hubert, stand_in
-from training.hearing.speech_frames import hear_whole
+from training.hearing.speech_frames import extract_all_frames
 from training.hearing.word_vectors import StandIn
-from training.spaces.beat import TOLD_JOINTS, body_values
+from training.spaces.beat import UPPER_BODY_JOINTS, body_values
 
-ARM = TOLD_JOINTS.index("RightArm")
+ARM = UPPER_BODY_JOINTS.index("RightArm")
 
 # Features are kept for as long as their version is the same. Where a change is wanted, raise the
 # version in the module and write its new numbers here.
@@ -166,14 +166,14 @@ def test_truncated_motion_is_refused(tmp_path: Path) -> None:
 def test_versions_tell_which_network_hears() -> None:
     one = stand_in()
     other = replace(one, identity="another")
-    assert features.heard(15, one).version != features.heard(15, other).version
+    assert features.hubert_features(15, one).version != features.hubert_features(15, other).version
 
 
 def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None:
     audio = read_audio(take.speech)
-    heard = hear_whole(audio, 15, hubert)
+    heard = extract_all_frames(audio, 15, hubert)
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
-    found = features.heard(15, hubert).compute(take)
+    found = features.hubert_features(15, hubert).compute(take)
     np.testing.assert_array_equal(found, heard.hubert.numpy())
 
 
@@ -188,7 +188,7 @@ def ted_take(folder: Path, **files: Path) -> Take:
 
 
 def computed(kind: Kind, one: Take, *, faces: bool) -> dict[str, np.ndarray]:
-    told = features.features_of(kind, FACE, StandIn(), 15.0, faces=faces)
+    told = features.bone_features(kind, FACE, StandIn(), 15.0, faces=faces)
     return {feature.name: feature.compute(one) for feature in told}
 
 

@@ -23,8 +23,8 @@ def test_who_is_not_known_is_refused_with_those_who_are(asked: int | str) -> Non
 
 def test_an_unknown_speaker_is_always_the_same_known_one_and_not_all_are_one() -> None:
     names = [f"stranger {number}" for number in range(30)]
-    found = [KNOWN.stand_in(name) for name in names]
-    assert found == [KNOWN.stand_in(name) for name in names]
+    found = [KNOWN.number_or_substitute(name) for name in names]
+    assert found == [KNOWN.number_or_substitute(name) for name in names]
     assert set(found) == {1, 2, 3}
 
 

@@ -19,7 +19,7 @@ def test_what_is_read_is_what_was_written(tmp_path: Path) -> None:
     found = read_weights(path)
     assert found.facts == {"name": "ä", "steps": [1, 2]}
     assert torch.equal(found.tensors["a.weight"], TENSORS["a.weight"])
-    assert list(found.part("a")) == ["weight"]
+    assert list(found.with_prefix("a")) == ["weight"]
 
 
 def test_equal_content_makes_equal_bytes(tmp_path: Path) -> None:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from motion.audio import read_audio
 from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
-from training.corpus.heard_speech import HeardSpeech, hear
-from training.corpus.motion_curves import MotionCurves, curves_of, follow, wrist_positions
+from training.corpus.motion_curves import MotionCurves, correlate_curves, curves_of, wrist_positions
 from training.corpus.plan import PlannedTake, Split, planned_takes
 from training.corpus.recording import RecordingFiles
 from training.corpus.request import read_request
+from training.corpus.speech_curves import SpeechCurves, analyse_speech
 from training.corpus.truth import read_truth
 from training.spaces.beat import body_values, face_values
 
@@ -191,7 +191,7 @@ def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
         moved=curves_of(body, face, motion.frame_rate),
         drive=truth.drive,
         pose=_summary(np.concatenate([body, face], axis=1)),
-        sound=_summary(_heard(hear(speech))),
+        sound=_summary(_heard(analyse_speech(speech))),
         wrists=wrist_positions(_thinned(body, motion.frame_rate)),
     )
 
@@ -218,11 +218,14 @@ def _decided(curve: str, takes: Sequence[MeasuredTake]) -> Decided:
         else np.zeros(0)
         for take in takes
     ]
-    own = [follow(curve, *both).correlation for both in zip(moved, drive, strict=True)]
-    swapped = [follow(curve, *both).correlation for both in zip(moved, other, strict=True)]
+    own = [correlate_curves(curve, *both).correlation for both in zip(moved, drive, strict=True)]
+    swapped = [
+        correlate_curves(curve, *both).correlation for both in zip(moved, other, strict=True)
+    ]
     return Decided(
         curve=curve,
-        explained=follow(curve, np.concatenate(moved), np.concatenate(drive)).correlation ** 2,
+        explained=correlate_curves(curve, np.concatenate(moved), np.concatenate(drive)).correlation
+        ** 2,
         correlation=_mean(own),
         of_other_speech=_mean(swapped),
         takes=int(np.isfinite(own).sum()),
@@ -308,6 +311,6 @@ def _thinned(values: FloatArray, frame_rate: float) -> FloatArray:
     return np.asarray(values[np.minimum(np.round(wanted).astype(int), len(values) - 1)])
 
 
-def _heard(heard: HeardSpeech) -> FloatArray:
+def _heard(heard: SpeechCurves) -> FloatArray:
     """Return what is heard of a take as columns."""
-    return np.stack([getattr(heard, field.name) for field in fields(HeardSpeech)], axis=1)
+    return np.stack([getattr(heard, field.name) for field in fields(SpeechCurves)], axis=1)

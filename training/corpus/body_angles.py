@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from training.corpus.chance import Chance
-from training.corpus.heard_speech import HeardSpeech, find_strokes, stroke_shape
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker
-from training.spaces.beat import TOLD_JOINTS
+from training.corpus.speech_curves import SpeechCurves, find_strokes, stroke_shape
+from training.spaces.beat import UPPER_BODY_JOINTS
 
 FloatArray = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ class BodyAngles:
 
 
 def body_angles(
-    heard: HeardSpeech,
+    curves: SpeechCurves,
     melody: FloatArray,
     emotion: str,
     speaker: CorpusSpeaker,
@@ -83,7 +83,7 @@ def body_angles(
 
     Parameters
     ----------
-    heard : HeardSpeech
+    curves : SpeechCurves
         The speech.
     melody : ndarray, shape (T,)
         Octaves above the voice's usual pitch, at `times`.
@@ -96,44 +96,46 @@ def body_angles(
     times : ndarray, shape (T,)
         Seconds.
     """
-    feeling = EMOTION_MOTION[emotion]
-    strokes = find_strokes(heard, feeling.spacing)
-    drawn = chance.strokes(len(strokes.times))
-    since = times[:, None] - (strokes.times + drawn.delays)
-    shape = stroke_shape(since, speaker.attack / feeling.tempo, speaker.release / feeling.tempo)
-    hands = shape @ (drawn.gains * strokes.sizes[:, None])  # (T, 2): leading, other
+    manner = EMOTION_MOTION[emotion]
+    strokes = find_strokes(curves, manner.spacing)
+    stroke_chance = chance.strokes(len(strokes.times))
+    elapsed = times[:, None] - (strokes.times + stroke_chance.delays)
+    shape = stroke_shape(elapsed, speaker.attack / manner.tempo, speaker.release / manner.tempo)
+    hands = shape @ (stroke_chance.gains * strokes.sizes[:, None])  # (T, 2): leading, other
     right_left = hands if speaker.right_handed else hands[:, ::-1]
-    loud = heard.at(heard.slow_loudness, times) - _USUAL_LOUDNESS
-    restless = speaker.restlessness * feeling.restlessness
+    loudness = curves.interpolated(curves.slow_loudness, times) - _USUAL_LOUDNESS
+    restless = speaker.restlessness * manner.restlessness
 
-    nods = stroke_shape(since, _NOD_ATTACK, _NOD_RELEASE) @ (strokes.sizes * drawn.gains.max(1))
+    nods = stroke_shape(elapsed, _NOD_ATTACK, _NOD_RELEASE) @ (
+        strokes.sizes * stroke_chance.gains.max(1)
+    )
     # The head looks along where the other half of the body goes, a little.
-    towards = _TWIST_OF_STROKE * (right_left[:, 1] - right_left[:, 0])
+    twist = _TWIST_OF_STROKE * (right_left[:, 1] - right_left[:, 0])
     trunk = chance.drift(times, 3, _TRUNK_STREAM) * _TRUNK_DRIFT * restless
-    trunk[:, 0] += _UPRIGHT + speaker.lean + feeling.lean + _LEAN_WITH_LOUDNESS * loud
-    trunk[:, 1] += towards
+    trunk[:, 0] += _UPRIGHT + speaker.lean + manner.lean + _LEAN_WITH_LOUDNESS * loudness
+    trunk[:, 1] += twist
     head = chance.drift(times, 3, _HEAD_STREAM) * _HEAD_DRIFT * restless
-    head[:, 0] += _CHIN + feeling.head_down + speaker.nod * nods - _CHIN_UP_WITH_PITCH * melody
-    head[:, 1] += speaker.head_turn + feeling.head_turn + towards
-    head[:, 2] += speaker.head_tilt + feeling.head_tilt
+    head[:, 0] += _CHIN + manner.head_down + speaker.nod * nods - _CHIN_UP_WITH_PITCH * melody
+    head[:, 1] += speaker.head_turn + manner.head_turn + twist
+    head[:, 2] += speaker.head_tilt + manner.head_tilt
 
-    rest = _ARM_AT_REST + np.array(
+    resting = _ARM_AT_REST + np.array(
         [
-            feeling.reach,
+            manner.reach,
             speaker.elbow_width,
-            -speaker.hand_width - feeling.hand_width,
-            speaker.hand_height + feeling.hand_height,
+            -speaker.hand_width - manner.hand_width,
+            speaker.hand_height + manner.hand_height,
             0.0,
-            feeling.wrist,
-            feeling.curl,
-            feeling.shrug,
+            manner.wrist,
+            manner.curl,
+            manner.shrug,
         ]
     )
-    direction = speaker.amplitude * feeling.amplitude * stroke_direction(speaker)
+    direction = speaker.amplitude * manner.amplitude * stroke_direction(speaker)
     drift = chance.drift(times, 2 * len(ARM_ANGLES), _ARM_STREAM).reshape(len(times), 2, -1)
-    arms = rest + right_left[:, :, None] * direction + drift * _ARM_DRIFT * restless
-    arms[:, :, ARM_ANGLES.index("lift")] += (_REACH_WITH_LOUDNESS * loud)[:, None]
-    arms[:, :, ARM_ANGLES.index("bend")] += (_RISE_WITH_LOUDNESS * loud)[:, None]
+    arms = resting + right_left[:, :, None] * direction + drift * _ARM_DRIFT * restless
+    arms[:, :, ARM_ANGLES.index("lift")] += (_REACH_WITH_LOUDNESS * loudness)[:, None]
+    arms[:, :, ARM_ANGLES.index("bend")] += (_RISE_WITH_LOUDNESS * loudness)[:, None]
     return BodyAngles(trunk=trunk, head=head, arms=within_limits(arms))
 
 
@@ -147,12 +149,12 @@ def stroke_direction(speaker: CorpusSpeaker) -> FloatArray:
 
 def within_limits(arms: FloatArray) -> FloatArray:
     """Return arm angles (..., 8) that approach the joints' limits smoothly and never pass them."""
-    above = np.maximum(arms - (_HIGHEST - _KNEE), 0)
-    below = np.maximum((_LOWEST + _KNEE) - arms, 0)
+    excess = np.maximum(arms - (_HIGHEST - _KNEE), 0)
+    shortfall = np.maximum((_LOWEST + _KNEE) - arms, 0)
     limited: FloatArray = (
         arms
-        - (above - _KNEE * (1 - np.exp(-above / _KNEE)))
-        + (below - _KNEE * (1 - np.exp(-below / _KNEE)))
+        - (excess - _KNEE * (1 - np.exp(-excess / _KNEE)))
+        + (shortfall - _KNEE * (1 - np.exp(-shortfall / _KNEE)))
     )
     return limited
 
@@ -191,7 +193,7 @@ _NECK_SHARE: Final = 0.55
 """Of the head's angles, in the lower of the two joints that BEAT's prepared files tell."""
 
 
-def told_rotations(angles: BodyAngles) -> FloatArray:
+def joint_rotations(angles: BodyAngles) -> FloatArray:
     """Return the rotations of BEAT's told joints.
 
     Parameters
@@ -202,7 +204,7 @@ def told_rotations(angles: BodyAngles) -> FloatArray:
     Returns
     -------
     ndarray, shape (T, 141)
-        Axis-angle in radians, in the order of `training.spaces.beat.TOLD_JOINTS`.
+        Axis-angle in radians, in the order of `training.spaces.beat.UPPER_BODY_JOINTS`.
     """
     turns = {
         "Spine": _bent_forward(angles.trunk),
@@ -214,7 +216,7 @@ def told_rotations(angles: BodyAngles) -> FloatArray:
             # A turn seen in a mirror keeps its part about x and reverses the others.
             mirror = (1, -1, -1) if side == "Right" else (1, 1, 1)
             turns[f"{side}{joint}"] = turn * np.array(mirror)
-    return np.concatenate([turns[name] for name in TOLD_JOINTS], axis=1)
+    return np.concatenate([turns[name] for name in UPPER_BODY_JOINTS], axis=1)
 
 
 def _bent_forward(angles: FloatArray) -> FloatArray:
@@ -236,20 +238,20 @@ def _left_arm(arm: FloatArray) -> dict[str, FloatArray]:
     lift, spread, turn, bend, roll, wrist, curl, shrug = (
         arm[:, index] for index in range(len(ARM_ANGLES))
     )
-    nothing = np.zeros(len(arm))
+    zeros = np.zeros(len(arm))
     # About x, z and x in turn: forward, down from level, and about the upper arm itself.
     upper = Rotation.from_euler("XZX", np.stack([-lift, spread - 90, turn], axis=1), degrees=True)
     turns = {
-        "Shoulder": _turn(_COLLAR + np.stack([nothing, nothing, shrug], axis=1)),
+        "Shoulder": _turn(_COLLAR + np.stack([zeros, zeros, shrug], axis=1)),
         "Arm": np.asarray(upper.as_rotvec()),
         "ForeArm": np.asarray(
             Rotation.from_euler("YX", np.stack([-bend, roll], axis=1), degrees=True).as_rotvec()
         ),
-        "Hand": _turn(np.stack([nothing, nothing, wrist], axis=1)),
+        "Hand": _turn(np.stack([zeros, zeros, wrist], axis=1)),
     }
-    for joint, rest in _HAND_AT_REST.items():
-        own = np.tile(np.array(rest, np.float64), (len(arm), 1))
+    for joint, resting in _HAND_AT_REST.items():
+        angles = np.tile(np.array(resting, np.float64), (len(arm), 1))
         if "Thumb" not in joint:
-            own[:, 2] -= _BENT.get(joint[-1], 0.0) * curl
-        turns[joint] = _turn(own)
+            angles[:, 2] -= _BENT.get(joint[-1], 0.0) * curl
+        turns[joint] = _turn(angles)
     return turns

@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-LEFT_OUT: Final = 0.1
+OMITTED_SHARE: Final = 0.1
 _SIZE_SIGMA: Final = 0.3
 _DELAY: Final = 0.03
 _STROKES_AT_A_TIME: Final = 4
 _HANDS: Final = ((1.0, 0.15), (0.8, 0.8), (0.15, 1.0))
 """How much of a stroke the leading and the other hand make, in each case."""
-_SHARE_OF_HANDS: Final = (0.5, 0.35, 0.15)
+_HAND_PROBABILITIES: Final = (0.5, 0.35, 0.15)
 _COSINES: Final = 6
 _LOWEST, _HIGHEST = 0.06, 0.6
 _BLINKS_PER_SECOND: Final = 0.25
@@ -69,16 +69,16 @@ class Chance:
         """Return what chance does to `count` strokes."""
         hands = np.array(_HANDS)
         if self.seed is None:
-            expected = (1 - LEFT_OUT) * (np.array(_SHARE_OF_HANDS) @ hands)
+            expected = (1 - OMITTED_SHARE) * (np.array(_HAND_PROBABILITIES) @ hands)
             return StrokeChance(gains=np.tile(expected, (count, 1)), delays=np.zeros(count))
         random = np.random.default_rng([*self.seed, _STROKES])
         sizes = np.exp(random.normal(-(_SIZE_SIGMA**2) / 2, _SIZE_SIGMA, count))
-        made = random.uniform(size=count) >= LEFT_OUT
+        performed = random.uniform(size=count) >= OMITTED_SHARE
         delays = random.normal(0, _DELAY, count)
         groups = -(-count // _STROKES_AT_A_TIME)
-        drawn = random.choice(len(hands), size=groups, p=_SHARE_OF_HANDS)
-        of_stroke = hands[np.repeat(drawn, _STROKES_AT_A_TIME)[:count]]
-        return StrokeChance(gains=(sizes * made)[:, None] * of_stroke, delays=delays)
+        choices = random.choice(len(hands), size=groups, p=_HAND_PROBABILITIES)
+        hand_shares = hands[np.repeat(choices, _STROKES_AT_A_TIME)[:count]]
+        return StrokeChance(gains=(sizes * performed)[:, None] * hand_shares, delays=delays)
 
     def drift(self, times: FloatArray, channels: int, stream: int) -> FloatArray:
         """Return wandering of mean 0 and variance 1, shape (T, channels).

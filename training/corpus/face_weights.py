@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from training.corpus.chance import Chance
-from training.corpus.heard_speech import HeardSpeech
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker
+from training.corpus.speech_curves import SpeechCurves
 from training.spaces.beat import FACIAL_WEIGHTS
 
 FloatArray = NDArray[np.float64]
@@ -35,7 +35,7 @@ _FACE_STREAM, _GAZE_STREAM = 4, 5
 
 
 def face_weights(
-    heard: HeardSpeech,
+    curves: SpeechCurves,
     melody: FloatArray,
     emotion: str,
     speaker: CorpusSpeaker,
@@ -46,49 +46,49 @@ def face_weights(
 
     The parameters are those of `training.corpus.body_angles.body_angles`.
     """
-    lively = speaker.expressiveness
+    expressiveness = speaker.expressiveness
     base = _AT_REST + np.zeros(len(FACIAL_WEIGHTS))
     for name, weight in EMOTION_MOTION[emotion].face.items():
         sides = [name] if name in FACIAL_WEIGHTS else [f"{name}Left", f"{name}Right"]
-        base[[FACIAL_WEIGHTS.index(side) for side in sides]] += lively * weight
-    moved = _speech(heard, melody, times)
+        base[[FACIAL_WEIGHTS.index(side) for side in sides]] += expressiveness * weight
+    speech_weights = _speech(curves, melody, times)
     weights = np.tile(base, (len(times), 1))
-    for name, share in moved.items():
+    for name, share in speech_weights.items():
         column = FACIAL_WEIGHTS.index(name)
-        weights[:, column] += (1 - base[column]) * lively * share
+        weights[:, column] += (1 - base[column]) * expressiveness * share
     weights *= 1 + _WANDERING * chance.drift(times, len(FACIAL_WEIGHTS), _FACE_STREAM)
     for name, share in (_gaze(chance, times) | _blinks(chance, times)).items():
         weights[:, FACIAL_WEIGHTS.index(name)] += share
     return np.asarray(np.clip(weights, 0, 1))
 
 
-def _speech(heard: HeardSpeech, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:
+def _speech(curves: SpeechCurves, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:
     """Return what speech adds to each weight, on average faces."""
-    loud = np.minimum(heard.at(heard.loudness, times), 1.5)
-    bright = heard.at(heard.brightness, times)
-    dark = 1 - bright
+    loudness = np.minimum(curves.interpolated(curves.loudness, times), 1.5)
+    brightness = curves.interpolated(curves.brightness, times)
+    darkness = 1 - brightness
     raised = _BROWS * np.maximum(melody, 0)
     lowered = _LOWERED * np.maximum(-melody, 0)
-    both = {
-        "mouthLowerDown": _LIPS_DOWN * loud,
-        "mouthUpperUp": _LIPS_UP * loud,
-        "mouthStretch": _WIDE * loud * bright,
+    paired = {
+        "mouthLowerDown": _LIPS_DOWN * loudness,
+        "mouthUpperUp": _LIPS_UP * loudness,
+        "mouthStretch": _WIDE * loudness * brightness,
         "browOuterUp": raised,
         "browDown": lowered,
     }
     return {
-        "jawOpen": _OPEN * loud * (0.5 + 0.5 * dark),
-        "mouthFunnel": _ROUND * loud * dark,
-        "mouthPucker": _ROUND / 2 * loud * dark,
+        "jawOpen": _OPEN * loudness * (0.5 + 0.5 * darkness),
+        "mouthFunnel": _ROUND * loudness * darkness,
+        "mouthPucker": _ROUND / 2 * loudness * darkness,
         "browInnerUp": raised,
-        **{f"{name}{side}": share for name, share in both.items() for side in ("Left", "Right")},
+        **{f"{name}{side}": share for name, share in paired.items() for side in ("Left", "Right")},
     }
 
 
 def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
     """Return what wandering eyes add: both look the same way."""
-    across, up = _GAZE * chance.drift(times, 2, _GAZE_STREAM).T
-    left, right = np.maximum(across, 0), np.maximum(-across, 0)
+    sideways, up = _GAZE * chance.drift(times, 2, _GAZE_STREAM).T
+    left, right = np.maximum(sideways, 0), np.maximum(-sideways, 0)
     return {
         "eyeLookOutLeft": left,
         "eyeLookInRight": left,
@@ -104,7 +104,7 @@ def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
 def _blinks(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
     """Return what blinks add."""
     moments = chance.blinks(float(times[-1]) if len(times) else 0.0)
-    shut = np.zeros(len(times))
+    closure = np.zeros(len(times))
     for moment in moments:
-        shut = np.maximum(shut, np.clip(1 - np.abs(times - moment) / _BLINK, 0, 1))
-    return {"eyeBlinkLeft": shut, "eyeBlinkRight": shut}
+        closure = np.maximum(closure, np.clip(1 - np.abs(times - moment) / _BLINK, 0, 1))
+    return {"eyeBlinkLeft": closure, "eyeBlinkRight": closure}

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from motion.files import write_text
 from training.corpus.plan import PlannedTake, planned_takes
 from training.corpus.recording import RecordingFiles, record
-from training.corpus.request import CorpusRequest, claim
+from training.corpus.request import CorpusRequest, claim_folder
 
 Show = Callable[[int, int], None]
 """Told how many takes are made, of how many."""
@@ -28,24 +28,24 @@ TAKES: Final = "takes.csv"
 
 
 @dataclass(frozen=True, kw_only=True)
-class MadeCorpus:
+class CorpusResult:
     """What was done.
 
     Attributes
     ----------
     takes : tuple of PlannedTake
         All takes of the corpus.
-    made : int
+    new_takes : int
         How many of them were made by this call; the others were there.
     """
 
     takes: tuple[PlannedTake, ...]
-    made: int
+    new_takes: int
 
 
 def make_corpus(
     folder: Path, request: CorpusRequest, *, processes: int = 1, show: Show | None = None
-) -> MadeCorpus:
+) -> CorpusResult:
     """Make a corpus in `folder`; takes that are there already are kept.
 
     Parameters
@@ -65,26 +65,28 @@ def make_corpus(
         If the folder holds something else, or another corpus than the one asked for, or espeak-ng
         is not installed or fails.
     """
-    claim(folder, request)
+    claim_folder(folder, request)
     takes = tuple(planned_takes(request))
     missing = [take for take in takes if not RecordingFiles.of(folder, take).complete]
-    tell = show or (lambda done, total: None)
-    kept = len(takes) - len(missing)
-    for done, _ in enumerate(_recorded(folder, request, missing, processes), start=kept + 1):
-        tell(done, len(takes))
+    report = show or (lambda done, total: None)
+    existing = len(takes) - len(missing)
+    for done, _ in enumerate(
+        _record_takes(folder, request, missing, processes), start=existing + 1
+    ):
+        report(done, len(takes))
     write_text(folder / TAKES, _table(takes))
     write_text(folder / SPLITS, _splits(takes))
-    return MadeCorpus(takes=takes, made=len(missing))
+    return CorpusResult(takes=takes, new_takes=len(missing))
 
 
-def _recorded(
+def _record_takes(
     folder: Path, request: CorpusRequest, takes: Sequence[PlannedTake], processes: int
 ) -> Iterator[None]:
     """Make takes, and yield after each."""
-    do = partial(record, folder, frame_rate=request.frame_rate)
+    record_take = partial(record, folder, frame_rate=request.frame_rate)
     if processes == 1 or len(takes) < 2:
         for take in takes:
-            do(take)
+            record_take(take)
             yield
         return
     context = multiprocessing.get_context("spawn")
@@ -92,7 +94,7 @@ def _recorded(
         min(processes, len(takes)), mp_context=context, initializer=_prepare_process
     ) as pool:
         try:
-            for future in as_completed([pool.submit(do, take) for take in takes]):
+            for future in as_completed([pool.submit(record_take, take) for take in takes]):
                 yield future.result()
         finally:
             pool.shutdown(cancel_futures=True)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from training.spaces.beat import BEAT_SKELETON, FACIAL_WEIGHTS, TOLD_JOINTS, told_motion
+from training.spaces.beat import BEAT_SKELETON, FACIAL_WEIGHTS, UPPER_BODY_JOINTS, upper_body_motion
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class MotionCurves:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Following:
+class CurveCorrelation:
     """How well one motion's curve follows another's.
 
     Attributes
@@ -76,7 +76,7 @@ def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCu
         Frames per second of both.
     """
     wrists = wrist_positions(body)
-    neck = body.reshape(len(body), len(TOLD_JOINTS), 3)[:, 1:3]
+    neck = body.reshape(len(body), len(UPPER_BODY_JOINTS), 3)[:, 1:3]
     lower, upper = (Rotation.from_rotvec(neck[:, joint]) for joint in (0, 1))
     forward = (lower * upper).apply([0, 0, 1])
     brows = [FACIAL_WEIGHTS.index(f"brow{name}") for name in _BROWS]
@@ -94,35 +94,37 @@ def wrist_positions(body: FloatArray) -> FloatArray:
 
     The figure is the idealised one, whose hips stand still at the origin.
     """
-    motion = told_motion(body, 1.0, BEAT_SKELETON)
+    motion = upper_body_motion(body, 1.0, BEAT_SKELETON)
     positions, _ = motion.forward_kinematics()
     wrists = [motion.joint_names.index(f"{side}Hand") for side in ("Right", "Left")]
     return positions[:, wrists] / _CENTIMETRES
 
 
-def following(moved: MotionCurves, wanted: MotionCurves) -> tuple[Following, ...]:
-    """Return how well `moved` follows `wanted`, curve by curve, over the frames both have."""
+def correlate_motions(
+    motion: MotionCurves, reference: MotionCurves
+) -> tuple[CurveCorrelation, ...]:
+    """Return how well `motion` follows `reference`, curve by curve, over the frames both have."""
     return tuple(
-        follow(field.name, getattr(moved, field.name), getattr(wanted, field.name))
+        correlate_curves(field.name, getattr(motion, field.name), getattr(reference, field.name))
         for field in fields(MotionCurves)
     )
 
 
-def follow(curve: str, moved: FloatArray, wanted: FloatArray) -> Following:
+def correlate_curves(curve: str, motion: FloatArray, reference: FloatArray) -> CurveCorrelation:
     """Return how well one curve (T,) follows another, over the frames both have."""
-    frames = min(len(moved), len(wanted))
+    frames = min(len(motion), len(reference))
     if frames < 3:
         reason = f"{frames} frames are too few"
-        return Following(curve=curve, correlation=float("nan"), reason=reason)
-    moved, wanted = moved[:frames], wanted[:frames]
-    for values, whose in ((moved, "the motion's"), (wanted, "the wanted")):
+        return CurveCorrelation(curve=curve, correlation=float("nan"), reason=reason)
+    motion, reference = motion[:frames], reference[:frames]
+    for values, owner in ((motion, "the motion's"), (reference, "the wanted")):
         if not np.isfinite(values).all():
-            reason = f"{whose} curve is not finite"
-            return Following(curve=curve, correlation=float("nan"), reason=reason)
+            reason = f"{owner} curve is not finite"
+            return CurveCorrelation(curve=curve, correlation=float("nan"), reason=reason)
         if np.ptp(values) < 1e-9:
-            reason = f"{whose} curve does not change"
-            return Following(curve=curve, correlation=float("nan"), reason=reason)
-    return Following(curve=curve, correlation=float(np.corrcoef(moved, wanted)[0, 1]))
+            reason = f"{owner} curve does not change"
+            return CurveCorrelation(curve=curve, correlation=float("nan"), reason=reason)
+    return CurveCorrelation(curve=curve, correlation=float(np.corrcoef(motion, reference)[0, 1]))
 
 
 def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:

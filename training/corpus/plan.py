@@ -39,7 +39,7 @@ SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = tomllib.loads(
 
 Split = Literal["train", "validation", "test"]
 
-UNHEARD: Final = 3
+RESERVED_SENTENCES: Final = 3
 """Openings, and closings, of each emotion that only passages for testing are made of."""
 
 
@@ -92,42 +92,50 @@ def planned_takes(request: CorpusRequest) -> Iterator[PlannedTake]:
         held_out = number > request.speakers - request.held_out_speakers
         for emotion in EMOTIONS:
             for index in range(request.passages * request.takes):
-                place, take = divmod(index, request.takes)
-                yield _take(request, speaker, emotion, place, take, held_out)
+                passage_index, take = divmod(index, request.takes)
+                yield _take(request, speaker, emotion, passage_index, take, held_out)
 
 
 def _take(
     request: CorpusRequest,
     speaker: CorpusSpeaker,
     emotion: str,
-    place: int,
+    passage_index: int,
     take: int,
     held_out: bool,
 ) -> PlannedTake:
-    turn = (speaker.number + EMOTIONS.index(emotion)) % 4
-    last_passage, last_take = place == request.passages - 1, take == request.takes - 1
+    pattern = (speaker.number + EMOTIONS.index(emotion)) % 4
+    last_passage, last_take = passage_index == request.passages - 1, take == request.takes - 1
     split: Split = "train"
     if request.shared_passages:
-        kept = max(1, request.passages // 6)
-        unheard = place >= request.passages - kept
-        if place >= request.passages - 2 * kept:
+        reserved = max(1, request.passages // 6)
+        unheard = passage_index >= request.passages - reserved
+        if passage_index >= request.passages - 2 * reserved:
             split = "validation"
     elif held_out:
-        unheard = (turn + place) % 2 == 0
+        unheard = (pattern + passage_index) % 2 == 0
     else:
-        unheard = turn == 0 and last_passage
-        if place == 0 and last_take:
-            only_one = request.passages * request.takes == 1
-            split = "validation" if turn == 2 else "test" if turn == 1 and not only_one else "train"
+        unheard = pattern == 0 and last_passage
+        if passage_index == 0 and last_take:
+            single_recording = request.passages * request.takes == 1
+            split = (
+                "validation"
+                if pattern == 2
+                else "test"
+                if pattern == 1 and not single_recording
+                else "train"
+            )
     if held_out or unheard:
         split = "test"
-    before = 0 if request.shared_passages else (speaker.number - 1) * request.passages
-    name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
+    first_passage = 0 if request.shared_passages else (speaker.number - 1) * request.passages
+    name = recording_name(
+        speaker.number, speaker.name, emotion, passage_index * request.takes + take
+    )
     return PlannedTake(
         name=name,
         speaker=speaker,
         emotion=emotion,
-        text=passage(emotion, before + place, unheard=unheard),
+        text=passage(emotion, first_passage + passage_index, unheard=unheard),
         take=take + 1,
         split=split,
         unheard=unheard,
@@ -155,9 +163,9 @@ def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
         Twenty words or so, spoken in six to nine seconds.
     """
     openings, closings = (
-        sentences[-UNHEARD:] if unheard else sentences[:-UNHEARD]
+        sentences[-RESERVED_SENTENCES:] if unheard else sentences[:-RESERVED_SENTENCES]
         for sentences in (SENTENCES[emotion]["openings"], SENTENCES[emotion]["closings"])
     )
     count = len(openings)
-    first, shift = number % count, number // count % count
-    return f"{openings[first]} {closings[(first + shift) % count]}"
+    opening, shift = number % count, number // count % count
+    return f"{openings[opening]} {closings[(opening + shift) % count]}"

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from motion.audio import Audio
 from motion.clip import check_frame_rate
 from motion.errors import InputError
-from training.corpus.body_angles import body_angles, told_rotations
+from training.corpus.body_angles import body_angles, joint_rotations
 from training.corpus.chance import EXPECTED, Chance
 from training.corpus.face_weights import face_weights
-from training.corpus.heard_speech import HeardSpeech, Strokes, find_strokes, hear
 from training.corpus.motion_curves import MotionCurves, curves_of
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, voice_of
+from training.corpus.speech_curves import SpeechCurves, Strokes, analyse_speech, find_strokes
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class Process:
 
     Attributes
     ----------
-    heard : HeardSpeech
+    curves : SpeechCurves
         The speech.
     duration : float
         Its length in seconds.
@@ -40,13 +40,13 @@ class Process:
         Who speaks.
     """
 
-    heard: HeardSpeech
+    curves: SpeechCurves
     duration: float
     emotion: str
     speaker: CorpusSpeaker
 
     @classmethod
-    def of(cls, speech: Audio, emotion: str, speaker: CorpusSpeaker) -> Process:
+    def from_speech(cls, speech: Audio, emotion: str, speaker: CorpusSpeaker) -> Process:
         """Hear `speech`, mono at 16 kHz.
 
         Raises
@@ -58,12 +58,17 @@ class Process:
             raise InputError(
                 f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTION_MOTION)}"
             )
-        return cls(heard=hear(speech), duration=speech.duration, emotion=emotion, speaker=speaker)
+        return cls(
+            curves=analyse_speech(speech),
+            duration=speech.duration,
+            emotion=emotion,
+            speaker=speaker,
+        )
 
     @property
     def strokes(self) -> Strokes:
         """The strokes that the speech calls for."""
-        return find_strokes(self.heard, EMOTION_MOTION[self.emotion].spacing)
+        return find_strokes(self.curves, EMOTION_MOTION[self.emotion].spacing)
 
     def body(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
         """Return the body's motion.
@@ -82,15 +87,15 @@ class Process:
         """
         times = self._times(frame_rate)
         angles = body_angles(
-            self.heard, self._melody(times), self.emotion, self.speaker, chance, times
+            self.curves, self._melody(times), self.emotion, self.speaker, chance, times
         )
-        return told_rotations(angles)
+        return joint_rotations(angles)
 
     def face(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
         """Return the face's motion: ARKit weights (T, 51) in [0, 1]; see `body`."""
         times = self._times(frame_rate)
         return face_weights(
-            self.heard, self._melody(times), self.emotion, self.speaker, chance, times
+            self.curves, self._melody(times), self.emotion, self.speaker, chance, times
         )
 
     def drive(self, frame_rate: float) -> MotionCurves:
@@ -103,9 +108,12 @@ class Process:
 
     def _melody(self, times: FloatArray) -> FloatArray:
         """Return the pitch in octaves above what is usual for the voice, 0 in silence."""
-        usual = np.log2(voice_of(self.speaker.number).pitch / 100)
-        heard = self.heard
-        return np.asarray(heard.at(heard.pitch, times) - usual * heard.at(heard.sounding, times))
+        usual_pitch = np.log2(voice_of(self.speaker.number).pitch / 100)
+        curves = self.curves
+        return np.asarray(
+            curves.interpolated(curves.pitch, times)
+            - usual_pitch * curves.interpolated(curves.sounding, times)
+        )
 
 
 def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float) -> MotionCurves:
@@ -134,4 +142,4 @@ def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float
     InputError
         If the speech is not at 16 kHz or too short, or emotion or frame rate are not usable.
     """
-    return Process.of(speech, emotion, speaker).drive(frame_rate)
+    return Process.from_speech(speech, emotion, speaker).drive(frame_rate)

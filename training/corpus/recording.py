@@ -25,7 +25,7 @@ from training.corpus.plan import PlannedTake
 from training.corpus.process import Process
 from training.corpus.speakers import EMOTION_MOTION, spoken_prosody, voice_of
 from training.corpus.truth import Truth, write_truth
-from training.spaces.beat import BEAT_SKELETON, told_motion
+from training.spaces.beat import BEAT_SKELETON, upper_body_motion
 
 Offset = tuple[float, float, float]
 
@@ -40,7 +40,7 @@ _FINGER_TIPS: Final = MappingProxyType(
 )
 """From the last joint of a left finger to its tip, in centimetres."""
 
-_ENDS: Final = MappingProxyType(
+_LIMB_ENDS: Final = MappingProxyType(
     {
         "Head": ("HeadEnd", (0.0, 10.0, 0.0)),
         **{
@@ -57,14 +57,14 @@ _ENDS: Final = MappingProxyType(
 _LEG: Final = ("UpLeg", "Leg", "Foot", "ToeBase")
 
 
-def _with_ends() -> tuple[BvhJoint, ...]:
+def _full_skeleton() -> tuple[BvhJoint, ...]:
     joints: list[BvhJoint] = []
     places: dict[str, int] = {}
 
     def add(joint: BvhJoint, parent: str, offset: Offset) -> None:
-        above = places[parent] if parent else -1
+        parent_index = places[parent] if parent else -1
         places[joint.name] = len(joints)
-        joints.append(replace(joint, parent=above, offset=offset))
+        joints.append(replace(joint, parent=parent_index, offset=offset))
 
     # BEAT's files have the legs last.
     for joint in sorted(BEAT_SKELETON, key=lambda joint: joint.name.endswith(_LEG)):
@@ -77,13 +77,13 @@ def _with_ends() -> tuple[BvhJoint, ...]:
             add(replace(joint, name=forefoot), parent, (x, y, 0.0))
             parent, offset = forefoot, (0.0, 0.0, z)
         add(joint, parent, offset)
-        if joint.name in _ENDS:
-            name, reach = _ENDS[joint.name]
-            add(replace(joint, name=name), joint.name, reach)
+        if joint.name in _LIMB_ENDS:
+            name, end_offset = _LIMB_ENDS[joint.name]
+            add(replace(joint, name=name), joint.name, end_offset)
     return tuple(joints)
 
 
-FULL_SKELETON: Final = _with_ends()
+FULL_SKELETON: Final = _full_skeleton()
 """Parents before children, depth first; the first is the root. Centimetres."""
 
 
@@ -92,9 +92,9 @@ FACE_RATE: Final = 60.0
 
 _BEFORE, _AFTER = 0.3, 0.2
 """Seconds of silence around the speech, beside the synthesiser's own."""
-_SPOKEN: Final = 7
+_SPEECH_STREAM: Final = 7
 """Sets the random numbers of how a take is spoken apart from those of its motion."""
-_STRONGEST: Final = 2.0
+_FULL_SCORE_SIZE: Final = 2.0
 """Size of a stroke that scores 1."""
 
 
@@ -143,41 +143,43 @@ def record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
         If espeak-ng is not installed or fails.
     """
     files = RecordingFiles.of(corpus, take)
-    write_wav(files.speech, _spoken(take))
+    write_wav(files.speech, _speak(take))
     # The process hears what is in the file, so that anybody can compute the same from it.
-    process = Process.of(read_audio(files.speech), take.emotion, take.speaker)
+    process = Process.from_speech(read_audio(files.speech), take.emotion, take.speaker)
     chance = Chance(seed=take.seed)
     write_bvh(
-        files.motion, told_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
+        files.motion, upper_body_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
     )
     write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
-    write_semantic_scores(files.semantic, _semantic(process, chance))
+    write_semantic_scores(files.semantic, _semantic_spans(process, chance))
     write_text(files.transcript, f"{take.text}\n")
     write_truth(files.truth, _truth(take, process, chance, frame_rate))
 
 
-def _spoken(take: PlannedTake) -> Audio:
+def _speak(take: PlannedTake) -> Audio:
     """Speak a take's text, with a little silence around it."""
-    random = np.random.default_rng([*take.seed, _SPOKEN])
+    random = np.random.default_rng([*take.seed, _SPEECH_STREAM])
     prosody = spoken_prosody(take.emotion, take.speaker.number, random)
     with tempfile.TemporaryDirectory() as folder:
         voice = voice_of(take.speaker.number).name
         speech = speak_as(take.text, prosody, Path(folder) / "speech.wav", voice)
-    before, after = (np.zeros(round(s * SPEECH_RATE), np.float32) for s in (_BEFORE, _AFTER))
-    return Audio(np.concatenate([before, speech.samples, after]), SPEECH_RATE)
+    silence_before, silence_after = (
+        np.zeros(round(seconds * SPEECH_RATE), np.float32) for seconds in (_BEFORE, _AFTER)
+    )
+    return Audio(np.concatenate([silence_before, speech.samples, silence_after]), SPEECH_RATE)
 
 
-def _semantic(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
+def _semantic_spans(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
     """Yield the strokes that are made as BEAT annotates gestures."""
     tempo = EMOTION_MOTION[process.emotion].tempo
     speaker, strokes = process.speaker, process.strokes
-    drawn = chance.strokes(len(strokes.times))
-    sizes = strokes.sizes * drawn.gains.max(axis=1)
-    for arrival, size in zip(strokes.times + drawn.delays, sizes, strict=True):
+    stroke_chance = chance.strokes(len(strokes.times))
+    sizes = strokes.sizes * stroke_chance.gains.max(axis=1)
+    for arrival, size in zip(strokes.times + stroke_chance.delays, sizes, strict=True):
         if size > 0:
             start = max(arrival - speaker.attack / tempo, 0.0)
             end = min(arrival + speaker.release / tempo, process.duration)
-            yield SemanticSpan(start=start, end=end, score=min(size / _STRONGEST, 1.0))
+            yield SemanticSpan(start=start, end=end, score=min(size / _FULL_SCORE_SIZE, 1.0))
 
 
 def _truth(take: PlannedTake, process: Process, chance: Chance, frame_rate: float) -> Truth:

@@ -24,18 +24,18 @@ from training.corpus.process import VERSION
 from training.data.beat import LAST_TEXTS
 
 
-def _pairs(emotion: str) -> list[tuple[int, int]]:
+def _text_ranges(emotion: str) -> list[tuple[int, int]]:
     """Return what start and end can be: single texts first, then ever longer runs of them."""
     index = EMOTIONS.index(emotion)
-    first, last = (1, *(before + 1 for before in LAST_TEXTS))[index], LAST_TEXTS[index]
+    first, last = (1, *(text + 1 for text in LAST_TEXTS))[index], LAST_TEXTS[index]
     return [
-        (start, start + longer)
-        for longer in range(last - first + 1)
-        for start in range(first, last + 1 - longer)
+        (start, start + extra)
+        for extra in range(last - first + 1)
+        for start in range(first, last + 1 - extra)
     ]
 
 
-MOST_RECORDINGS: Final = min(len(_pairs(emotion)) for emotion in EMOTIONS)
+MOST_RECORDINGS: Final = min(len(_text_ranges(emotion)) for emotion in EMOTIONS)
 """Of one speaker in one emotion."""
 
 
@@ -53,7 +53,7 @@ def recording_name(speaker_number: int, speaker_name: str, emotion: str, index: 
     index : int
         Below `MOST_RECORDINGS`.
     """
-    start, end = next(islice(_pairs(emotion), index, None))
+    start, end = next(islice(_text_ranges(emotion), index, None))
     return f"{speaker_number}_{speaker_name}_0_{start}_{end}"
 
 
@@ -144,7 +144,7 @@ _SHARED: Final = "shared_passages"
 """Said only where it is so."""
 
 
-def claim(folder: Path, request: CorpusRequest) -> None:
+def claim_folder(folder: Path, request: CorpusRequest) -> None:
     """Say in a folder which corpus it holds.
 
     Raises
@@ -152,10 +152,10 @@ def claim(folder: Path, request: CorpusRequest) -> None:
     InputError
         If it holds another one, or something else.
     """
-    wanted = json.dumps(_description(request), indent=2) + "\n"
+    description = json.dumps(_description(request), indent=2) + "\n"
     path = folder / DESCRIPTION
     if path.exists():
-        if path.read_text(encoding="utf-8") != wanted:
+        if path.read_text(encoding="utf-8") != description:
             raise InputError(
                 "the folder holds another corpus: of other numbers, or made with another version "
                 "of the process or of the synthesiser",
@@ -169,7 +169,7 @@ def claim(folder: Path, request: CorpusRequest) -> None:
             where=folder,
             remedy="Name a folder that is empty or does not exist",
         )
-    write_text(path, wanted)
+    write_text(path, description)
 
 
 def read_request(folder: Path) -> CorpusRequest:
@@ -184,12 +184,12 @@ def read_request(folder: Path) -> CorpusRequest:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         version = content["process_version"]
-        asked = {
+        settings = {
             field.name: content[field.name]
             for field in fields(CorpusRequest)
             if field.name in content or field.name != _SHARED
         }
-        request = TypeAdapter(CorpusRequest).validate_python(asked)
+        request = TypeAdapter(CorpusRequest).validate_python(settings)
     except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
         raise InputError(
             "the folder holds no synthetic corpus",

@@ -22,7 +22,7 @@ _NAMES: Final = (
 )  # fmt: skip
 """As many as there are voices, so that a name comes back with its voice."""
 
-_SHARES: Final = (0.7, 0.7, 0.7)
+_DIRICHLET: Final = (0.7, 0.7, 0.7)
 """Of the Dirichlet distribution that directions are drawn from: most speakers have a favourite."""
 
 _STREAM: Final = 1
@@ -93,7 +93,7 @@ def speaker_of(number: int, seed: int) -> CorpusSpeaker:
     depend on how many others there are.
     """
     random = np.random.default_rng([seed, _STREAM, number])
-    shares = random.dirichlet(_SHARES)
+    shares = random.dirichlet(_DIRICHLET)
     return CorpusSpeaker(
         number=number,
         name=_NAMES[(number - 1) % len(_NAMES)],
@@ -245,9 +245,11 @@ class EmotionMotion:
     face: Mapping[str, float] = field(default_factory=dict)
 
 
-def _read() -> Mapping[str, EmotionMotion]:
-    told = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
-    return MappingProxyType({emotion: EmotionMotion(**values) for emotion, values in told.items()})
+def _read_emotions() -> Mapping[str, EmotionMotion]:
+    tables = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
+    return MappingProxyType(
+        {emotion: EmotionMotion(**values) for emotion, values in tables.items()}
+    )
 
 
-EMOTION_MOTION: Final = _read()
+EMOTION_MOTION: Final = _read_emotions()

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from motion.errors import InputError
 from motion.files import replacing
 from training.corpus.chance import StrokeChance
-from training.corpus.heard_speech import Strokes
 from training.corpus.motion_curves import MotionCurves
+from training.corpus.speech_curves import Strokes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,8 +1,8 @@
 """BEAT and BEAT2 (Liu et al. 2022, 2024), and any folder of SMPL-X ``.npz`` files and sound.
 
 The name of a recording is ``{number}_{name}_{type}_{start}_{end}``: number and name of the speaker,
-the type of recording (even: somebody speaks alone; odd: conversation; 0 and 1: English), and the
-first and last of the texts that are spoken.
+the type of recording (even: monologue; odd: conversation; 0 and 1: English), and the first and last
+text that is spoken.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ from training.data.found_take import (
     split_folder,
     transcript_of,
     usable_name,
-    without_doubles,
+    without_duplicates,
 )
 from training.data.take import LONGEST_DIFFERENCE, Split, Take
 
 
 def read_beat_bvh(take: Take) -> BvhMotion:
-    """Return the motion of a take without what was left over in its first row.
+    """Return the motion of a take, without a leftover calibration pose in its first row.
 
-    Where the header promises another number of frames than there are, as in files that were
-    thinned out, the frame rate is the header's, or that at which the frames last as long as the
-    header says, whichever makes them as long as the sound.
+    Where the header promises another number of frames than the file holds, as in files that were
+    downsampled, the frame rate is the header's or the one that keeps the header's duration,
+    whichever matches the sound.
 
     Raises
     ------
@@ -73,10 +73,10 @@ _NAME: Final = re.compile(
 )
 
 LAST_TEXTS: Final = (64, 72, 80, 86, 94, 102, 110, 118)
-"""Up to which text somebody who speaks alone does so with each of `motion.segment.EMOTIONS`."""
+"""The last text of a monologue in each of `motion.segment.EMOTIONS`."""
 
-_FOUR_HOURS: Final = frozenset({1, 2, 3, 4, 6, 7, 8, 9, 11, 21})
-"""Speakers of whom there are four hours; of the other twenty there is one."""
+_FOUR_HOUR_SPEAKERS: Final = frozenset({1, 2, 3, 4, 6, 7, 8, 9, 11, 21})
+"""Speakers with four hours of recordings; the other twenty have one."""
 
 _SPEAKERS: Final = 30
 _FIRST_OF_EMOTION: Final = frozenset(last + 1 for last in LAST_TEXTS[:-1])
@@ -85,16 +85,16 @@ _LAST_OF_EMOTION: Final = frozenset(LAST_TEXTS[1:])
 
 @dataclass(frozen=True, kw_only=True)
 class BeatName:
-    """What a name tells.
+    """The parts of a recording's name.
 
     Attributes
     ----------
     number : int
-        Of the speaker, from 1.
+        Number of the speaker, from 1.
     speaker : str
-        Their name.
+        Name of the speaker.
     recording_type : int
-        0 to 7, see above.
+        0 to 7, see the module.
     start, end : int
         First and last text.
     """
@@ -107,24 +107,21 @@ class BeatName:
 
     @classmethod
     def parse(cls, name: str) -> Self | None:
-        """Return what `name` tells; None where BEAT names nothing like that."""
-        found = _NAME.fullmatch(name)
-        if found is None:
+        """Return the parts of `name`; None if it is not a name of BEAT."""
+        match = _NAME.fullmatch(name)
+        if match is None:
             return None
         return cls(
-            number=int(found["number"]),
-            speaker=found["speaker"],
-            recording_type=int(found["type"]),
-            start=int(found["start"]),
-            end=int(found["end"]),
+            number=int(match["number"]),
+            speaker=match["speaker"],
+            recording_type=int(match["type"]),
+            start=int(match["start"]),
+            end=int(match["end"]),
         )
 
     @property
     def emotion(self) -> str:
-        """The emotion of somebody who speaks alone; empty for conversations and other texts.
-
-        Texts with several emotions have none either.
-        """
+        """The emotion of a monologue; empty for conversations and for several emotions."""
         if self.recording_type % 2:
             return ""
         first, last = (_emotion_of(text) for text in (self.start, self.end))
@@ -134,62 +131,62 @@ class BeatName:
     def published_split(self) -> Split | None:
         """The split of an English recording of a single text, by the rule published with BEAT.
 
-        Of the twenty speakers of one hour, the rule cuts recordings in two, half for validation
-        and half for testing; here they are for testing as a whole, so that no recording is in two
-        splits. None where the rule says nothing.
+        For the twenty speakers with one hour, the rule cuts some recordings into a validation half
+        and a test half. Here the whole recording is for testing, so that none is in two splits.
+        None for recordings that the rule does not mention.
         """
         if self.recording_type > 1 or self.start != self.end or not 1 <= self.number <= _SPEAKERS:
             return None
-        long = self.number in _FOUR_HOURS
+        four_hours = self.number in _FOUR_HOUR_SPEAKERS
         if self.recording_type == 1:
             if self.start == 1:
                 return "test"
-            return "validation" if long and self.start == 12 else "train"
+            return "validation" if four_hours and self.start == 12 else "train"
         if not 1 <= self.start <= LAST_TEXTS[-1]:
             return None
         if self.start <= 8:
-            return "test" if long or self.start <= 4 else "validation"
+            return "test" if four_hours or self.start <= 4 else "validation"
         if self.start in _FIRST_OF_EMOTION:
             return "test"
-        if long and (57 <= self.start <= 64 or self.start in _LAST_OF_EMOTION):
+        if four_hours and (57 <= self.start <= 64 or self.start in _LAST_OF_EMOTION):
             return "validation"
         return "train"
 
 
 def _emotion_of(text: int) -> str:
-    lasts = zip(LAST_TEXTS, EMOTIONS, strict=True)
-    return next((emotion for last, emotion in lasts if text <= last), "")
+    last_texts = zip(LAST_TEXTS, EMOTIONS, strict=True)
+    return next((emotion for last_text, emotion in last_texts if text <= last_text), "")
 
 
 def find_beat(files: FolderFiles) -> Findings:
-    """Return the takes of a folder that holds BEAT's recordings, in folders or flat.
+    """Return the takes of a folder of BEAT, nested or flat.
 
-    Every ``.bvh`` is a take; sound (``.wav``), facial weights (``.json``) and annotated gestures
-    (``.txt``) have its name. The last two may be missing.
+    Every ``.bvh`` is a take. Its sound (``.wav``), facial weights (``.json``) and annotated
+    gestures (``.txt``) share its name; the last two may be missing.
     """
-    return _found(files, ".bvh", _beat_take)
+    return _find_takes(files, ".bvh", _beat_take)
 
 
 def find_beat2(files: FolderFiles) -> Findings:
     """Return the takes of a folder of SMPL-X motion and sound.
 
-    Every ``.npz`` with poses is a take; its sound has the same name, beside it or in another
-    folder, as BEAT2 keeps motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures
-    in ``sem``. Names tell speaker and emotion where they are BEAT's; else the folder that holds
-    motion and sound is the speaker's.
+    Every ``.npz`` with poses is a take. Its sound has the same name, beside it or in another
+    folder: BEAT2 keeps motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in
+    ``sem``. BEAT's names give speaker and emotion; otherwise the folder of motion and sound names
+    the speaker.
     """
-    return _found(files, ".npz", _beat2_take)
+    return _find_takes(files, ".npz", _beat2_take)
 
 
-def _found(
+def _find_takes(
     files: FolderFiles, ending: str, take_of: Callable[[FolderFiles, Path], FoundTake | None]
 ) -> Findings:
-    found, skipped = each_take(files.ending_in(ending), partial(take_of, files))
-    takes, doubles = without_doubles(found)
+    candidates, skipped = each_take(files.ending_in(ending), partial(take_of, files))
+    takes, duplicates = without_duplicates(candidates)
     return Findings(
         takes=takes,
-        skipped=(*skipped, *_lonely_sounds(files, ending), *doubles),
-        speakers=_speakers(one.take for one in takes),
+        skipped=(*skipped, *_unpaired_sounds(files, ending), *duplicates),
+        speakers=_speakers(candidate.take for candidate in takes),
         split_rule="the rule published with BEAT",
     )
 
@@ -213,7 +210,7 @@ def _beat_take(files: FolderFiles, motion: Path) -> FoundTake:
         semantic=files.companion(motion, (".txt",)),
         transcript=transcript_of(motion, files),
     )
-    return _placed(take, files, name)
+    return _place_take(take, files, name)
 
 
 def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
@@ -226,8 +223,8 @@ def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     speech = sound_of(motion, files)
     place, _ = split_folder(files.place_of(motion))
     name = BeatName.parse(motion.stem)
-    beside = speech.parent == motion.parent and len(place.parts) > 1
-    speaker = name.speaker if name else place.parts[-2] if beside else UNKNOWN_SPEAKER
+    in_speaker_folder = speech.parent == motion.parent and len(place.parts) > 1
+    speaker = name.speaker if name else place.parts[-2] if in_speaker_folder else UNKNOWN_SPEAKER
     take = Take(
         name=usable_name(motion.stem),
         speaker=speaker,
@@ -238,10 +235,10 @@ def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
         semantic=files.companion(motion, (".txt",)),
         transcript=transcript_of(motion, files),
     )
-    return _placed(take, files, name)
+    return _place_take(take, files, name)
 
 
-def _placed(take: Take, files: FolderFiles, name: BeatName | None) -> FoundTake:
+def _place_take(take: Take, files: FolderFiles, name: BeatName | None) -> FoundTake:
     place, folder_split = split_folder(files.place_of(take.motion).with_suffix(""))
     return FoundTake(
         take=take,
@@ -251,8 +248,8 @@ def _placed(take: Take, files: FolderFiles, name: BeatName | None) -> FoundTake:
     )
 
 
-def _lonely_sounds(files: FolderFiles, ending: str) -> list[InputError]:
-    """Return what to say of sound that BEAT would name so, and that has no motion."""
+def _unpaired_sounds(files: FolderFiles, ending: str) -> list[InputError]:
+    """Return an error for each sound with a BEAT name and no motion."""
     return [
         InputError(
             "the sound has no motion", where=sound, remedy=f"Put {sound.stem}{ending} beside it"
@@ -263,7 +260,7 @@ def _lonely_sounds(files: FolderFiles, ending: str) -> list[InputError]:
 
 
 def _speakers(takes: Iterable[Take]) -> tuple[str, ...]:
-    """Return the speakers in the order of their numbers; those without one come last, by name."""
+    """Return the speakers by number; those without a number come last, by name."""
     numbers: dict[str, int] = {}
     for take in takes:
         name = BeatName.parse(take.name)

@@ -1,4 +1,4 @@
-"""Features of many takes, computed once and kept."""
+"""Features of many takes, computed once and cached on disk."""
 
 from __future__ import annotations
 
@@ -15,12 +15,18 @@ from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError
-from training.data.kept_files import KeptArray, content_sha256, hashes_of, open_array, write_array
+from training.data.cached_files import (
+    CachedArray,
+    content_sha256,
+    hashes_of,
+    open_array,
+    write_array,
+)
 from training.data.take import LONGEST_DIFFERENCE, Feature, Take, TakeFolder
 
 FloatArray = NDArray[np.float32]
 Show = Callable[[int, int, str], None]
-"""Told how many takes are done, of how many, and the name of the last."""
+"""Called with the number of finished takes, the number of all takes, and the last one's name."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,14 +38,14 @@ class PreparedTakes:
     takes : tuple of Take
         In order of their names.
     arrays : mapping of str to tuple of ndarray
-        By feature, for each take (frames, channels), float32. They lie on disk, and are read where
-        they are looked at. All features of a take have the same frames.
+        For each feature and take (frames, channels), float32, memory-mapped. All features of a take
+        have the same frames.
     frame_rate : float
         Frames per second.
     skipped : tuple of InputError
-        Takes that could not be used, and why; those of the folder come first.
+        Why takes could not be used; those of the folder come first.
     sha256 : str
-        Hash of all of it: names, splits, speakers, emotions and features of the takes.
+        Hash of the takes' names, splits, speakers, emotions and features.
     """
 
     takes: tuple[Take, ...]
@@ -49,16 +55,16 @@ class PreparedTakes:
     sha256: str
 
     def frames(self, index: int) -> int:
-        """Return how many frames take `index` has."""
+        """Return the number of frames of take `index`."""
         return len(next(iter(self.arrays.values()))[index])
 
-    def taught(self, speakers: Sequence[str]) -> tuple[str, ...]:
-        """Return those of `speakers`, in their order, whose takes are learned from."""
-        taught = {take.speaker for take in self.takes if take.split == "train"}
-        return tuple(name for name in speakers if name in taught)
+    def training_speakers(self, speakers: Sequence[str]) -> tuple[str, ...]:
+        """Return those of `speakers`, in their order, who have takes in the training split."""
+        trained = {take.speaker for take in self.takes if take.split == "train"}
+        return tuple(name for name in speakers if name in trained)
 
     def mean_first(self, feature: str) -> FloatArray:
-        """Return the mean first frame (channels,) of a feature in the takes to learn from."""
+        """Return the mean first frame (channels,) of a feature over the training split."""
         firsts = [
             values[0]
             for take, values in zip(self.takes, self.arrays[feature], strict=True)
@@ -75,31 +81,30 @@ def prepare(
     frame_rate: float,
     show: Show | None = None,
 ) -> PreparedTakes:
-    """Compute features of all takes, or find them where an earlier call left them.
+    """Compute features of all takes, or read them from the cache.
 
-    What is found was computed by the same version of the feature from files of the same content.
-    May be stopped at any time and called again, and by several processes at once, which then share
-    the work. Everything below `cache` may be removed at any other time.
+    A cached feature was computed by the same version of the feature from files of the same content.
+    The call may be interrupted and repeated, and several processes may make it at once; they share
+    the work. Everything below `cache` may be removed between calls.
 
     Parameters
     ----------
     takes : TakeFolder
         The takes.
     features : sequence of Feature
-        What is wanted of each, at least one; their names differ.
+        At least one; their names differ.
     cache : Path
-        Folder that keeps what was computed: a folder a take, a ``.npy`` a feature.
+        Folder of the cache, with a folder for each take and a ``.npy`` for each feature.
     frame_rate : float
         Frames per second of all features.
     show : callable, optional
-        Told about progress.
+        Called with the progress.
 
     Returns
     -------
     PreparedTakes
-        A take is skipped where a feature cannot be computed, holds a value that is not finite, or
-        lasts longer than another by more than `LONGEST_DIFFERENCE`; features are cut to the
-        shortest.
+        A take is skipped if a feature cannot be computed or is not finite, or if its features
+        differ in length by more than `LONGEST_DIFFERENCE`. Features are cut to the shortest.
 
     Raises
     ------
@@ -110,51 +115,51 @@ def prepare(
     if not names or len(set(names)) != len(names):
         raise ValueError(f"features need names that differ: {names}")
     check_frame_rate(frame_rate)
-    found: dict[str, dict[str, KeptArray]] = {}
-    bad: dict[str, InputError] = {}
+    arrays: dict[str, dict[str, CachedArray]] = {}
+    errors: dict[str, InputError] = {}
     try:
-        for take in _in_turn(takes.takes, cache):
+        for take in _locked_takes(takes.takes, cache):
             try:
-                found[take.name] = _all_kept(take, features, frame_rate, cache / take.name)
+                arrays[take.name] = _cached_features(take, features, frame_rate, cache / take.name)
             except InputError as error:
-                bad[take.name] = _named(take, error)
+                errors[take.name] = _with_take_name(take, error)
             if show:
-                show(len(found) + len(bad), len(takes.takes), take.name)
+                show(len(arrays) + len(errors), len(takes.takes), take.name)
     except OSError as error:
         raise InputError(
             f"features cannot be kept ({error.strerror})",
             where=cache,
             remedy="Free space there, or name another folder for them",
         ) from error
-    skipped = (*takes.skipped, *(bad[name] for name in sorted(bad)))
-    if not found:
+    skipped = (*takes.skipped, *(errors[name] for name in sorted(errors)))
+    if not arrays:
         raise InputError(
             f"none of the {len(takes.takes)} takes can be used"
             + (f"; the first: {skipped[0]}" if skipped else ""),
             where=cache,
             remedy="Repair the takes, or name another folder of recordings",
         )
-    usable = tuple(take for take in takes.takes if take.name in found)
-    return _prepared(usable, found, names, frame_rate, skipped)
+    usable = tuple(take for take in takes.takes if take.name in arrays)
+    return _trimmed(usable, arrays, names, frame_rate, skipped)
 
 
-def _in_turn(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:
-    """Yield each take while no other process works on it; those in work elsewhere come last."""
+def _locked_takes(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:
+    """Yield each take under a lock; takes that another process is working on come last."""
     busy: list[Take] = []
     for take in takes:
-        with _alone(cache / take.name, wait=False) as alone:
-            if alone:
+        with _take_lock(cache / take.name, wait=False) as locked:
+            if locked:
                 yield take
             else:
                 busy.append(take)
     for take in busy:
-        with _alone(cache / take.name, wait=True):
+        with _take_lock(cache / take.name, wait=True):
             yield take
 
 
 @contextmanager
-def _alone(folder: Path, *, wait: bool) -> Iterator[bool]:
-    """Keep other processes from working on a take; gives whether that was possible."""
+def _take_lock(folder: Path, *, wait: bool) -> Iterator[bool]:
+    """Hold the lock of a take; yields whether it could be had."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "lock").open("a") as lock:
         try:
@@ -165,35 +170,37 @@ def _alone(folder: Path, *, wait: bool) -> Iterator[bool]:
             yield True
 
 
-def _all_kept(
+def _cached_features(
     take: Take, features: Sequence[Feature], frame_rate: float, folder: Path
-) -> dict[str, KeptArray]:
-    """Return the features of a take from `folder`, where they are put if they are not there."""
+) -> dict[str, CachedArray]:
+    """Return the features of a take, computing those that `folder` does not hold yet."""
     files = hashes_of(take.files, folder / "files.json")
     optional = ("face", "semantic", "transcript")
     roles = [role for role in optional if getattr(take, role) is not None]
-    kept: dict[str, KeptArray] = {}
+    cached: dict[str, CachedArray] = {}
     for feature in features:
         key = content_sha256(
             [json.dumps([files, roles, feature.name, feature.version, frame_rate])]
         )
-        kept[feature.name] = _kept(take, feature, folder / f"{feature.name}-{key[:32]}.npy")
-        # As early as can be told: the next feature may take long.
-        _check_lengths(take, kept, frame_rate)
-    return kept
+        cached[feature.name] = _cached_feature(
+            take, feature, folder / f"{feature.name}-{key[:32]}.npy"
+        )
+        # As early as possible: the next feature may take long.
+        _check_lengths(take, cached, frame_rate)
+    return cached
 
 
-def _kept(take: Take, feature: Feature, path: Path) -> KeptArray:
-    kept = open_array(path)
-    if kept is None:
-        write_array(path, _computed(take, feature))
-        kept = open_array(path)
-    if kept is None:
+def _cached_feature(take: Take, feature: Feature, path: Path) -> CachedArray:
+    cached = open_array(path)
+    if cached is None:
+        write_array(path, _compute(take, feature))
+        cached = open_array(path)
+    if cached is None:
         raise OSError(errno.EIO, "what was written cannot be read", str(path))
-    return kept
+    return cached
 
 
-def _computed(take: Take, feature: Feature) -> FloatArray:
+def _compute(take: Take, feature: Feature) -> FloatArray:
     values = np.ascontiguousarray(feature.compute(take), dtype=np.float32)
     if values.ndim != 2 or not values.size:
         raise InputError(
@@ -209,9 +216,9 @@ def _computed(take: Take, feature: Feature) -> FloatArray:
     return values
 
 
-def _check_lengths(take: Take, kept: Mapping[str, KeptArray], frame_rate: float) -> None:
-    """Raise where the features of a take differ in length by more than is ordinary."""
-    seconds = {name: len(array.values) / frame_rate for name, array in kept.items()}
+def _check_lengths(take: Take, cached: Mapping[str, CachedArray], frame_rate: float) -> None:
+    """Raise where the features of a take differ too much in length."""
+    seconds = {name: len(array.values) / frame_rate for name, array in cached.items()}
     shortest = min(seconds, key=lambda name: seconds[name])
     longest = max(seconds, key=lambda name: seconds[name])
     if seconds[longest] - seconds[shortest] > LONGEST_DIFFERENCE:
@@ -223,16 +230,16 @@ def _check_lengths(take: Take, kept: Mapping[str, KeptArray], frame_rate: float)
         )
 
 
-def _named(take: Take, error: InputError) -> InputError:
-    """Return `error` with the name of its take."""
+def _with_take_name(take: Take, error: InputError) -> InputError:
+    """Return `error` with the take's name in it."""
     return InputError(
         f"take {take.name}: {error.what}", where=error.where or take.motion, remedy=error.remedy
     )
 
 
-def _prepared(
+def _trimmed(
     takes: tuple[Take, ...],
-    found: Mapping[str, Mapping[str, KeptArray]],
+    cached: Mapping[str, Mapping[str, CachedArray]],
     names: list[str],
     frame_rate: float,
     skipped: tuple[InputError, ...],
@@ -241,7 +248,7 @@ def _prepared(
     arrays: dict[str, list[FloatArray]] = {name: [] for name in names}
     facts = [f"{frame_rate!r}"]
     for take in takes:
-        kept = found[take.name]
+        kept = cached[take.name]
         frames = min(len(array.values) for array in kept.values())
         facts.append(json.dumps([take.name, take.split, take.speaker, take.emotion, frames]))
         for name in names:

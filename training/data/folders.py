@@ -1,6 +1,6 @@
-"""Recordings of a folder of any known layout, and those that are clips as plain arrays.
+"""Takes of a folder of any known layout, among them clips as plain arrays.
 
-These are TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
+The latter are TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from training.data.found_take import (
     split_folder,
     transcript_of,
     usable_name,
-    with_own_names,
+    with_unique_names,
 )
 from training.data.split_list import USUAL_NAMES, read_split_list
 from training.data.splitting import by_list, by_rule
@@ -42,9 +42,9 @@ def find_ted(files: FolderFiles) -> Findings:
     """Return the takes of a folder of TED Gesture's clips, saved as plain arrays.
 
     A clip is ``talk/clip.npz`` (see `motion.formats.ted_npz`) with its sound beside it. A folder
-    ``train``, ``val`` or ``test`` anywhere above it tells its split. Every talk is a speaker of its
-    own. The databases that TED Gesture is distributed as are never opened, because reading them
-    runs what is in them.
+    ``train``, ``val`` or ``test`` above it names its split. Every talk counts as one speaker. The
+    databases that TED Gesture is distributed as are never opened, because unpickling them runs
+    code.
     """
     databases = [
         InputError(
@@ -55,19 +55,19 @@ def find_ted(files: FolderFiles) -> Findings:
         for path in files.files
         if path.name == DATABASE
     ]
-    found, skipped = each_take(files.ending_in(".npz"), partial(_ted_take, files))
-    return _findings(found, [*databases, *skipped])
+    takes, skipped = each_take(files.ending_in(".npz"), partial(_ted_take, files))
+    return _findings(takes, [*databases, *skipped])
 
 
 def find_show(files: FolderFiles) -> Findings:
     """Return the takes of a folder of SHOW's clips, as distributed with TalkSHOW.
 
-    A clip lies in ``speaker/video/clip/clip.npy`` (or ``.npz``), or without the folder of its own,
-    with its sound beside it. A folder ``train``, ``val`` or ``test`` anywhere above it, as TalkSHOW
-    sorts them, tells its split. Takes are named speaker and clip. The ``.pkl`` files that SHOW is
-    distributed as are never opened, because reading one runs what is in it.
+    A clip is ``speaker/video/clip/clip.npy`` (or ``.npz``) or ``speaker/video/clip.npy``, with its
+    sound beside it. A folder ``train``, ``val`` or ``test`` above it names its split. Takes are
+    named after speaker and clip. The ``.pkl`` files that SHOW is distributed as are never opened,
+    because unpickling them runs code.
     """
-    found, skipped = each_take(files.ending_in(".npy", ".npz"), partial(_show_take, files))
+    takes, skipped = each_take(files.ending_in(".npy", ".npz"), partial(_show_take, files))
     pickled = [
         InputError(
             "the motion is pickled, not a plain array",
@@ -77,15 +77,15 @@ def find_show(files: FolderFiles) -> Findings:
         for path in files.ending_in(".pkl")
         if files.companion(path, SOUND_ENDINGS) and not files.companion(path, (".npy", ".npz"))
     ]
-    return _findings(found, [*skipped, *pickled])
+    return _findings(takes, [*skipped, *pickled])
 
 
 def _findings(found: Sequence[FoundTake], skipped: Iterable[InputError]) -> Findings:
-    takes = with_own_names(found)
+    unique = with_unique_names(found)
     return Findings(
-        takes=takes,
+        takes=unique,
         skipped=tuple(skipped),
-        speakers=tuple(sorted({one.take.speaker for one in takes})),
+        speakers=tuple(sorted({take.take.speaker for take in unique})),
         split_rule="the folders train, val and test",
     )
 
@@ -100,20 +100,22 @@ def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
             )
         return None
     place, split = split_folder(files.place_of(motion).with_suffix(""))
-    above = place.parent.parts
-    return _placed_clip(files, motion, place, place.parent if above else place, above[-1:], split)
+    parents = place.parent.parts
+    return _placed_clip(
+        files, motion, place, place.parent if parents else place, parents[-1:], split
+    )
 
 
 def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     if files.companion(motion, SOUND_ENDINGS) is None and motion.suffix.lower() == ".npz":
-        # Statistics and other arrays lie beside data sets.
+        # Data sets come with statistics and other arrays.
         return None
     place, split = split_folder(files.place_of(motion).with_suffix(""))
     if len(place.parts) > 1 and place.parts[-1] == place.parts[-2]:
         place = place.parent
-    above = place.parent.parts
-    recording = place.parent if len(above) > 1 else place
-    return _placed_clip(files, motion, place, recording, above[:1], split)
+    parents = place.parent.parts
+    recording = place.parent if len(parents) > 1 else place
+    return _placed_clip(files, motion, place, recording, parents[:1], split)
 
 
 def _placed_clip(
@@ -124,7 +126,7 @@ def _placed_clip(
     speaker: tuple[str, ...],
     split: Split | None,
 ) -> FoundTake:
-    """Return the clip at `place`, said by the one `speaker` whose folder it is in, if any."""
+    """Return the clip at `place`; `speaker` is empty if no folder names one."""
     take = Take(
         name=usable_name("_".join((*speaker, place.name))),
         speaker=speaker[0] if speaker else UNKNOWN_SPEAKER,
@@ -150,24 +152,22 @@ _READERS: Final[Mapping[Kind, Callable[[FolderFiles], Findings]]] = {
 def read_takes(
     folder: Path, *, kind: str | None = None, split_list: Path | None = None
 ) -> TakeFolder:
-    """Find the takes in a folder of recordings.
-
-    What is in the files is looked at later, when features are computed of it.
+    """Find the takes in a folder of recordings; the files are read when features are computed.
 
     Parameters
     ----------
     folder : Path
         The data set as downloaded, or recordings in the same layout.
     kind : {'beat', 'beat2', 'show', 'ted'}, optional
-        Its layout; by default what its files look like.
+        Its layout; by default recognised from the files.
     split_list : Path, optional
-        Says which take is for what, see `training.data.split_list`; by default the folder's own
-        list, then the rule of the data set, then a hash of each recording's name.
+        See `training.data.split_list`. By default the folder's own list, else the rule of the data
+        set, else a hash of each recording's name.
 
     Returns
     -------
     TakeFolder
-        Takes that cannot be used are named in `TakeFolder.skipped`.
+        `TakeFolder.skipped` explains which takes cannot be used.
 
     Raises
     ------
@@ -175,11 +175,11 @@ def read_takes(
         If the folder is missing, of no known layout, holds no take, or the split list is unusable.
     """
     files = list_folder(folder)
-    known = _kind_of(files) if kind is None else _checked_kind(kind)
-    findings = _READERS[known](files)
+    layout = _kind_of(files) if kind is None else _checked_kind(kind)
+    findings = _READERS[layout](files)
     if not findings.takes:
         raise InputError(
-            f"the folder holds no take of {known}"
+            f"the folder holds no take of {layout}"
             + (
                 f"; the first of {len(findings.skipped)} files is not a take because "
                 f"{findings.skipped[0].what}"
@@ -189,29 +189,29 @@ def read_takes(
             where=folder,
             remedy=findings.skipped[0].remedy if findings.skipped else "See docs/data.md",
         )
-    given = split_list or next(
+    list_path = split_list or next(
         (folder / name for name in USUAL_NAMES if (folder / name).is_file()), None
     )
-    takes, notes = by_list(findings, read_split_list(given)) if given else by_rule(findings)
-    speaking = {take.speaker for take in takes}
+    takes, notes = by_list(findings, read_split_list(list_path)) if list_path else by_rule(findings)
+    speakers = {take.speaker for take in takes}
     return TakeFolder(
-        kind=known,
+        kind=layout,
         takes=tuple(sorted(takes, key=lambda take: take.name)),
-        speakers=tuple(speaker for speaker in findings.speakers if speaker in speaking),
+        speakers=tuple(speaker for speaker in findings.speakers if speaker in speakers),
         skipped=findings.skipped,
         notes=notes,
     )
 
 
 def _checked_kind(kind: str) -> Kind:
-    for known in KINDS:
-        if kind == known:
-            return known
+    for layout in KINDS:
+        if kind == layout:
+            return layout
     raise InputError(f"there is no layout {kind!r}", remedy=f"Use one of {listed(KINDS)}")
 
 
 def _kind_of(files: FolderFiles) -> Kind:
-    """Return the layout that the files look like."""
+    """Return the layout of the files."""
     if any(files.ending_in(".bvh")):
         return "beat"
     kinds: set[Kind] = set()
@@ -224,13 +224,13 @@ def _kind_of(files: FolderFiles) -> Kind:
             kinds |= _kinds_of_archive(path)
     if len(kinds) == 1:
         return kinds.pop()
-    what = (
+    problem = (
         f"the folder may be {listed(sorted(kinds))}"
         if kinds
         else "the folder holds no recordings of a known layout"
     )
     raise InputError(
-        what,
+        problem,
         where=files.root,
         remedy=f"Name its layout, one of {listed(KINDS)}, or see docs/data.md for what each is",
     )

@@ -1,7 +1,4 @@
-"""Which files a folder of recordings holds, and which takes readers of data sets find in them.
-
-It is not settled yet which take is for what.
-"""
+"""The files of a folder of recordings, and the takes found in it before they are split."""
 
 from __future__ import annotations
 
@@ -33,44 +30,43 @@ class FolderFiles:
     root : Path
         The folder.
     files : tuple of Path
-        In order; hidden ones, and what lies in hidden folders, left out.
+        Sorted, without hidden files and folders.
     """
 
     root: Path
     files: tuple[Path, ...]
 
     def ending_in(self, *endings: str) -> Iterator[Path]:
-        """Yield the files with one of these endings, whatever their case."""
+        """Yield the files with one of these endings, in upper or lower case."""
         return (path for path in self.files if path.suffix.lower() in endings)
 
     def place_of(self, path: Path) -> PurePosixPath:
-        """Return where `path` lies below the folder."""
+        """Return the path of a file relative to the folder."""
         return PurePosixPath(path.relative_to(self.root).as_posix())
 
     def companion(self, path: Path, endings: Iterable[str]) -> Path | None:
-        """Return the file that has the name of `path` and one of `endings`.
+        """Return the file with the stem of `path` and the first of `endings` that exists.
 
-        The first ending of which there is one beside `path`, or else one anywhere in the folder,
-        as data sets keep sound and motion apart. None where there is none, or where several could
-        be meant.
+        It lies beside `path`, or else anywhere in the folder, since data sets keep sound and motion
+        apart. None if there is no such file, or several that could be meant.
         """
         for ending in endings:
-            named = self._by_name.get((path.stem, ending), [])
-            beside = [other for other in named if other.parent == path.parent]
-            if beside or len(named) == 1:
-                return (beside or named)[0]
+            candidates = self._by_name.get((path.stem, ending), [])
+            beside = [candidate for candidate in candidates if candidate.parent == path.parent]
+            if beside or len(candidates) == 1:
+                return (beside or candidates)[0]
         return None
 
     @cached_property
     def _by_name(self) -> Mapping[tuple[str, str], list[Path]]:
-        found: dict[tuple[str, str], list[Path]] = {}
+        by_name: dict[tuple[str, str], list[Path]] = {}
         for path in self.files:
-            found.setdefault((path.stem, path.suffix.lower()), []).append(path)
-        return found
+            by_name.setdefault((path.stem, path.suffix.lower()), []).append(path)
+        return by_name
 
 
 def list_folder(root: Path) -> FolderFiles:
-    """Return all files below `root`; links to folders are followed, each folder once.
+    """Return all files below `root`; links to folders are followed once.
 
     Raises
     ------
@@ -81,13 +77,13 @@ def list_folder(root: Path) -> FolderFiles:
         raise InputError("there is no such folder of recordings", where=root, remedy="Check it")
     seen: set[str] = set()
     files: list[Path] = []
-    for folder, below, names in os.walk(root, followlinks=True):
+    for folder, subfolders, names in os.walk(root, followlinks=True):
         real = os.path.realpath(folder)
         if real in seen:
-            below.clear()
+            subfolders.clear()
             continue
         seen.add(real)
-        below[:] = sorted(name for name in below if not name.startswith("."))
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         files += (Path(folder) / name for name in names if not name.startswith("."))
     return FolderFiles(root=root, files=tuple(sorted(files)))
 
@@ -98,7 +94,7 @@ def has_arrays(path: Path, *keys: str) -> bool:
     Raises
     ------
     InputError
-        If the file is no such archive.
+        If the file is not an archive.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -119,29 +115,29 @@ SPLIT_WORDS: Final[dict[str, Split]] = {
     "test": "test",
     "testing": "test",
 }
-"""How data sets call the splits, in lower case."""
+"""Data sets' names of the splits, in lower case."""
 
 UNKNOWN_SPEAKER: Final = "unknown"
-"""Who speaks where a data set does not say."""
+"""The speaker where a data set names none."""
 
 _LONGEST_NAME: Final = 100
 
 
 @dataclass(frozen=True, kw_only=True)
 class FoundTake:
-    """A take, and what may decide which split it belongs to.
+    """A take whose split is not decided yet, with what may decide it.
 
     Attributes
     ----------
     take : Take
-        Its split is not settled.
+        Its split is provisional.
     place : str
-        Where it lies below the folder, without the ending of its file and without the folder of a
-        split: the other name, besides its own, by which a split list may call it.
+        Its path below the folder, without its ending and the folder of a split. A split list may
+        use this in place of the name.
     recording : str
-        What it was cut from: takes of one recording belong to one split.
+        The recording it was cut from; takes of one recording belong to one split.
     given_split : {'train', 'validation', 'test'} or None
-        The split that the data set itself puts it in, by a folder or a published rule.
+        The data set's own split, by a folder or a published rule.
     """
 
     take: Take
@@ -152,18 +148,18 @@ class FoundTake:
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
-    """What a reader found in a folder.
+    """The takes of a folder.
 
     Attributes
     ----------
     takes : tuple of FoundTake
         In no particular order; their names differ.
     skipped : tuple of InputError
-        What is no usable take, and why.
+        Why other files are not takes.
     speakers : tuple of str
-        Everybody who speaks, in the order of the data set.
+        All speakers, in the order of the data set.
     split_rule : str
-        Whose splits `FoundTake.given_split` are, in words; empty where there are none.
+        The source of `FoundTake.given_split`, in words; empty if there is none.
     """
 
     takes: tuple[FoundTake, ...]
@@ -175,11 +171,11 @@ class Findings:
 def each_take(
     motions: Iterable[Path], take_of: Callable[[Path], FoundTake | None]
 ) -> tuple[list[FoundTake], list[InputError]]:
-    """Return the takes of motion files, and why others are none.
+    """Return the takes of motion files, and why other files are not takes.
 
-    `take_of` returns None for a file that is no motion at all.
+    `take_of` returns None for a file that holds no motion.
     """
-    found: list[FoundTake] = []
+    takes: list[FoundTake] = []
     skipped: list[InputError] = []
     for motion in motions:
         try:
@@ -187,17 +183,17 @@ def each_take(
         except InputError as error:
             skipped.append(error)
         else:
-            found += [take] if take else []
-    return found, skipped
+            takes += [take] if take else []
+    return takes, skipped
 
 
 def sound_of(motion: Path, files: FolderFiles) -> Path:
-    """Return the sound that belongs to a file of motion.
+    """Return the sound of a motion file.
 
     Raises
     ------
     InputError
-        If there is none, or a file is empty.
+        If there is no sound, or a file is empty.
     """
     sound = files.companion(motion, SOUND_ENDINGS)
     if sound is None:
@@ -213,7 +209,7 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
 
 
 def transcript_of(motion: Path, files: FolderFiles) -> Path | None:
-    """Return the file that tells what is said to a file of motion, where there is one."""
+    """Return the transcript of a motion file, if there is one."""
     return preferred_transcript(lambda ending: files.companion(motion, (ending,)))
 
 
@@ -221,15 +217,15 @@ def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:
     """Return `place` without a folder that names a split, and that split."""
     for index, part in enumerate(place.parts[:-1]):
         if part.lower() in SPLIT_WORDS:
-            rest = PurePosixPath(*place.parts[:index], *place.parts[index + 1 :])
-            return rest, SPLIT_WORDS[part.lower()]
+            remaining = PurePosixPath(*place.parts[:index], *place.parts[index + 1 :])
+            return remaining, SPLIT_WORDS[part.lower()]
     return place, None
 
 
 def usable_name(text: str, *, marked: bool = False) -> str:
-    """Return `text` as a name that is safe as a file name.
+    """Return `text` as a safe file name.
 
-    Where letters had to be replaced, or `marked`, it ends in a hash of `text`.
+    It ends in a hash of `text` if characters had to be replaced, or if `marked`.
     """
     name = re.sub(r"[^A-Za-z0-9_.-]+", "_", text).lstrip("_.-")
     if name == text and len(name) <= _LONGEST_NAME and not marked:
@@ -238,31 +234,31 @@ def usable_name(text: str, *, marked: bool = False) -> str:
     return f"{name[: _LONGEST_NAME - 9] or 'take'}-{mark}"
 
 
-def with_own_names(found: Sequence[FoundTake]) -> tuple[FoundTake, ...]:
-    """Return the takes; those that share a name get one that tells where they lie."""
-    times = Counter(one.take.name for one in found)
+def with_unique_names(takes: Sequence[FoundTake]) -> tuple[FoundTake, ...]:
+    """Return the takes; those that share a name are renamed after their place."""
+    counts = Counter(item.take.name for item in takes)
     return tuple(
-        replace(one, take=replace(one.take, name=usable_name(one.place, marked=True)))
-        if times[one.take.name] > 1
-        else one
-        for one in found
+        replace(item, take=replace(item.take, name=usable_name(item.place, marked=True)))
+        if counts[item.take.name] > 1
+        else item
+        for item in takes
     )
 
 
-def without_doubles(
-    found: Iterable[FoundTake],
+def without_duplicates(
+    takes: Iterable[FoundTake],
 ) -> tuple[tuple[FoundTake, ...], tuple[InputError, ...]]:
-    """Return the takes without those whose name an earlier one has, and what to say of these."""
-    kept: dict[str, FoundTake] = {}
-    doubles: list[InputError] = []
-    for one in found:
-        first = kept.setdefault(one.take.name, one)
-        if first is not one:
-            doubles.append(
+    """Return the takes without those whose name an earlier one has, and an error for each."""
+    by_name: dict[str, FoundTake] = {}
+    duplicates: list[InputError] = []
+    for item in takes:
+        first = by_name.setdefault(item.take.name, item)
+        if first is not item:
+            duplicates.append(
                 InputError(
-                    f"take {one.take.name} is there twice; {first.take.motion} is used",
-                    where=one.take.motion,
+                    f"take {item.take.name} is there twice; {first.take.motion} is used",
+                    where=item.take.motion,
                     remedy="Rename or remove one of them",
                 )
             )
-    return tuple(kept.values()), tuple(doubles)
+    return tuple(by_name.values()), tuple(duplicates)

@@ -1,6 +1,6 @@
-"""Windows by what is said in them, in which emotion and by whom: classes, and fours that differ.
+"""Windows labelled by content, emotion and speaker, and the quadruples that disentangle them.
 
-Fours tell content, emotion and style of speech apart (Chhatre et al. 2024, appendix B.4): two
+A quadruple separates the content of speech from its style (Chhatre et al. 2024, appendix B.4): two
 texts, each spoken by two speakers, all in one emotion.
 """
 
@@ -24,39 +24,45 @@ from training.data.windows import Windows
 
 @dataclass(frozen=True)
 class Classes:
-    """Which values of a take's fields, as emotion and speaker, a network tells apart.
+    """The labels that a network distinguishes, for fields of a take such as emotion and speaker.
 
     Attributes
     ----------
     names : mapping of str to tuple of str
-        By field the values, in the order of their numbers.
+        The labels of each field, in the order of their class numbers.
     """
 
     names: Mapping[str, tuple[str, ...]]
 
     @classmethod
-    def of(cls, windows: Windows, fields: Iterable[str]) -> Self:
-        """Return the classes of windows, in alphabetical order; what nobody told is none."""
+    def from_windows(cls, windows: Windows, fields: Iterable[str]) -> Self:
+        """Return the classes of windows in alphabetical order; an empty label is no class."""
         takes = windows.takes(np.arange(len(windows)))
-        found = {field: {getattr(take, field) for take in takes} - {""} for field in fields}
-        return cls({field: tuple(sorted(names)) for field, names in found.items()})
+        labels = {field: {getattr(take, field) for take in takes} - {""} for field in fields}
+        return cls({field: tuple(sorted(values)) for field, values in labels.items()})
 
-    def known(self, windows: Windows) -> NDArray[np.int64]:
-        """Return the rows of windows whose fields are all among the classes."""
+    def labelled_rows(self, windows: Windows) -> NDArray[np.int64]:
+        """Return the rows of windows whose labels are all among the classes."""
         takes = windows.takes(np.arange(len(windows)))
         return np.flatnonzero(
-            [all(getattr(take, field) in of for field, of in self.names.items()) for take in takes]
+            [
+                all(getattr(take, field) in labels for field, labels in self.names.items())
+                for take in takes
+            ]
         )
 
     def numbers(self, windows: Windows, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the numbers of the classes of windows, (fields, rows)."""
+        """Return the class numbers of windows, (fields, rows)."""
         takes = windows.takes(rows)
         return np.array(
-            [[of.index(getattr(take, field)) for take in takes] for field, of in self.names.items()]
+            [
+                [labels.index(getattr(take, field)) for take in takes]
+                for field, labels in self.names.items()
+            ]
         )
 
     def means(self, field: str, values: Tensor, numbers: Tensor) -> dict[str, Tensor]:
-        """Return the mean of `values` (rows, …) of each class that `numbers` (rows,) tell."""
+        """Return the mean of `values` (rows, …) over each class; `numbers` is (rows,)."""
         return {
             name: values[numbers == number].mean(dim=0)
             for number, name in enumerate(self.names[field])
@@ -64,68 +70,69 @@ class Classes:
         }
 
 
-def macro_f1(told: NDArray[np.int64], true: NDArray[np.int64]) -> float:
+def macro_f1(predicted: NDArray[np.int64], actual: NDArray[np.int64]) -> float:
     """Return the mean over classes of the harmonic mean of precision and recall."""
     scores = [
-        2 * np.sum((told == one) & (true == one)) / (np.sum(told == one) + np.sum(true == one))
-        for one in np.unique(true)
+        2
+        * np.sum((predicted == label) & (actual == label))
+        / (np.sum(predicted == label) + np.sum(actual == label))
+        for label in np.unique(actual)
     ]
     return float(np.mean(scores))
 
 
 def quadruples(
-    windows: Windows, *, most: int, seed: int, needed: bool = False
+    windows: Windows, *, limit: int, seed: int, required: bool = False
 ) -> NDArray[np.int64]:
-    """Return rows of windows.
+    """Return quadruples of windows: contents c1 and c2, each spoken by speakers s1 and s2.
 
-    The columns are (c1, s1), (c2, s1), (c1, s2), (c2, s2); the four windows of a row are equally
-    far from the beginning of their recordings.
+    The columns are (c1, s1), (c2, s1), (c1, s2), (c2, s2). The four windows of a quadruple start
+    equally far into their recordings.
 
     Parameters
     ----------
     windows : Windows
-        Whose takes have BEAT's names, which tell the text.
-    most : int
-        Where there are more, so many are drawn.
+        Their takes need BEAT's names, from which the text is read.
+    limit : int
+        The most quadruples to return; a random sample where there are more.
     seed : int
-        Of the draw.
-    needed : bool
-        Whether nothing can be done without any.
+        Seed of the sample.
+    required : bool
+        Whether to raise where there are none.
 
     Returns
     -------
     ndarray, shape (quadruples, 4)
-        None where no two speakers speak two texts in one emotion.
+        Rows of the windows; empty where no two speakers speak two texts in one emotion.
 
     Raises
     ------
     InputError
-        If there are none, and some are needed.
+        If there are none and some are required.
     """
-    found = [
-        four
+    groups = [
+        group
         for emotion, texts in _by_emotion(windows).items()
-        for first, second in combinations(sorted(texts), 2)
-        for one, other in combinations(sorted(set(texts[first]) & set(texts[second])), 2)
-        for four in zip(
-            texts[first][one], texts[second][one], texts[first][other], texts[second][other],
-            strict=False,
+        for c1, c2 in combinations(sorted(texts), 2)
+        for s1, s2 in combinations(sorted(set(texts[c1]) & set(texts[c2])), 2)
+        for group in zip(
+            texts[c1][s1], texts[c2][s1], texts[c1][s2], texts[c2][s2], strict=False
         )
         if emotion
     ]  # fmt: skip
-    rows = np.array(found, dtype=np.int64).reshape(-1, 4)
-    if needed and not len(rows):
+    rows = np.array(groups, dtype=np.int64).reshape(-1, 4)
+    if required and not len(rows):
         raise InputError(
             "no two speakers speak the same two texts in one emotion",
             remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
         )
-    if len(rows) <= most:
+    if len(rows) <= limit:
         return rows
-    return rows[np.sort(np.random.default_rng(seed).choice(len(rows), most, replace=False))]
+    return rows[np.sort(np.random.default_rng(seed).choice(len(rows), limit, replace=False))]
 
 
 def _by_emotion(windows: Windows) -> dict[str, dict[str, dict[str, list[int]]]]:
-    """Return the rows of windows by emotion, by text, by speaker."""
+    """Return the rows of windows by emotion, text and speaker."""
     rows: dict[str, dict[str, dict[str, list[int]]]] = {}
     for row in range(len(windows)):
         take = windows.take_of(row)
@@ -138,13 +145,7 @@ def _by_emotion(windows: Windows) -> dict[str, dict[str, dict[str, list[int]]]]:
 
 
 def check_texts(takes: TakeFolder) -> None:
-    """Check that names of recordings tell texts, as where speakers of a corpus share them.
-
-    Raises
-    ------
-    InputError
-        If they are those of a corpus whose speakers have texts of their own.
-    """
+    """Raise `InputError` for a synthetic corpus whose speakers do not share their texts."""
     for folder in takes.takes[0].speech.resolve().parents:
         if (folder / DESCRIPTION).exists() and not read_request(folder).shared_passages:
             raise InputError(

@@ -1,4 +1,4 @@
-"""Lists that say which take is for training, for validation and for testing."""
+"""Lists that assign takes to training, validation and testing."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ USUAL_NAMES: Final = (
     "train_val_test.json",
     "splits.json",
 )
-"""Lists that are used where a folder has one."""
+"""Names under which a folder's own list is found."""
 
 _NAME_COLUMNS: Final = ("name", "id", "take", "clip", "file", "filename")
 _SPLIT_COLUMNS: Final = ("split", "type", "set", "subset", "partition")
@@ -37,16 +37,16 @@ _BY_NAME: Final = TypeAdapter(dict[str, str])
 
 @dataclass(frozen=True, kw_only=True)
 class SplitList:
-    """Which take is for what.
+    """The splits of takes.
 
     Attributes
     ----------
     path : Path
-        Where the list was found.
+        File or folder of the list.
     splits : mapping of str to split
-        By name.
+        Split of each name.
     others : mapping of str to str
-        Names that the list puts somewhere else, such as BEAT2's ``additional``, and where.
+        Names in a split of another kind, such as BEAT2's ``additional``.
     """
 
     path: Path
@@ -62,24 +62,23 @@ def read_split_list(path: Path) -> SplitList:
     path : Path
         CSV with a column of names (``name``, ``id``, …) and one of splits (``split``, ``type``, …),
         or two columns without a header; JSON of lists of names by split, or of splits by name; or a
-        folder of ``train.txt``, ``val.txt`` and ``test.txt`` with a name a line. Names may end as
-        files do. Splits are called as people call them: train, val, dev, test, ….
+        folder of ``train.txt``, ``val.txt`` and ``test.txt`` with one name per line. Names may have
+        a file ending. Splits may be called train, val, dev, test, ….
 
     Raises
     ------
     InputError
-        If it is none of these, names no take for training, validation or testing, or puts a name
-        into two splits.
+        If it is none of these, names no split, or puts a name into two splits.
     """
     splits: dict[str, Split] = {}
     others: dict[str, str] = {}
     for name, word, where in _rows(path):
         name = without_ending(name)
         split = SPLIT_WORDS.get(word.lower())
-        before = splits.get(name) or others.get(name)
-        if before is not None and before != (split or word):
+        previous = splits.get(name) or others.get(name)
+        if previous is not None and previous != (split or word):
             raise InputError(
-                f"{name!r} is in {before} and in {split or word}",
+                f"{name!r} is in {previous} and in {split or word}",
                 where=where,
                 remedy="Keep each take in one split",
             )
@@ -93,14 +92,14 @@ def read_split_list(path: Path) -> SplitList:
 
 
 def without_ending(name: str) -> str:
-    """Return the name of a take without the ending of a file; ``/`` parts folders."""
+    """Return the name of a take without a file ending, with ``/`` between folders."""
     name = name.strip().replace("\\", "/").removeprefix("./")
     ending = next((ending for ending in _ENDINGS if name.lower().endswith(ending)), "")
     return name[: len(name) - len(ending)]
 
 
 def _rows(path: Path) -> Iterator[tuple[str, str, str]]:
-    """Yield name, split and where it says so."""
+    """Yield name, split and where in the list they stand."""
     if path.is_dir():
         lists = [file for file in sorted(path.glob("*.txt")) if file.stem.lower() in SPLIT_WORDS]
         if not lists:
@@ -127,7 +126,7 @@ def _text(path: Path) -> str:
 def _json_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
     try:
         content = json.loads(text)
-        if isinstance(content, dict) and all(isinstance(one, str) for one in content.values()):
+        if isinstance(content, dict) and all(isinstance(value, str) for value in content.values()):
             for name, word in _BY_NAME.validate_python(content).items():
                 yield name, word, str(path)
         else:

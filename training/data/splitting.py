@@ -1,7 +1,6 @@
-"""Which recordings are for what: by a list, by the data set's own rule, or by hash.
+"""Splits of recordings: by a list, by the data set's own rule, or by hash.
 
-Windows of one recording resemble each other, so that a recording is kept back whole, to see how
-well a network does on what it never saw.
+Windows of one recording resemble each other, so a recording is held out as a whole.
 """
 
 from __future__ import annotations
@@ -19,38 +18,39 @@ from training.data.found_take import Findings
 from training.data.split_list import SplitList
 from training.data.take import SPLITS, Split, Take
 
-SHARE: Final = 0.1
-"""Of the recordings, kept for validation and for testing each where nobody says anything else."""
+HELD_OUT_SHARE: Final = 0.1
+"""Share of the recordings held out for validation, and for testing, by default."""
 
-_NAMED: Final = 3
+_QUOTED_NAMES: Final = 3
 """Names that a note quotes."""
 
 
 def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tuple[str, ...]]:
-    """Return the takes that a list names, with their splits, and what to say about the others.
+    """Return the takes that a list names, with their splits, and notes about the others.
 
-    A list names takes as they are called here, as their files are, or by where they lie below the
-    folder.
+    A list may use the take's name, its file's name, or its path below the folder.
 
     Raises
     ------
     InputError
-        If it names none of them.
+        If it names none of the takes.
     """
     takes: list[Take] = []
     left_out: list[str] = []
     elsewhere: Counter[str] = Counter()
-    used: set[str] = set()
-    for one in findings.takes:
-        names = (one.take.name, one.take.motion.stem, one.place)
+    known_names: set[str] = set()
+    for item in findings.takes:
+        names = (item.take.name, item.take.motion.stem, item.place)
         split = next((splits.splits[name] for name in names if name in splits.splits), None)
-        used.update(names)
+        known_names.update(names)
         if split is not None:
-            takes.append(replace(one.take, split=split))
-        elif other := next((splits.others[name] for name in names if name in splits.others), None):
-            elsewhere[other] += 1
+            takes.append(replace(item.take, split=split))
+        elif other_split := next(
+            (splits.others[name] for name in names if name in splits.others), None
+        ):
+            elsewhere[other_split] += 1
         else:
-            left_out.append(one.take.name)
+            left_out.append(item.take.name)
     if not takes:
         raise InputError(
             f"the split list names none of the {len(findings.takes)} takes, of which the first is "
@@ -58,70 +58,71 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
             where=splits.path,
             remedy="Name takes as their files are named",
         )
-    missing = sorted(name for name in (*splits.splits, *splits.others) if name not in used)
-    notes = [f"splits by {splits.path.name}: {counts(takes)}"]
+    missing = sorted(name for name in (*splits.splits, *splits.others) if name not in known_names)
+    notes = [f"splits by {splits.path.name}: {count_splits(takes)}"]
     if left_out:
-        notes.append(f"{_some(left_out, 'take')} left out, which the list does not name")
+        notes.append(f"{_quote_names(left_out, 'take')} left out, which the list does not name")
     notes += [f"{_count(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
     if missing:
-        notes.append(f"{_some(missing, 'name')} of the list not there")
+        notes.append(f"{_quote_names(missing, 'name')} of the list not there")
     return tuple(takes), tuple(notes)
 
 
 def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
-    """Return all takes with the split that the data set gives them, or else a hash.
+    """Return all takes with the data set's own split, or else one by hash.
 
-    Takes of which the data set says nothing are in the split of the recording that they were cut
-    from, where others of it have one. Of the rest, recordings are sorted by the hash of their name;
-    the first tenth is for testing and the next for validation, at least one each of three
-    recordings or more.
+    A take without a split takes that of other takes of its recording. Recordings without any are
+    sorted by the hash of their name: the first tenth is for testing and the next for validation, at
+    least one each if there are three or more.
     """
-    given: dict[str, list[Split]] = {}
-    for one in sorted(findings.takes, key=lambda one: one.take.name):
-        if one.given_split:
-            given.setdefault(one.recording, []).append(one.given_split)
-    hashed = split_by_hash({one.recording for one in findings.takes} - set(given))
-    ruled: list[Take] = []
-    chance: list[Take] = []
-    for one in findings.takes:
-        if one.recording in given:
-            ruled.append(replace(one.take, split=one.given_split or given[one.recording][0]))
+    given_splits: dict[str, list[Split]] = {}
+    for item in sorted(findings.takes, key=lambda item: item.take.name):
+        if item.given_split:
+            given_splits.setdefault(item.recording, []).append(item.given_split)
+    hashed = split_by_hash({item.recording for item in findings.takes} - set(given_splits))
+    by_data_set: list[Take] = []
+    by_hash: list[Take] = []
+    for item in findings.takes:
+        if item.recording in given_splits:
+            by_data_set.append(
+                replace(item.take, split=item.given_split or given_splits[item.recording][0])
+            )
         else:
-            chance.append(replace(one.take, split=hashed[one.recording]))
-    divided = sum(len(set(splits)) > 1 for splits in given.values())
+            by_hash.append(replace(item.take, split=hashed[item.recording]))
+    divided = sum(len(set(splits)) > 1 for splits in given_splits.values())
     notes = []
-    if ruled:
-        notes.append(f"splits by {findings.split_rule}: {counts(ruled)}")
+    if by_data_set:
+        notes.append(f"splits by {findings.split_rule}: {count_splits(by_data_set)}")
     if divided:
         notes.append(
             f"{_count(divided, 'recording')} cut into takes of several splits, so that held-out "
             "takes resemble others"
         )
-    if chance:
-        notes.append(f"splits by the hash of each recording's name: {counts(chance)}")
-    return (*ruled, *chance), tuple(notes)
+    if by_hash:
+        notes.append(f"splits by the hash of each recording's name: {count_splits(by_hash)}")
+    return (*by_data_set, *by_hash), tuple(notes)
 
 
 def split_by_hash(recordings: Iterable[str]) -> dict[str, Split]:
-    """Return a split of each recording that depends on nothing but all their names."""
+    """Return a split of each recording that depends only on the set of names."""
     order = sorted(recordings, key=lambda name: hashlib.sha256(name.encode()).digest())
-    kept = max(round(SHARE * len(order)), 1 if len(order) > 2 else 0)
+    count = max(round(HELD_OUT_SHARE * len(order)), 1 if len(order) > 2 else 0)
     splits: dict[str, Split] = dict.fromkeys(order, "train")
-    splits.update(dict.fromkeys(order[:kept], "test"))
-    splits.update(dict.fromkeys(order[kept : 2 * kept], "validation"))
+    splits.update(dict.fromkeys(order[:count], "test"))
+    splits.update(dict.fromkeys(order[count : 2 * count], "validation"))
     return splits
 
 
-def counts(takes: Sequence[Take]) -> str:
-    """Return how many takes each split has, in words."""
-    number = Counter(take.split for take in takes)
-    return listed([f"{number[split]} {split}" for split in SPLITS])
+def count_splits(takes: Sequence[Take]) -> str:
+    """Return the number of takes in each split, in words."""
+    takes_of_split = Counter(take.split for take in takes)
+    return listed([f"{takes_of_split[split]} {split}" for split in SPLITS])
 
 
-def _some(names: Sequence[str], noun: str) -> str:
+def _quote_names(names: Sequence[str], noun: str) -> str:
     """Return ``12 takes (a, b, c, …)``."""
-    first = ", ".join(names[:_NAMED])
-    return f"{_count(len(names), noun)} ({first}{', …' if len(names) > _NAMED else ''})"
+    quoted = ", ".join(names[:_QUOTED_NAMES])
+    return f"{_count(len(names), noun)} ({quoted}{', …' if len(names) > _QUOTED_NAMES else ''})"
 
 
 def _count(number: int, noun: str) -> str:
@@ -131,38 +132,38 @@ def _count(number: int, noun: str) -> str:
 def held_out_recordings(
     recordings: Sequence[str], labels: Sequence[str], *, share: float, seed: int
 ) -> frozenset[str]:
-    """Return the names of the recordings to keep back.
+    """Return the names of the recordings to hold out.
 
     Parameters
     ----------
     recordings : sequence of str
         The recording that each clip is from.
     labels : sequence of str
-        The label of each clip; one and the same where there are none. Each label gives up its
-        share, and keeps at least one recording to learn from.
+        The label of each clip; the same for all if there are none. Each label keeps at least one
+        recording for training.
     share : float
-        Of the recordings of each label, above 0 and below 1; at least one where there are two.
+        Share of each label's recordings, above 0 and below 1; at least one if there are two.
     seed : int
         Not negative.
 
     Returns
     -------
     frozenset of str
-        Empty where no label has two recordings.
+        Empty if no label has two recordings.
     """
-    of_recording: dict[str, Counter[str]] = {}
+    label_counts: dict[str, Counter[str]] = {}
     for recording, label in zip(recordings, labels, strict=True):
-        of_recording.setdefault(recording, Counter())[label] += 1
+        label_counts.setdefault(recording, Counter())[label] += 1
     by_label: dict[str, list[str]] = {}
-    for recording in sorted(of_recording):
-        counts = of_recording[recording]
-        most = max(sorted(counts), key=lambda label: counts[label])
-        by_label.setdefault(most, []).append(recording)
+    for recording in sorted(label_counts):
+        count_splits = label_counts[recording]
+        main_label = max(sorted(count_splits), key=lambda label: count_splits[label])
+        by_label.setdefault(main_label, []).append(recording)
     chance = np.random.default_rng(seed)
-    kept_back: list[str] = []
+    held_out: list[str] = []
     for label in sorted(by_label):
         names = by_label[label]
         count = min(len(names) - 1, max(1, round(share * len(names))))
-        drawn = chance.permutation(len(names))[: max(0, count)]
-        kept_back += [names[index] for index in drawn]
-    return frozenset(kept_back)
+        chosen = chance.permutation(len(names))[: max(0, count)]
+        held_out += [names[index] for index in chosen]
+    return frozenset(held_out)

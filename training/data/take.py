@@ -1,4 +1,4 @@
-"""A take: one recording of speech and motion together, and what can be computed of it."""
+"""A take: one recording of speech and motion together, and the features computed from it."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ SPLITS: Final[tuple[Split, ...]] = ("train", "validation", "test")
 
 Kind = Literal["beat", "beat2", "show", "ted"]
 KINDS: Final[tuple[Kind, ...]] = ("beat", "beat2", "show", "ted")
-"""Layouts of data sets that are read."""
+"""Layouts of data sets that can be read."""
 
 LONGEST_DIFFERENCE: Final = 0.5
-"""Seconds by which sound and motion of a take may differ in length."""
+"""Seconds by which the sound and motion of a take may differ in length."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,21 +32,21 @@ class Take:
     Attributes
     ----------
     name : str
-        Identifies the take within its folder; safe as a file name.
+        Unique in its folder; safe as a file name.
     speaker : str
-        Who speaks, as the folder names them.
+        The folder's name of the speaker.
     emotion : str
-        One of `motion.segment.EMOTIONS`; empty where unknown.
+        One of `motion.segment.EMOTIONS`; empty if unknown.
     split : {'train', 'validation', 'test'}
-        What it is for.
+        The split.
     speech, motion : Path
-        Its sound, and its motion in the data set's own format.
+        Sound, and motion in the data set's own format.
     face : Path or None
-        BEAT's facial weights (JSON), where the motion does not hold the face.
+        BEAT's facial weights (JSON), if the motion does not hold the face.
     semantic : Path or None
         BEAT's annotated gestures.
     transcript : Path or None
-        What is said; see `motion.formats.transcript`.
+        See `motion.formats.transcript`.
     """
 
     name: str
@@ -70,13 +70,13 @@ class Take:
     @property
     def files(self) -> tuple[Path, ...]:
         """All files of the take."""
-        given = (self.speech, self.motion, self.face, self.semantic, self.transcript)
-        return tuple(path for path in given if path is not None)
+        paths = (self.speech, self.motion, self.face, self.semantic, self.transcript)
+        return tuple(path for path in paths if path is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TakeFolder:
-    """What a folder of recordings holds.
+    """The takes of a folder of recordings.
 
     Attributes
     ----------
@@ -85,11 +85,11 @@ class TakeFolder:
     takes : tuple of Take
         In order of their names.
     speakers : tuple of str
-        Everybody who speaks in a take, in order: numbers by size, names by letters.
+        All speakers, numbers before names.
     skipped : tuple of InputError
-        What could not be used, and why.
+        Why other files could not be used.
     notes : tuple of str
-        What a person should know: how the takes were split, names of a split list that are no take.
+        For a person to read: how the takes were split, names of a split list without a take.
     """
 
     kind: Kind
@@ -104,20 +104,19 @@ _NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
 
 @dataclass(frozen=True, kw_only=True)
 class Feature:
-    """Something computed from the files of a take.
+    """A feature computed from the files of a take.
 
     Attributes
     ----------
     name : str
         Lower-case letters, digits and '_', such as ``gesture`` or ``mel``.
     version : str
-        Changes whenever what `compute` gives may change: with its code, its settings, and the
+        Changes whenever the result of `compute` may change: with its code, its settings and the
         weights of a network that it uses.
     compute : callable
-        From a take to (frames, channels) float32, at least one frame. Frame k belongs to
-        ``k / frame_rate`` seconds from the start of the take, at the frame rate at which the
-        takes are prepared. Looks at the take's files alone. Raises `InputError` where a file is
-        unusable.
+        Maps a take to (frames, channels) float32, at least one frame. Frame k is at
+        ``k / frame_rate`` seconds from the start of the take. It depends on the take's files only,
+        and raises `InputError` if one is unusable.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Windows of takes: the same stretch of time of everything that is known of a take."""
+"""Windows of takes: the same stretch of time of all features of a take."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from training.data.take import Split, Take
 class Windows:
     """Windows of equal length, cut from the takes of one split.
 
-    Window k of a take covers its frames ``k * stride`` to ``k * stride + frames - 1``, of every
-    feature alike. Features have one frame rate, so that a stretch of frames is a stretch of time;
-    nothing here counts samples.
+    Window k of a take covers its frames ``k * stride`` to ``k * stride + frames - 1``, in every
+    feature alike.
 
     Parameters
     ----------
     prepared : PreparedTakes
         The takes and their features.
     split : {'train', 'validation', 'test'} or None
-        Which takes; None for all.
+        The split of the takes; None for all.
     frames : int
-        Frames of a window, from 1.
+        Frames of a window, at least 1.
     stride : int
-        Frames from one window of a take to the next, from 1.
+        Frames from one window of a take to the next, at least 1.
 
     Raises
     ------
@@ -48,22 +47,22 @@ class Windows:
         self.stride = stride
         self.frame_rate = prepared.frame_rate
         self.prepared = prepared
-        chosen = [
+        indices = [
             index
             for index, take in enumerate(prepared.takes)
             if split is None or take.split == split
         ]
         self.too_short = tuple(
-            prepared.takes[index] for index in chosen if prepared.frames(index) < frames
+            prepared.takes[index] for index in indices if prepared.frames(index) < frames
         )
         """Takes of the split that are shorter than a window."""
-        self._takes = [index for index in chosen if prepared.frames(index) >= frames]
+        self._takes = [index for index in indices if prepared.frames(index) >= frames]
         counts = [(prepared.frames(index) - frames) // stride + 1 for index in self._takes]
         self._first_row = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
         if not self._takes:
             seconds = frames / prepared.frame_rate
             raise InputError(
-                f"none of {len(chosen)} takes{f' for {split}' if split else ''} lasts the "
+                f"none of {len(indices)} takes{f' for {split}' if split else ''} lasts the "
                 f"{seconds:.3g} s of a window",
                 remedy="Give longer takes, or another split list",
             )
@@ -73,27 +72,27 @@ class Windows:
         return int(self._first_row[-1])
 
     def batch(self, rows: NDArray[np.int64]) -> Mapping[str, NDArray[np.float32]]:
-        """Return the windows of `rows` by feature, each (len(rows), frames, channels)."""
-        places = [self._place(int(row)) for row in rows]
+        """Return the windows of `rows` for each feature, (len(rows), frames, channels)."""
+        positions = [self._locate(int(row)) for row in rows]
         return {
-            name: np.stack([arrays[take][start : start + self.frames] for take, start in places])
+            name: np.stack([arrays[take][start : start + self.frames] for take, start in positions])
             for name, arrays in self.prepared.arrays.items()
         }
 
     def take_of(self, row: int) -> Take:
         """Return the take that window `row` is cut from."""
-        return self.prepared.takes[self._place(row)[0]]
+        return self.prepared.takes[self._locate(row)[0]]
 
     def takes(self, rows: NDArray[np.int64]) -> list[Take]:
         """Return the takes that the windows of `rows` are cut from."""
         return [self.take_of(int(row)) for row in rows]
 
     def speakers(self, rows: NDArray[np.int64]) -> list[str]:
-        """Return who speaks in the windows of `rows`."""
+        """Return the speakers of the windows of `rows`."""
         return [take.speaker for take in self.takes(rows)]
 
-    def _place(self, row: int) -> tuple[int, int]:
-        """Return which take window `row` is cut from, and its first frame there."""
+    def _locate(self, row: int) -> tuple[int, int]:
+        """Return the index of the take that window `row` is cut from, and its first frame."""
         if not 0 <= row < len(self):
             raise IndexError(f"there is no window {row} of {len(self)}")
         place = int(np.searchsorted(self._first_row, row, side="right")) - 1

@@ -53,7 +53,7 @@ _CENTRE, _SPREAD = 1.0, 4.5
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
+class HubertOutput:
     """What was heard, named as transformers' networks name it.
 
     Attributes
@@ -85,15 +85,18 @@ class SoundContext(nn.Module):
         size = 512
         librosa = load_librosa()
         filters = librosa.filters.mel(sr=SPEECH_RATE, n_fft=size, n_mels=_BANDS, norm=None)
-        told = _BANDS * len(_OFFSETS)
-        mixed = channels - (2 + len(_LOUDEST_WITHIN)) * len(_STRESS_OFFSETS)
+        band_features = _BANDS * len(_OFFSETS)
+        mixed_channels = channels - (2 + len(_LOUDEST_WITHIN)) * len(_STRESS_OFFSETS)
         chance = torch.Generator().manual_seed(seed)
         self._size = size
         self.register_buffer("filters", torch.from_numpy(filters.astype(np.float32)))
         self.register_buffer("hann", torch.hann_window(WINDOW))
-        self.register_buffer("mix", torch.randn(told, mixed, generator=chance) / math.sqrt(told))
+        self.register_buffer(
+            "mix",
+            torch.randn(band_features, mixed_channels, generator=chance) / math.sqrt(band_features),
+        )
 
-    def forward(self, samples: Tensor) -> Heard:
+    def forward(self, samples: Tensor) -> HubertOutput:
         """Return features of sound of unit variance, (1, N) samples at 16 kHz."""
         windows = samples[0].unfold(0, WINDOW, HOP) * self.hann
         loudness = windows.square().mean(dim=1).pow(0.3)
@@ -101,26 +104,30 @@ class SoundContext(nn.Module):
         bands = ((power + _QUIETEST).log() - _CENTRE) / _SPREAD
         silence = (math.log(_QUIETEST) - _CENTRE) / _SPREAD
         # Means over five features, so that none between two offsets is passed over.
-        around = _around(bands, _OFFSETS, spread=2, outside=silence)
-        stress = _around(_stress(loudness), _STRESS_OFFSETS, spread=1, outside=0.0)
-        return Heard(torch.cat([(around @ self.mix).tanh(), stress], dim=1)[None])
+        context = _context_means(bands, _OFFSETS, spread=2, padding=silence)
+        stress = _context_means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
+        return HubertOutput(torch.cat([(context @ self.mix).tanh(), stress], dim=1)[None])
 
 
-def _stress(loudness: Tensor) -> Tensor:
+def _stress_features(loudness: Tensor) -> Tensor:
     """Return loudness (n,), its rise, and where it is the greatest of its surroundings, (n, 5)."""
     # Rises and peaks are rare and small: scaled so that they vary about as much as loudness does.
     rise = 5 * functional.pad(loudness.diff(), (1, 0)).clamp(min=0)
     peaks = [
-        3 * loudness * (loudness >= functional.max_pool1d(loudness[None], 2 * near + 1, 1, near)[0])
-        for near in _LOUDEST_WITHIN
+        3
+        * loudness
+        * (loudness >= functional.max_pool1d(loudness[None], 2 * radius + 1, 1, radius)[0])
+        for radius in _LOUDEST_WITHIN
     ]
     return torch.stack([loudness, rise, *peaks], dim=1)
 
 
-def _around(values: Tensor, offsets: Sequence[int], *, spread: int, outside: float) -> Tensor:
+def _context_means(
+    values: Tensor, offsets: Sequence[int], *, spread: int, padding: float
+) -> Tensor:
     """Return the means of `values` (n, c) over ± `spread` at each offset, (n, offsets · c)."""
-    reach = offsets[-1] + spread
-    padded = functional.pad(values, (0, 0, reach, reach), value=outside)
+    margin = offsets[-1] + spread
+    padded = functional.pad(values, (0, 0, margin, margin), value=padding)
     smooth = padded.unfold(0, 2 * spread + 1, 1).mean(dim=-1)
     return torch.cat([smooth[offsets[-1] + offset :][: len(values)] for offset in offsets], dim=1)
 
@@ -133,11 +140,11 @@ _SHORTEST: Final = 400
 """Samples that one feature vector looks at."""
 
 _SEED: Final = 20_210_614
-_SAVED: Final = SavedNetworks(
-    whose="HuBERT",
+_HUBERT_FOLDER: Final = SavedNetworks(
+    owner="HuBERT",
     types={"hubert": "HuBERT-large"},
     # It hides parts of the speech, in training alone.
-    unasked=("masked_spec_embed",),
+    optional=("masked_spec_embed",),
     remedy="Save it there once: transformers.HubertModel.from_pretrained("
     "'facebook/hubert-large-ls960-ft').save_pretrained(FOLDER)",
 )
@@ -173,7 +180,7 @@ class Hubert:
     identity: str
     device: str = "cpu"
 
-    def on(self, device: str) -> Hubert:
+    def to_device(self, device: str) -> Hubert:
         """Return the network, moved to a device; what it hears still comes back to the CPU.
 
         Raises
@@ -185,7 +192,7 @@ class Hubert:
         network = self.network.to(device)
         return replace(self, network=network, device=device)
 
-    def hear(self, samples: NDArray[np.float32]) -> Tensor:
+    def features(self, samples: NDArray[np.float32]) -> Tensor:
         """Return the features of speech, (n, 1024).
 
         Parameters
@@ -196,11 +203,11 @@ class Hubert:
         """
         samples = np.pad(samples, (0, max(0, _SHORTEST - len(samples))))
         # The released network learned from speech without offset and of unit variance.
-        even = (samples - samples.mean()) / np.sqrt(samples.var() + 1e-7)
+        normalised = (samples - samples.mean()) / np.sqrt(samples.var() + 1e-7)
         with torch.inference_mode():
-            heard = torch.from_numpy(even.astype(np.float32))[None].to(self.device)
-            found = self.network(heard)
-            return cast("Tensor", found.last_hidden_state)[0].cpu()  # type: ignore[attr-defined]
+            tensor = torch.from_numpy(normalised.astype(np.float32))[None].to(self.device)
+            output = self.network(tensor)
+            return cast("Tensor", output.last_hidden_state)[0].cpu()  # type: ignore[attr-defined]
 
 
 def load_hubert(folder: Path) -> Hubert:
@@ -217,7 +224,7 @@ def load_hubert(folder: Path) -> Hubert:
         If the folder holds no such network, lacks a weight, or gives other than 1024 channels.
     """
     check_hubert(folder)
-    network = _SAVED.load(folder)
+    network = _HUBERT_FOLDER.load(folder)
     sha256 = sha256_of(folder / WEIGHTS)
     return Hubert(
         network=network.eval(),
@@ -229,9 +236,9 @@ def load_hubert(folder: Path) -> Hubert:
 
 def check_hubert(folder: Path) -> None:
     """Say what is wrong with a folder of HuBERT; nothing is loaded."""
-    width = _SAVED.check(folder).get("hidden_size")
+    width = _HUBERT_FOLDER.check(folder).get("hidden_size")
     if width != FEATURES:
-        raise _SAVED.refused(
+        raise _HUBERT_FOLDER.error(
             f"the network has {width} channels, not HuBERT-large's {FEATURES}", folder / CONFIG
         )
 
@@ -243,28 +250,30 @@ def stand_in() -> Hubert:
     return Hubert(network=network, description=name, stands_in=True, identity=name)
 
 
-def at_frames(features: Tensor, frames: int) -> Tensor:
+def resample_to_frames(features: Tensor, frames: int) -> Tensor:
     """Return `features` (n, channels) at `frames` moments: first at first, last at last.
 
     Linear interpolation with aligned corners, as the release takes 50 a second to the motion's.
     """
-    return at_places(features, torch.linspace(0, len(features) - 1, frames, dtype=torch.float64))
+    return interpolate_features(
+        features, torch.linspace(0, len(features) - 1, frames, dtype=torch.float64)
+    )
 
 
-def at_places(features: Tensor, places: Tensor) -> Tensor:
-    """Return `features` (n, channels) at fractional `places`, linearly between neighbours."""
-    places = places.clamp(0, len(features) - 1)
-    before = places.floor().long()
-    after = (before + 1).clamp(max=len(features) - 1)
-    share = (places - before).to(features.dtype)[:, None]
-    return (1 - share) * features[before] + share * features[after]
+def interpolate_features(features: Tensor, positions: Tensor) -> Tensor:
+    """Return `features` (n, channels) at fractional `positions`, linearly between neighbours."""
+    positions = positions.clamp(0, len(features) - 1)
+    lower = positions.floor().long()
+    upper = (lower + 1).clamp(max=len(features) - 1)
+    share = (positions - lower).to(features.dtype)[:, None]
+    return (1 - share) * features[lower] + share * features[upper]
 
 
-def feature_places(times: NDArray[np.float64]) -> Tensor:
+def feature_positions(times: NDArray[np.float64]) -> Tensor:
     """Return which feature lies at each of `times`, in seconds from the first sample heard."""
     return torch.from_numpy(times * RATE)
 
 
-def samples_of(seconds: float) -> int:
+def sample_count(seconds: float) -> int:
     """Return how many samples HuBERT hears in so many seconds."""
     return round(seconds * SPEECH_RATE)

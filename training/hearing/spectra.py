@@ -64,13 +64,13 @@ def filterbank(samples: NDArray[np.float32], rows: int = 1024, bands: int = 128)
     Tensor
         (rows, bands).
     """
-    extractor = _extractor(rows, bands)
-    heard = extractor(samples, sampling_rate=SPEECH_RATE, return_tensors="np")
-    return torch.as_tensor(np.asarray(heard["input_values"])[0], dtype=torch.float32)
+    extractor = _feature_extractor(rows, bands)
+    features = extractor(samples, sampling_rate=SPEECH_RATE, return_tensors="np")
+    return torch.as_tensor(np.asarray(features["input_values"])[0], dtype=torch.float32)
 
 
 @cache
-def _extractor(rows: int, bands: int) -> ASTFeatureExtractor:
+def _feature_extractor(rows: int, bands: int) -> ASTFeatureExtractor:
     with warnings.catch_warnings():
         # Kaldi's lowest bands are narrower than the spectrum is fine; they hold nothing there too.
         warnings.filterwarnings("ignore", message="At least one mel filter has all zero values")
@@ -93,7 +93,7 @@ WINDOW: Final = 2048
 """Samples that a frame looks at, in the middle of which it lies; before and after the speech is
 silence."""
 
-REACH: Final = 0.06
+SUPPORT: Final = 0.06
 """Seconds on either side of a frame outside of which no sound changes it: half a window, and what
 resampling looks at."""
 
@@ -127,8 +127,8 @@ def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Flo
     count = round(audio.duration * frame_rate) if frames is None else frames
     sound = audio.samples_at(RATE)
     padded = np.zeros(max(count - 1, 0) * hop + WINDOW)
-    within = sound[: len(padded) - WINDOW // 2]
-    padded[WINDOW // 2 : WINDOW // 2 + len(within)] = within
+    inside = sound[: len(padded) - WINDOW // 2]
+    padded[WINDOW // 2 : WINDOW // 2 + len(inside)] = inside
     windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW)[::hop][:count]
     # As long as the window is periodic, not symmetric: that is what analysis of sound means by it.
     hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(WINDOW) / WINDOW)
@@ -154,10 +154,10 @@ def _filters() -> NDArray[np.float64]:
 
 
 COEFFICIENTS: Final = 14
-ROWS: Final = 2
+ROWS_PER_FRAME: Final = 2
 """Rows of coefficients in a frame of motion."""
 
-WIDTH: Final = ROWS * 3 * COEFFICIENTS
+WIDTH: Final = ROWS_PER_FRAME * 3 * COEFFICIENTS
 """Channels of a frame: of each row the coefficients, their first and their second differences."""
 
 _QUIETEST: Final = 1e-4
@@ -177,11 +177,11 @@ def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[
         By default as many as the speech lasts.
     """
     count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
-    bands = mel_bands(audio, ROWS * frame_rate, ROWS * count).astype(np.float64)
+    bands = mel_bands(audio, ROWS_PER_FRAME * frame_rate, ROWS_PER_FRAME * count).astype(np.float64)
     rows = dct(np.log10(np.maximum(bands, _QUIETEST)), norm="ortho", axis=1)[:, :COEFFICIENTS]
-    change = np.gradient(rows, axis=0)
-    all_rows = np.concatenate([rows, change, np.gradient(change, axis=0)], axis=1)
-    return all_rows.reshape(count, WIDTH).astype(np.float32)
+    differences = np.gradient(rows, axis=0)
+    coefficients = np.concatenate([rows, differences, np.gradient(differences, axis=0)], axis=1)
+    return coefficients.reshape(count, WIDTH).astype(np.float32)
 
 
 def log_mel(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:

@@ -19,15 +19,15 @@ from torch.nn import functional
 from transformers import ASTConfig, ASTModel
 
 from motion.errors import listed
-from training.layers.first_weights import components_of, tell_components, waves
+from training.layers.first_weights import encode_components, principal_components, waves
 from training.released_weights import CONFIG, SavedNetworks
 
 _AST: Final = "audio-spectrogram-transformer"
 _SAVED: Final = SavedNetworks(
-    whose="the encoders",
+    owner="the encoders",
     types={_AST: "an AST", "deit": "a DeiT"},
     # A layer behind the last one of a DeiT, which no encoder has.
-    unasked=("pooler.",),
+    optional=("pooler.",),
     remedy="Give the folder that transformers' save_pretrained wrote of an AST or a distilled DeiT "
     "of the encoders' size, with config.json and model.safetensors; or another --config",
 )
@@ -38,18 +38,18 @@ _SIZES: Final = (
     "intermediate_size",
     "patch_size",
 )
-_OF_SOUND: Final = ("max_length", "num_mel_bins", "time_stride", "frequency_stride")
+_AUDIO_SIZES: Final = ("max_length", "num_mel_bins", "time_stride", "frequency_stride")
 _TOKENS: Final = 2
 """For the class and for distillation, before the patches."""
 
 _COMPONENTS: Final = 64
 """Principal components of a patch that an encoder hears at first; smaller ones are noise."""
 
-_SIZE: Final = 0.5
+_INITIAL_SCALE: Final = 0.5
 """Of a patch's components, and of the waves that tell its place."""
 
 
-def read_ast_weights(folder: Path, wanted: ASTConfig) -> dict[str, Tensor]:
+def read_ast_weights(folder: Path, config: ASTConfig) -> dict[str, Tensor]:
     """Return the weights of such a transformer by name.
 
     Parameters
@@ -57,7 +57,7 @@ def read_ast_weights(folder: Path, wanted: ASTConfig) -> dict[str, Tensor]:
     folder : Path
         What ``save_pretrained`` wrote of an AST or of a DeiT. Nothing but safetensors is read, and
         nothing is fetched.
-    wanted : ASTConfig
+    config : ASTConfig
         Its sizes.
 
     Raises
@@ -66,25 +66,26 @@ def read_ast_weights(folder: Path, wanted: ASTConfig) -> dict[str, Tensor]:
         If the folder holds no such network, one of another size, or one that lacks weights.
     """
     network = _SAVED.load(folder)
-    of_sound = network.config.model_type == _AST
-    other = [
-        f"{name} {getattr(network.config, name)} in place of {getattr(wanted, name)}"
-        for name in (*_SIZES, *(_OF_SOUND if of_sound else ()))
-        if getattr(network.config, name) != getattr(wanted, name)
+    is_audio = network.config.model_type == _AST
+    differences = [
+        f"{name} {getattr(network.config, name)} in place of {getattr(config, name)}"
+        for name in (*_SIZES, *(_AUDIO_SIZES if is_audio else ()))
+        if getattr(network.config, name) != getattr(config, name)
     ]
-    if other:
-        raise _SAVED.refused(
-            f"the network has another size than the encoders: {listed(other)}", folder / CONFIG
+    if differences:
+        raise _SAVED.error(
+            f"the network has another size than the encoders: {listed(differences)}",
+            folder / CONFIG,
         )
     weights = {
         name: tensor.float()
         for name, tensor in network.state_dict().items()
         if not name.startswith("pooler.")
     }
-    return weights if of_sound else _of_sound(weights, wanted)
+    return weights if is_audio else _adapt_image_weights(weights, config)
 
 
-def _of_sound(weights: dict[str, Tensor], wanted: ASTConfig) -> dict[str, Tensor]:
+def _adapt_image_weights(weights: dict[str, Tensor], config: ASTConfig) -> dict[str, Tensor]:
     """Return a DeiT's weights for filterbanks: colours summed, places of patches fitted.
 
     Of the grid of places the middle is taken, and stretched where it is too small.
@@ -96,11 +97,11 @@ def _of_sound(weights: dict[str, Tensor], wanted: ASTConfig) -> dict[str, Tensor
     rows, columns = (
         (length - patch) // stride + 1
         for length, stride in (
-            (wanted.num_mel_bins, wanted.frequency_stride),
-            (wanted.max_length, wanted.time_stride),
+            (config.num_mel_bins, config.frequency_stride),
+            (config.max_length, config.time_stride),
         )
     )
-    top, left = (max(0, (side - needs) // 2) for needs in (rows, columns))
+    top, left = (max(0, (side - count) // 2) for count in (rows, columns))
     middle = grid.transpose(1, 2).reshape(1, -1, side, side)[
         :, :, top : top + rows, left : left + columns
     ]
@@ -112,7 +113,7 @@ def _of_sound(weights: dict[str, Tensor], wanted: ASTConfig) -> dict[str, Tensor
 
 
 @torch.no_grad()
-def listen(network: ASTModel, filterbanks: Tensor) -> None:
+def initialise_from_speech(network: ASTModel, filterbanks: Tensor) -> None:
     """Set the layers that a fresh network hears by; its positions tell patches' time and pitch.
 
     Parameters
@@ -126,15 +127,17 @@ def listen(network: ASTModel, filterbanks: Tensor) -> None:
     first, positions = embeddings.patch_embeddings.projection, embeddings.position_embeddings
     size = first.kernel_size[0]
     patches = filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4)
-    found = components_of(patches.reshape(-1, size**2), min(_COMPONENTS, len(first.weight)))
-    tell_components(first, found, _SIZE)
+    components = principal_components(
+        patches.reshape(-1, size**2), min(_COMPONENTS, len(first.weight))
+    )
+    encode_components(first, components, _INITIAL_SCALE)
     bands, rows = embeddings.get_shape(embeddings.config)
     half = positions.shape[-1] // 2
     pitch, time = (
         waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
     )
     places = [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)]
-    positions[0, -bands * rows :] = _SIZE * torch.cat(places, dim=-1).flatten(0, 1)
+    positions[0, -bands * rows :] = _INITIAL_SCALE * torch.cat(places, dim=-1).flatten(0, 1)
 
 
 MASKED_BANDS: Final = 24 / 128
@@ -148,22 +151,22 @@ _SHIFT: Final = 10
 """Rows by which a filterbank is shifted, at most."""
 
 
-def augmented(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
+def augment(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
     """Return what is heard of filterbanks (n, frames, bands), and what is to be rebuilt.
 
     Both are masked alike, up to the shares of the paper; what is heard is also shifted along the
     time by up to ten rows and noisy. Chance is torch's.
     """
     count, frames, bands = filterbanks.shape
-    rows = _band(count, frames, MASKED_ROWS)[:, :, None]
-    columns = _band(count, bands, MASKED_BANDS)[:, None, :]
+    rows = _random_run(count, frames, MASKED_ROWS)[:, :, None]
+    columns = _random_run(count, bands, MASKED_BANDS)[:, None, :]
     masked = filterbanks.masked_fill((rows | columns).to(filterbanks.device), 0.0)
     shift = int(torch.randint(-_SHIFT, _SHIFT + 1, ()))
     noise = _NOISE * torch.rand(count, 1, 1) * torch.rand(filterbanks.shape)
     return torch.roll(masked + noise.to(filterbanks.device), shift, dims=1), masked
 
 
-def _band(count: int, size: int, share: float) -> Tensor:
+def _random_run(count: int, size: int, share: float) -> Tensor:
     """Return for each of `count` a run of places, at most a share of them, (count, size)."""
     width = torch.randint(0, max(1, round(share * size)) + 1, (count, 1))
     first = (torch.rand(count, 1) * (size - width + 1)).long()

@@ -14,8 +14,14 @@ from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
 from motion.errors import InputError
-from training.hearing.hubert import Hubert, at_frames, at_places, feature_places, samples_of
-from training.hearing.spectra import REACH, mel_bands
+from training.hearing.hubert import (
+    Hubert,
+    feature_positions,
+    interpolate_features,
+    resample_to_frames,
+    sample_count,
+)
+from training.hearing.spectra import SUPPORT, mel_bands
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,20 +42,22 @@ class SpeechFrames:
     def __len__(self) -> int:
         return len(self.mel)
 
-    def part(self, first: int, last: int | None = None) -> SpeechFrames:
+    def slice(self, first: int, last: int | None = None) -> SpeechFrames:
         """Return some of the frames."""
         return SpeechFrames(self.mel[first:last], self.hubert[first:last])
 
-    def then(self, more: SpeechFrames) -> SpeechFrames:
-        """Return these frames followed by `more`."""
-        return SpeechFrames(torch.cat([self.mel, more.mel]), torch.cat([self.hubert, more.hubert]))
+    def followed_by(self, following: SpeechFrames) -> SpeechFrames:
+        """Return these frames followed by `following`."""
+        return SpeechFrames(
+            torch.cat([self.mel, following.mel]), torch.cat([self.hubert, following.hubert])
+        )
 
 
 FloatArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True, kw_only=True)
-class HearingWindow:
+class StreamWindow:
     """How much speech is heard at once, and how much around it.
 
     Attributes
@@ -68,7 +76,7 @@ class HearingWindow:
     at_once: int = 1
 
     def __post_init__(self) -> None:
-        if self.past < 1 or self.ahead < max(0.1, REACH) or self.at_once < 1:
+        if self.past < 1 or self.ahead < max(0.1, SUPPORT) or self.at_once < 1:
             raise InputError(
                 f"speech cannot be heard {self.at_once} s at once with {self.past} s before and "
                 f"{self.ahead:g} s ahead",
@@ -79,24 +87,24 @@ class HearingWindow:
         return f"{self.at_once} s at once with {self.past} s before and {self.ahead:g} s ahead"
 
 
-LONGEST_WHOLE: Final = 90.0
+LONGEST_AT_ONCE: Final = 90.0
 """Seconds of speech up to which HuBERT hears all of it at once; its time and memory grow with the
 square."""
 
-LONG: Final = HearingWindow(past=4, ahead=4.0, at_once=60)
+LONG_SPEECH_WINDOW: Final = StreamWindow(past=4, ahead=4.0, at_once=60)
 """How longer speech is heard, such as the ten minutes of BEAT's conversations."""
 
 
-def hearing_of(audio: Audio) -> HearingWindow | None:
-    """Return the window by which `hear` hears `audio`; None where it hears all of it at once."""
-    return LONG if audio.duration > LONGEST_WHOLE else None
+def window_for(audio: Audio) -> StreamWindow | None:
+    """Return the window of `extract_frames` for `audio`; None where all of it is heard at once."""
+    return LONG_SPEECH_WINDOW if audio.duration > LONGEST_AT_ONCE else None
 
 
-def hear(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[SpeechFrames]:
+def extract_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[SpeechFrames]:
     """Yield the frames of `audio`, at least one, in a memory that does not grow with its length.
 
-    Up to `LONGEST_WHOLE` seconds each frame may depend on all of the speech, as the released
-    network was fed; longer speech is heard by the window `LONG`.
+    Up to `LONGEST_AT_ONCE` seconds each frame may depend on all of the speech, as the released
+    network was fed; longer speech is heard by the window `LONG_SPEECH_WINDOW`.
 
     Parameters
     ----------
@@ -107,37 +115,37 @@ def hear(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[SpeechFram
     hubert : Hubert
         The network that hears.
     """
-    window = hearing_of(audio)
+    window = window_for(audio)
     if window is None:
-        yield hear_whole(audio, frame_rate, hubert)
+        yield extract_all_frames(audio, frame_rate, hubert)
         return
-    left = round(audio.duration * frame_rate)
-    for start in range(0, math.ceil(left / frame_rate), window.at_once):
-        count = min(left, round(window.at_once * frame_rate))
-        begin, end = max(0, start - window.past), start + window.at_once + window.ahead
-        heard = audio.cut(begin, min(end, audio.duration))
-        yield _part_of(heard, start - begin, count, frame_rate, hubert)
-        left -= count
+    remaining = round(audio.duration * frame_rate)
+    for start in range(0, math.ceil(remaining / frame_rate), window.at_once):
+        count = min(remaining, round(window.at_once * frame_rate))
+        excerpt_start, end = max(0, start - window.past), start + window.at_once + window.ahead
+        excerpt = audio.cut(excerpt_start, min(end, audio.duration))
+        yield _frames_of_excerpt(excerpt, start - excerpt_start, count, frame_rate, hubert)
+        remaining -= count
 
 
-def hear_whole(audio: Audio, frame_rate: float, hubert: Hubert) -> SpeechFrames:
+def extract_all_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> SpeechFrames:
     """Return the frames of `audio`, at least one, each of which may depend on all of the speech.
 
     As the released network was fed. Memory and time of HuBERT grow with the square of the length;
-    `hear` and `hear_stream` bound both.
+    `extract_frames` and `stream_frames` bound both.
     """
     frames = max(1, round(audio.duration * frame_rate))
-    heard = hubert.hear(at_speech_rate(audio))
+    features = hubert.features(at_speech_rate(audio))
     return SpeechFrames(
-        torch.from_numpy(mel_bands(audio, frame_rate, frames)), at_frames(heard, frames)
+        torch.from_numpy(mel_bands(audio, frame_rate, frames)), resample_to_frames(features, frames)
     )
 
 
-def hear_stream(
+def stream_frames(
     pieces: Iterable[FloatArray],
     frame_rate: int,
     hubert: Hubert,
-    window: HearingWindow,
+    window: StreamWindow,
 ) -> Iterator[SpeechFrames]:
     """Yield the frames of speech as soon as what lies ahead of it is known.
 
@@ -152,7 +160,7 @@ def hear_stream(
         Frames per second of the motion.
     hubert : Hubert
         The network that hears.
-    window : HearingWindow
+    window : StreamWindow
         What it hears at once, and around it.
 
     Yields
@@ -161,37 +169,41 @@ def hear_stream(
         Those of what is heard at once; the last may be fewer. As many in all as the speech lasts,
         rounded.
     """
-    kept, first, start = np.zeros(0, np.float32), 0, 0
+    buffer, buffer_start, start = np.zeros(0, np.float32), 0, 0
 
     def frames(last: int, count: int) -> SpeechFrames:
         begin = max(0, start - window.past)
-        sound = Audio(kept[begin * SPEECH_RATE - first : last - first], SPEECH_RATE)
-        return _part_of(sound, start - begin, count, frame_rate, hubert)
+        sound = Audio(buffer[begin * SPEECH_RATE - buffer_start : last - buffer_start], SPEECH_RATE)
+        return _frames_of_excerpt(sound, start - begin, count, frame_rate, hubert)
 
     for piece in pieces:
-        kept = np.concatenate([kept, np.asarray(piece, np.float32)])
-        while first + len(kept) >= (last := samples_of(start + window.at_once + window.ahead)):
+        buffer = np.concatenate([buffer, np.asarray(piece, np.float32)])
+        while buffer_start + len(buffer) >= (
+            last := sample_count(start + window.at_once + window.ahead)
+        ):
             yield frames(last, window.at_once * frame_rate)
             start += window.at_once
-            forgotten = max(0, start - window.past) * SPEECH_RATE
-            kept, first = kept[forgotten - first :], forgotten
-    end = first + len(kept)
-    left = round(end / SPEECH_RATE * frame_rate) - start * frame_rate
-    while left > 0:
-        count = min(left, window.at_once * frame_rate)
-        yield frames(min(end, samples_of(start + window.at_once + window.ahead)), count)
-        start, left = start + window.at_once, left - count
+            dropped = max(0, start - window.past) * SPEECH_RATE
+            buffer, buffer_start = buffer[dropped - buffer_start :], dropped
+    end = buffer_start + len(buffer)
+    remaining = round(end / SPEECH_RATE * frame_rate) - start * frame_rate
+    while remaining > 0:
+        count = min(remaining, window.at_once * frame_rate)
+        yield frames(min(end, sample_count(start + window.at_once + window.ahead)), count)
+        start, remaining = start + window.at_once, remaining - count
 
 
-def _part_of(
-    sound: Audio, seconds_before: int, count: int, frame_rate: float, hubert: Hubert
+def _frames_of_excerpt(
+    excerpt: Audio, seconds_before: int, count: int, frame_rate: float, hubert: Hubert
 ) -> SpeechFrames:
     """Return `count` frames that begin so many whole seconds into what is heard around them."""
     skipped = round(seconds_before * frame_rate)
-    mel = mel_bands(sound, frame_rate, skipped + count)[skipped:]
+    mel = mel_bands(excerpt, frame_rate, skipped + count)[skipped:]
     times = seconds_before + np.arange(count) / frame_rate
-    heard = hubert.hear(at_speech_rate(sound))
-    return SpeechFrames(torch.from_numpy(mel), at_places(heard, feature_places(times)))
+    features = hubert.features(at_speech_rate(excerpt))
+    return SpeechFrames(
+        torch.from_numpy(mel), interpolate_features(features, feature_positions(times))
+    )
 
 
 def at_speech_rate(audio: Audio) -> FloatArray:

@@ -21,12 +21,12 @@ FloatArray = NDArray[np.float32]
 _BEFORE: Final = 1
 """Whole seconds before a window that are heard with it."""
 
-_AHEAD: Final = 0.1
+_AFTER: Final = 0.1
 """Seconds behind a window that are heard with it."""
 
 
 @dataclass(frozen=True)
-class HeardWindow:
+class SpeechWindow:
     """What is heard in a window: MFCC and spectrogram, and which of its frames are speech.
 
     Attributes
@@ -45,9 +45,9 @@ class HeardWindow:
     count: int
 
 
-def hear_windows(
+def stream_windows(
     pieces: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
-) -> Iterator[HeardWindow]:
+) -> Iterator[SpeechWindow]:
     """Yield windows of speech as soon as they are heard.
 
     How the speech is cut into pieces changes nothing: all of it at once gives the same windows.
@@ -62,35 +62,35 @@ def hear_windows(
         Of a window, and what it shares with the next; what is new in one lasts whole seconds.
     """
     new = frames - overlap
-    seconds, lasts = round(new / frame_rate), frames / frame_rate + _AHEAD
-    kept, first, number = np.zeros(0, np.float32), 0, 0
+    seconds, window_seconds = round(new / frame_rate), frames / frame_rate + _AFTER
+    buffer, buffer_start, number = np.zeros(0, np.float32), 0, 0
 
     def end() -> int:
-        return round((number * seconds + lasts) * SPEECH_RATE)
+        return round((number * seconds + window_seconds) * SPEECH_RATE)
 
-    def window(count: int) -> HeardWindow:
+    def window(count: int) -> SpeechWindow:
         before = min(_BEFORE, number * seconds)
-        sound = Audio(kept[: end() - first], SPEECH_RATE)
+        sound = Audio(buffer[: end() - buffer_start], SPEECH_RATE)
         skipped = round(before * frame_rate)
-        heard = [
-            torch.from_numpy(told(sound, frame_rate, skipped + frames)[skipped:])
-            for told in (mfcc, log_mel)
+        features = [
+            torch.from_numpy(feature(sound, frame_rate, skipped + frames)[skipped:])
+            for feature in (mfcc, log_mel)
         ]
-        return HeardWindow(heard[0], heard[1], number * new, count)
+        return SpeechWindow(features[0], features[1], number * new, count)
 
     for piece in pieces:
-        kept = np.concatenate([kept, np.asarray(piece, np.float32)])
-        while first + len(kept) >= end():
+        buffer = np.concatenate([buffer, np.asarray(piece, np.float32)])
+        while buffer_start + len(buffer) >= end():
             yield window(frames)
             number += 1
-            forgotten = (number * seconds - _BEFORE) * SPEECH_RATE
-            kept, first = kept[forgotten - first :], forgotten
-    left = round((first + len(kept)) / SPEECH_RATE * frame_rate) - number * new
-    while left > 0:
-        yield window(min(left, frames))
-        number, left = number + 1, left - new
-        forgotten = (number * seconds - _BEFORE) * SPEECH_RATE
-        kept, first = kept[forgotten - first :], forgotten
+            dropped = (number * seconds - _BEFORE) * SPEECH_RATE
+            buffer, buffer_start = buffer[dropped - buffer_start :], dropped
+    remaining = round((buffer_start + len(buffer)) / SPEECH_RATE * frame_rate) - number * new
+    while remaining > 0:
+        yield window(min(remaining, frames))
+        number, remaining = number + 1, remaining - new
+        dropped = (number * seconds - _BEFORE) * SPEECH_RATE
+        buffer, buffer_start = buffer[dropped - buffer_start :], dropped
 
 
 @dataclass(frozen=True, kw_only=True)

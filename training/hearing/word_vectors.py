@@ -37,7 +37,7 @@ class WordVectors(Protocol):
         """Whose vectors they are, for a clip's provenance."""
         ...
 
-    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
         """Return the vectors of words; unknown ones are left out."""
         ...
 
@@ -51,24 +51,24 @@ class StandIn:
         default="stand-in for FastText, which knows spelling but no meaning", init=False
     )
 
-    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
         """Return a vector of every word."""
         return {word: self._vector(word) for word in set(words)}
 
     def _vector(self, word: str) -> FloatArray:
         marked = f"<{word}>"
-        parts = {marked} | {
+        ngrams = {marked} | {
             marked[start : start + length]
             for length in _GRAMS
             for start in range(len(marked) - length + 1)
         }
-        vectors = [_part(zlib.crc32(part.encode()), self.width) for part in sorted(parts)]
+        vectors = [_ngram_vector(zlib.crc32(part.encode()), self.width) for part in sorted(ngrams)]
         total = np.sum(vectors, axis=0)
         return np.asarray(total / np.sqrt(len(vectors)), np.float32)
 
 
 @lru_cache(maxsize=20_000)
-def _part(seed: int, width: int) -> NDArray[np.float64]:
+def _ngram_vector(seed: int, width: int) -> NDArray[np.float64]:
     return np.random.default_rng(seed).standard_normal(width)
 
 
@@ -80,19 +80,19 @@ class TextVectors:
     width: int
     description: str
 
-    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
         """Return the vectors of those words that the file holds."""
         wanted = set(words)
-        found: dict[str, FloatArray] = {}
+        vectors: dict[str, FloatArray] = {}
         with self.path.open(encoding="utf-8", errors="replace") as file:
             next(file)
             for number, line in enumerate(file, start=2):
                 word, _, numbers = line.partition(" ")
                 if word in wanted:
-                    found[word] = self._vector(numbers, number)
-                    if len(found) == len(wanted):
+                    vectors[word] = self._vector(numbers, number)
+                    if len(vectors) == len(wanted):
                         break
-        return found
+        return vectors
 
     def _vector(self, numbers: str, line: int) -> FloatArray:
         try:
@@ -116,7 +116,7 @@ class BinaryVectors:
     width: int
     description: str
 
-    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
         """Return a vector of every word."""
         return {word: np.asarray(self.vectors[word], np.float32) for word in set(words)}
 
@@ -175,36 +175,36 @@ def word_rows(
         Frame k is at ``k / frame_rate`` seconds; a word lasts a frame at least.
     """
     rows = np.zeros((frames, vectors.width), np.float32)
-    known = vectors.of(word.text for word in words)
+    known_vectors = vectors.lookup(word.text for word in words)
     for word in words:
         first = round(word.start * frame_rate)
-        if word.text in known:
-            rows[first : max(first + 1, round(word.end * frame_rate))] = known[word.text]
+        if word.text in known_vectors:
+            rows[first : max(first + 1, round(word.end * frame_rate))] = known_vectors[word.text]
     return rows
 
 
-def words_in(rows: FloatArray | None, first: int, frames: int, width: int) -> FloatArray:
+def slice_rows(rows: FloatArray | None, first: int, frames: int, width: int) -> FloatArray:
     """Return those `frames` of `word_rows` from `first` on, (frames, width), zeros beside them."""
-    found = np.zeros((frames, width), np.float32)
+    excerpt = np.zeros((frames, width), np.float32)
     if rows is not None:
-        said = rows[first : first + frames]
-        found[: len(said)] = said
-    return found
+        inside = rows[first : first + frames]
+        excerpt[: len(inside)] = inside
+    return excerpt
 
 
-def vectors_of(named: Path | str | None) -> WordVectors:
+def load_word_vectors(path: Path | str | None) -> WordVectors:
     """Return the vectors of a file, or a stand-in where none is named."""
-    return StandIn() if named is None else read_word_vectors(Path(named))
+    return StandIn() if path is None else read_word_vectors(Path(path))
 
 
-def same_vectors(named: Path | None, learned: str, width: int, network: Path) -> WordVectors:
-    """Return `vectors_of` a file, if they are those that a network learned words by.
+def matching_vectors(path: Path | None, description: str, width: int, network: Path) -> WordVectors:
+    """Return `load_word_vectors` a file, if they are those that a network learned words by.
 
     Parameters
     ----------
-    named : Path or None
+    path : Path or None
         Their file; None for a stand-in.
-    learned : str
+    description : str
         The description of what the network learned from.
     width : int
         Numbers of each of its words.
@@ -216,12 +216,12 @@ def same_vectors(named: Path | None, learned: str, width: int, network: Path) ->
     InputError
         If they are others, or the file cannot be read.
     """
-    vectors = vectors_of(named)
-    if (vectors.description, vectors.width) != (learned, width):
+    vectors = load_word_vectors(path)
+    if (vectors.description, vectors.width) != (description, width):
         raise InputError(
-            f"the network learned words by {learned} of {width} numbers, and these are "
+            f"the network learned words by {description} of {width} numbers, and these are "
             f"{vectors.description} of {vectors.width}",
-            where=named or network,
+            where=path or network,
             remedy="Name the same vectors, or none where a stand-in was learned from",
         )
     return vectors

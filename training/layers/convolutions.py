@@ -56,23 +56,27 @@ def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
     """
     count = len(neutral)
     edges = np.zeros((count, count), np.float32)
-    apart = np.linalg.norm(neutral[:, None] - neutral, axis=-1)
-    for own in components:
-        edges[np.ix_(own, own)] = 1
-        for other in components:
-            if other is not own and own and other:
-                between = apart[np.ix_(own, other)]
-                one, two = np.unravel_index(between.argmin(), between.shape)
-                edges[own[one], other[two]] = edges[other[two], own[one]] = 1
+    distances = np.linalg.norm(neutral[:, None] - neutral, axis=-1)
+    for component in components:
+        edges[np.ix_(component, component)] = 1
+        for other_component in components:
+            if other_component is not component and component and other_component:
+                gaps = distances[np.ix_(component, other_component)]
+                nearest, other_nearest = np.unravel_index(gaps.argmin(), gaps.shape)
+                edges[component[nearest], other_component[other_nearest]] = edges[
+                    other_component[other_nearest], component[nearest]
+                ] = 1
     np.fill_diagonal(edges, 0)
     return edges
 
 
 def bone_graph(hops: int) -> FloatArray:
     """Return which bones are neighbours, (9, 9): those that share a joint, over so many hops."""
-    touch = np.array([[bool(set(one) & set(two)) for two in BONES] for one in BONES], np.float32)
-    reached = np.linalg.matrix_power(touch, hops) > 0
-    edges = reached.astype(np.float32)
+    adjacent = np.array(
+        [[bool(set(bone) & set(other)) for other in BONES] for bone in BONES], np.float32
+    )
+    reachable = np.linalg.matrix_power(adjacent, hops) > 0
+    edges = reachable.astype(np.float32)
     np.fill_diagonal(edges, 0)
     return edges
 
@@ -94,7 +98,7 @@ class GraphConvolution(nn.Module):
 
     shares: Tensor
 
-    def __init__(self, width_in: int, width: int, edges: FloatArray, reach: int) -> None:
+    def __init__(self, width_in: int, width: int, edges: FloatArray, kernel: int) -> None:
         super().__init__()
         shares = torch.from_numpy(edges / np.maximum(edges.sum(axis=0, keepdims=True), 1))
         self.register_buffer("shares", torch.stack([torch.eye(len(edges)), shares]))
@@ -102,17 +106,19 @@ class GraphConvolution(nn.Module):
         self.temporal = nn.Sequential(
             nn.BatchNorm2d(width),
             nn.LeakyReLU(0.1),
-            nn.Conv2d(width, width, (reach, 1), padding=(reach // 2, 0)),
+            nn.Conv2d(width, width, (kernel, 1), padding=(kernel // 2, 0)),
             nn.BatchNorm2d(width),
         )
         self.past = nn.Conv2d(width_in, width, 1)
 
     def forward(self, values: Tensor) -> Tensor:
         """Return what each node makes of itself, its neighbours and the frames around."""
-        own, others = self.spatial(values).chunk(2, dim=1)
-        gathered = own + others @ self.shares[1]
-        found: Tensor = nn.functional.leaky_relu(self.temporal(gathered) + self.past(values), 0.1)
-        return found
+        nodes, neighbours = self.spatial(values).chunk(2, dim=1)
+        gathered = nodes + neighbours @ self.shares[1]
+        activated: Tensor = nn.functional.leaky_relu(
+            self.temporal(gathered) + self.past(values), 0.1
+        )
+        return activated
 
 
 class ComponentEncoder(nn.Module):
@@ -143,20 +149,20 @@ class ComponentEncoder(nn.Module):
         part_edges: FloatArray | None,
         frames: tuple[int, int],
         widths: tuple[int, int, int],
-        reach: int,
+        kernel: int,
     ) -> None:
         super().__init__()
         node, part, width = widths
-        longest = max(len(one) for one in parts)
+        longest = max(len(nodes) for nodes in parts)
         # The node behind the last one is zero: it fills smaller components.
-        places = [[*one, *[len(edges)] * (longest - len(one))] for one in parts]
-        self.register_buffer("places", torch.tensor(places).flatten(), persistent=False)
+        positions = [[*nodes, *[len(edges)] * (longest - len(nodes))] for nodes in parts]
+        self.register_buffer("places", torch.tensor(positions).flatten(), persistent=False)
         self._shape = (len(parts), longest)
-        self.nodes = GraphConvolution(3, node, edges, reach)
+        self.nodes = GraphConvolution(3, node, edges, kernel)
         self.parts = (
             None
             if part_edges is None
-            else GraphConvolution(longest * node, part, part_edges, reach)
+            else GraphConvolution(longest * node, part, part_edges, kernel)
         )
         flat = len(edges) * node if part_edges is None else len(parts) * part
         self.spatial = nn.Sequential(
@@ -166,13 +172,13 @@ class ComponentEncoder(nn.Module):
 
     def forward(self, values: Tensor) -> Tensor:
         """Return the latent of landmarks or bones."""
-        found = self.nodes(values.permute(0, 3, 1, 2))
+        nodes = self.nodes(values.permute(0, 3, 1, 2))
         if self.parts is not None:
-            padded = nn.functional.pad(found, (0, 1)).index_select(-1, self.places)
+            padded = nn.functional.pad(nodes, (0, 1)).index_select(-1, self.places)
             # (B, D, T, components, nodes)
             collated = padded.reshape(*padded.shape[:-1], *self._shape)
-            found = self.parts(collated.permute(0, 1, 4, 2, 3).flatten(1, 2))
-        flat = found.permute(0, 1, 3, 2).flatten(1, 2)
+            nodes = self.parts(collated.permute(0, 1, 4, 2, 3).flatten(1, 2))
+        flat = nodes.permute(0, 1, 3, 2).flatten(1, 2)
         latent: Tensor = self.temporal(self.spatial(flat).transpose(1, 2))
         return latent
 
@@ -205,5 +211,5 @@ class Decoder(nn.Module):
         over_time = self.temporal(embedding.transpose(1, 2)).transpose(1, 2)
         batch, frames, width = over_time.shape
         over_features = self.spatial(over_time.reshape(batch * frames, 1, width))
-        found: Tensor = self.full(over_time + over_features.reshape(batch, frames, width))
-        return found
+        values: Tensor = self.full(over_time + over_features.reshape(batch, frames, width))
+        return values

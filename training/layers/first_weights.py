@@ -27,49 +27,49 @@ class Components(NamedTuple):
     spread: Tensor
 
 
-def components_of(rows: Tensor, most: int) -> Components:
+def principal_components(rows: Tensor, limit: int) -> Components:
     """Return the largest principal components of `rows` (n, values)."""
     mean = rows.mean(dim=0)
-    directions = torch.pca_lowrank(rows, q=min(most, *rows.shape), niter=4)[2]
+    directions = torch.pca_lowrank(rows, q=min(limit, *rows.shape), niter=4)[2]
     spread = ((rows - mean) @ directions).std(dim=0).clamp_min(_LEAST_SPREAD)
     return Components(mean, directions, spread)
 
 
 @torch.no_grad()
-def hear_alike(layer: nn.Module, values: Tensor) -> None:
+def standardise_inputs(layer: nn.Module, values: Tensor) -> None:
     """Let a fresh linear layer hear all inputs alike, whose spread `values` (n, in) tell."""
     weight, bias = layer.get_parameter("weight"), layer.get_parameter("bias")
     weight.div_(values.std(dim=0).clamp_min(_LEAST_SPREAD))
     bias.sub_(weight @ values.mean(dim=0))
 
 
-def tell_components(
-    layer: nn.Linear | nn.Conv2d, found: Components, size: float = 1.0, *, alone: bool = False
+def encode_components(
+    layer: nn.Linear | nn.Conv2d, components: Components, size: float = 1.0, *, only: bool = False
 ) -> None:
     """Let the first channels of a layer tell components, all of one size; alone, others nothing."""
-    for weight in layer.parameters() if alone else ():
+    for weight in layer.parameters() if only else ():
         weight.zero_()
-    rows = size * (found.directions / found.spread).T
+    rows = size * (components.directions / components.spread).T
     layer.weight[: len(rows)] = rows.view(len(rows), *layer.weight.shape[1:])
     if layer.bias is not None:
-        layer.bias[: len(rows)] = -layer.weight[: len(rows)].flatten(1) @ found.mean
+        layer.bias[: len(rows)] = -layer.weight[: len(rows)].flatten(1) @ components.mean
 
 
-def show_components(layer: nn.Linear, found: Components) -> None:
+def decode_components(layer: nn.Linear, components: Components) -> None:
     """Let a layer make values of their components, which its first channels tell."""
     layer.weight.zero_()
-    layer.weight[:, : len(found.spread)] = found.directions * found.spread
-    layer.bias.copy_(found.mean)
+    layer.weight[:, : len(components.spread)] = components.directions * components.spread
+    layer.bias.copy_(components.mean)
 
 
 def waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:
     """Return sines and cosines (places, width) of `places`, from slow to fast, radians for 1."""
-    turns = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
-    angles = places[:, None] * turns
+    frequencies = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
+    angles = places[:, None] * frequencies
     return torch.cat([angles.sin(), angles.cos()], dim=1)
 
 
-def look_near(attention: nn.MultiheadAttention, first: int) -> None:
+def attend_nearby(attention: nn.MultiheadAttention, first: int) -> None:
     """Let each head compare the waves from channel `first` on, others each, and hardly the rest."""
     width, size = attention.embed_dim, attention.head_dim
     for head in range(attention.num_heads):

@@ -42,7 +42,7 @@ class LinearSkip(nn.Module):
         self.register_buffer("directions", torch.eye(part))
         self.register_buffer("variances", torch.ones(frames, part))
 
-    def tell(self, windows: NDArray[np.float32]) -> None:
+    def fit(self, windows: NDArray[np.float32]) -> None:
         """Take the variances of normalised motion, (windows, frames, part)."""
         frames, part = windows.shape[1:]
         poses = windows.reshape(-1, part).astype(np.float64)
@@ -64,26 +64,28 @@ class LinearSkip(nn.Module):
         # Where most is signal, noise is a small difference, which half precision does not hold.
         with _full_precision(noisy.device.type):
             noisy = noisy.float()
-            kept = LINEAR.alpha_bar_at(steps, noisy)
+            alpha_bar = LINEAR.alpha_bar_at(steps, noisy)
             cosines = torch.as_tensor(
                 _cosines(noisy.shape[1]), dtype=torch.float32, device=noisy.device
             )
-            shares = (1 - kept).sqrt() / (kept * self._variances(noisy.shape[1]) + (1 - kept))
+            shares = (1 - alpha_bar).sqrt() / (
+                alpha_bar * self._variances(noisy.shape[1]) + (1 - alpha_bar)
+            )
             waves = cosines @ (noisy @ self.directions)
             linear = (cosines.T @ (shares * waves)) @ self.directions.T
-            return linear + kept.sqrt() * answer.float()
+            return linear + alpha_bar.sqrt() * answer.float()
 
     def _variances(self, frames: int) -> Tensor:
         """Return the variances of the waves in so many frames, by how fast they are."""
-        whole = len(self.variances)
-        if frames == whole:
+        full = len(self.variances)
+        if frames == full:
             return self.variances
-        places = torch.arange(frames, device=self.variances.device) * (whole / frames)
-        places = places.clamp(max=whole - 1)
-        before = places.floor().long()
-        after = (before + 1).clamp(max=whole - 1)
-        share = (places - before)[:, None]
-        return (1 - share) * self.variances[before] + share * self.variances[after]
+        places = torch.arange(frames, device=self.variances.device) * (full / frames)
+        places = places.clamp(max=full - 1)
+        lower = places.floor().long()
+        upper = (lower + 1).clamp(max=full - 1)
+        share = (places - lower)[:, None]
+        return (1 - share) * self.variances[lower] + share * self.variances[upper]
 
 
 def _full_precision(device: str) -> AbstractContextManager[object]:

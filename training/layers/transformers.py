@@ -57,13 +57,13 @@ class SkipTransformer(nn.Module):
 
     def forward(self, x: Tensor, *memory: Tensor) -> Tensor:
         """Return the sequence `x` (batch, tokens, width), transformed."""
-        told = []
+        skips = []
         for block in self.input_blocks:
             x = block(x, *memory)
-            told.append(x)
+            skips.append(x)
         x = self.middle_block(x, *memory)
         for linear, block in zip(self.linear_blocks, self.output_blocks, strict=True):
-            x = block(linear(torch.cat([x, told.pop()], dim=-1)), *memory)
+            x = block(linear(torch.cat([x, skips.pop()], dim=-1)), *memory)
         normalised: Tensor = self.norm(x)
         return normalised
 
@@ -122,7 +122,7 @@ def _attention(
     """Return attention of (batch, heads, tokens, width) as `transformers` wants it."""
     if attention_mask is not None:
         raise NotImplementedError("packed attention knows no mask")
-    q, k, v = (one.contiguous().flatten(0, 1) for one in (query * scaling, key, value))
+    q, k, v = (tensor.contiguous().flatten(0, 1) for tensor in (query * scaling, key, value))
     heads = [
         _product(torch.softmax(_product(a, b), dim=-1), c.T.contiguous())
         for a, b, c in zip(q, k, v, strict=True)
@@ -131,5 +131,5 @@ def _attention(
 
 
 def _product(x: Tensor, weight: Tensor, bias: Tensor | None = None) -> Tensor:
-    found: Tensor = torch.ops.mkldnn._linear_pointwise(x, weight, bias, "none", [], "")
-    return found
+    product: Tensor = torch.ops.mkldnn._linear_pointwise(x, weight, bias, "none", [], "")
+    return product

@@ -29,11 +29,11 @@ from training.run.group import Group
 Compute = Callable[[], object]
 """Passes one part forward, with the same chance each time."""
 
-_Place = tuple[int, int]
+_LayerUse = tuple[int, int]
 """Which layer, and which of its uses in a pass, from 0."""
 
 
-class _Enough(Exception):  # noqa: N818 (no error)
+class _AllLayersPassed(Exception):  # noqa: N818 (no error)
     """All layers have been passed."""
 
 
@@ -59,48 +59,48 @@ class StepStatistics:
         self._layers = [layer for layer in batch_normed(network) if layer.training]
         self._group = group
         self._parts = parts
-        self._moments: dict[_Place, Tensor] = {}
-        self._counts: dict[_Place, Tensor] = {}
+        self._moments: dict[_LayerUse, Tensor] = {}
+        self._counts: dict[_LayerUse, Tensor] = {}
         self._find()
 
     @contextmanager
-    def held(self) -> Iterator[None]:
+    def applied(self) -> Iterator[None]:
         """Let the layers normalise one part by the statistics of the step, and owe to these."""
-        with self._instead(lambda place, layer, values: None):
+        with self._layers_replaced(lambda place, layer, values: None):
             yield
 
     def pass_back(self) -> None:
         """Add to the weights' gradients what the losses owe to the statistics."""
         for _ in self._moments:
-            owed = self._summed(
+            owed_gradients = self._summed(
                 {
-                    place: torch.zeros_like(one) if one.grad is None else one.grad
-                    for place, one in self._moments.items()
+                    place: torch.zeros_like(moments) if moments.grad is None else moments.grad
+                    for place, moments in self._moments.items()
                 }
             )
-            for one in self._moments.values():
-                one.grad = None
-            if not any(bool(one.any()) for one in owed.values()):
+            for moments in self._moments.values():
+                moments.grad = None
+            if not any(bool(moments.any()) for moments in owed_gradients.values()):
                 return
             for compute in self._parts:
-                dues: list[Tensor] = []
+                contributions: list[Tensor] = []
 
-                def take(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
+                def take(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
                     sums = _sums(layer, values)
-                    dues.append((owed[place] * sums).sum() / self._counts[place])  # noqa: B023
+                    contributions.append((owed_gradients[place] * sums).sum() / self._counts[place])  # noqa: B023
 
                 self._pass(compute, take)
-                due = torch.stack(dues).sum()
-                if due.requires_grad:
-                    torch.autograd.backward(due)
+                contribution = torch.stack(contributions).sum()
+                if contribution.requires_grad:
+                    torch.autograd.backward(contribution)
 
     def remember(self) -> None:
         """Take the step into the layers' running statistics."""
-        found = {
-            place: _normal(self._layers[place[0]], one.detach())
-            for place, one in self._moments.items()
+        statistics = {
+            place: _mean_and_variance(self._layers[place[0]], moments.detach())
+            for place, moments in self._moments.items()
         }
-        for place, (mean, variance) in found.items():
+        for place, (mean, variance) in statistics.items():
             layer, count = self._layers[place[0]], self._counts[place]
             steps = layer.num_batches_tracked
             if layer.running_mean is None or layer.running_var is None or steps is None:
@@ -113,47 +113,53 @@ class StepStatistics:
     def _find(self) -> None:
         passes = 1
         while passes <= max(1, len(self._moments)):
-            sums: dict[_Place, Tensor] = {}
-            counts: dict[_Place, Tensor] = {}
+            sums: dict[_LayerUse, Tensor] = {}
+            counts: dict[_LayerUse, Tensor] = {}
 
-            def take(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
-                found = _sums(layer, values)
-                count = found.new_tensor([values.numel() / values.shape[1]])
-                sums[place] = sums.get(place, 0) + found  # noqa: B023
+            def take(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
+                layer_sums = _sums(layer, values)
+                count = layer_sums.new_tensor([values.numel() / values.shape[1]])
+                sums[place] = sums.get(place, 0) + layer_sums  # noqa: B023
                 counts[place] = counts.get(place, 0) + count  # noqa: B023
 
             with torch.no_grad():
                 for compute in self._parts:
                     self._pass(compute, take)
             self._counts = self._summed(counts)
-            before = self._moments
+            previous = self._moments
             self._moments = {
-                place: (one / self._counts[place]).requires_grad_()
-                for place, one in self._summed(sums).items()
+                place: (moments / self._counts[place]).requires_grad_()
+                for place, moments in self._summed(sums).items()
             }
-            if before and all(one.equal(before[place]) for place, one in self._moments.items()):
+            if previous and all(
+                moments.equal(previous[place]) for place, moments in self._moments.items()
+            ):
                 return
             passes += 1
 
-    def _pass(self, compute: Compute, take: Callable[[_Place, _BatchNorm, Tensor], None]) -> None:
+    def _pass(
+        self, compute: Compute, take: Callable[[_LayerUse, _BatchNorm, Tensor], None]
+    ) -> None:
         """Pass a part forward as far as the last layer, and show `take` what each is given."""
-        left = len(self._moments)
+        remaining = len(self._moments)
 
-        def look(place: _Place, layer: _BatchNorm, values: Tensor) -> None:
-            nonlocal left
+        def look(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
+            nonlocal remaining
             take(place, layer, values)
-            left -= 1
-            if left == 0:
-                raise _Enough
+            remaining -= 1
+            if remaining == 0:
+                raise _AllLayersPassed
 
-        with self._instead(look):
+        with self._layers_replaced(look):
             try:
                 compute()
-            except _Enough:
+            except _AllLayersPassed:
                 return
 
     @contextmanager
-    def _instead(self, look: Callable[[_Place, _BatchNorm, Tensor], None]) -> Iterator[None]:
+    def _layers_replaced(
+        self, look: Callable[[_LayerUse, _BatchNorm, Tensor], None]
+    ) -> Iterator[None]:
         """Let the layers show `look` what they are given, and normalise by what is known."""
         uses: dict[int, int] = {}
 
@@ -165,11 +171,15 @@ class StepStatistics:
             moments = self._moments.get(place)
             if moments is None:
                 moments = _sums(layer, values) * values.shape[1] / values.numel()
-            mean, variance = (one.view(_shape(values)) for one in _normal(layer, moments))
-            found = (values.float() - mean) * (variance + layer.eps).rsqrt()
+            mean, variance = (
+                statistic.view(_shape(values)) for statistic in _mean_and_variance(layer, moments)
+            )
+            output = (values.float() - mean) * (variance + layer.eps).rsqrt()
             if layer.affine:
-                found = found * layer.weight.view(_shape(values)) + layer.bias.view(_shape(values))
-            return found.to(values.dtype)
+                output = output * layer.weight.view(_shape(values)) + layer.bias.view(
+                    _shape(values)
+                )
+            return output.to(values.dtype)
 
         for number, layer in enumerate(self._layers):
             layer.forward = partial(forward, number)  # type: ignore[method-assign]
@@ -179,11 +189,11 @@ class StepStatistics:
             for layer in self._layers:
                 del layer.forward
 
-    def _summed(self, here: dict[_Place, Tensor]) -> dict[_Place, Tensor]:
-        return dict(zip(here, self._group.sum_tensors(list(here.values())), strict=True))
+    def _summed(self, local: dict[_LayerUse, Tensor]) -> dict[_LayerUse, Tensor]:
+        return dict(zip(local, self._group.sum_tensors(list(local.values())), strict=True))
 
 
-def _normal(layer: _BatchNorm, moments: Tensor) -> tuple[Tensor, Tensor]:
+def _mean_and_variance(layer: _BatchNorm, moments: Tensor) -> tuple[Tensor, Tensor]:
     """Return mean and variance by channel, of the first two moments about the layer's shift."""
     first, second = moments
     return _shift(layer, first) + first, second - first.square()
@@ -191,16 +201,16 @@ def _normal(layer: _BatchNorm, moments: Tensor) -> tuple[Tensor, Tensor]:
 
 def _sums(layer: _BatchNorm, values: Tensor) -> Tensor:
     """Return the sums of values and of their squares by channel, shape (2, channels)."""
-    own = values.float()
-    own = own - _shift(layer, own).view(_shape(values))
-    dimensions = [0, *range(2, own.dim())]
-    return torch.stack([own.sum(dimensions), own.square().sum(dimensions)])
+    centred = values.float()
+    centred = centred - _shift(layer, centred).view(_shape(values))
+    dimensions = [0, *range(2, centred.dim())]
+    return torch.stack([centred.sum(dimensions), centred.square().sum(dimensions)])
 
 
-def _shift(layer: _BatchNorm, like: Tensor) -> Tensor:
+def _shift(layer: _BatchNorm, reference: Tensor) -> Tensor:
     """Return what is taken off values before they are summed, so that rounding stays small."""
     if layer.running_mean is None:
-        return like.new_zeros(layer.num_features)
+        return reference.new_zeros(layer.num_features)
     return layer.running_mean.detach()
 
 
@@ -213,7 +223,7 @@ def batches_per_epoch(examples: int, batch_size: int) -> int:
     return max(1, examples // batch_size)
 
 
-def rows_of_step(step: int, examples: int, batch_size: int, seed: int) -> NDArray[np.int64]:
+def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[np.int64]:
     """Return the examples of a step.
 
     Parameters
@@ -236,7 +246,7 @@ def rows_of_step(step: int, examples: int, batch_size: int, seed: int) -> NDArra
     return order[place * batch_size : (place + 1) * batch_size]
 
 
-def parts_of_step(
+def step_parts(
     rows: NDArray[np.int64], accumulate: int, processes: int
 ) -> Sequence[NDArray[np.int64]]:
     """Return the parts in which a step's examples are computed, by all processes together.
@@ -263,7 +273,7 @@ def parts_of_step(
     return np.array_split(rows, shares * processes)
 
 
-def chance_of_part(seed: int, step: int, part: int, update: int = 0) -> int:
+def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
     """Return the seed of what is drawn while a part of a step is computed, from 0 to 2**63 - 1.
 
     Of several updates in a step each, numbered from 0, draws anew.
@@ -273,6 +283,6 @@ def chance_of_part(seed: int, step: int, part: int, update: int = 0) -> int:
     return int(state[0] >> np.uint64(1))
 
 
-def evenly(count: int, most: int) -> NDArray[np.int64]:
+def evenly_spaced(count: int, limit: int) -> NDArray[np.int64]:
     """Return at most so many of `count` examples, the first and the last among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+    return np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(np.int64))

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from motion.errors import InputError
-from training.config import UNCOMPARED, TrainingConfig
+from training.config import CHANGEABLE_SETTINGS, TrainingConfig
 from training.run.learner import Learner
 from training.run.task import Network, Task
 from training.weights_file import WeightsFile, read_weights, write_weights
@@ -74,7 +74,7 @@ def restore_checkpoint(
     """
     saved = read_weights(path)
     _check_same(saved, path, task, config)
-    parts = {name: saved.part(name) for name in ("network", "optimizer", "average")}
+    parts = {name: saved.with_prefix(name) for name in ("network", "optimizer", "average")}
     learner.restore(parts, saved.facts["learner"])
     best = saved.facts["best"]
     return int(saved.facts["step"]), None if best is None else Best(**best)
@@ -90,21 +90,21 @@ def _check_same(
             where=path,
             remedy="Remove it, or name another run folder",
         )
-    before = {
+    previous = {
         "training": dict(saved.facts["training"]),
         "task": dict(saved.facts["task"]),
         "data": {"sha256": saved.facts["data_sha256"]},
     }
-    wanted = {
+    current = {
         "training": config.facts(),
         "task": dict(task.settings),
         "data": {"sha256": task.data_sha256},
     }
     differences = [
-        f"{part} {name} was {before[part].get(name)!r} and is {wanted[part].get(name)!r}"
-        for part in wanted
-        for name in sorted(before[part].keys() | wanted[part].keys())
-        if name not in UNCOMPARED and before[part].get(name) != wanted[part].get(name)
+        f"{part} {name} was {previous[part].get(name)!r} and is {current[part].get(name)!r}"
+        for part in current
+        for name in sorted(previous[part].keys() | current[part].keys())
+        if name not in CHANGEABLE_SETTINGS and previous[part].get(name) != current[part].get(name)
     ]
     if differences:
         raise InputError(

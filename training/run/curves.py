@@ -19,17 +19,17 @@ FloatArray = NDArray[np.float64]
 
 _BINS: Final = 300
 """More steps than this are drawn as the mean of equally many, and the range of most of them."""
-_MOST: Final = (5, 95)
-_ACROSS: Final = 3
+_PERCENTILES: Final = (5, 95)
+_COLUMNS: Final = 3
 _LOSS, _SMALL = 4.0, 2.2
 _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 
 
-def draw_curves(lines: Sequence[LogLine], path: Path, *, kept: int | None = None) -> None:
+def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
     """Draw what the log of a run tells to the PNG file `path`.
 
     The loss is drawn large, the learning rate and everything else that was measured small below it.
-    A line marks the step whose weights are `kept`. Equal logs make equal bytes.
+    A line marks the step whose weights are `kept_step`. Equal logs make equal bytes.
     """
     # Drawing takes a second to load, and a run draws only when it saves.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -40,13 +40,13 @@ def draw_curves(lines: Sequence[LogLine], path: Path, *, kept: int | None = None
     held_out = _series([{"step": n["step"], **n["held_out"]} for n in lines if "held_out" in n])
     small = [name for name in {**learned, **held_out} if name != "loss"]
     chosen_by = next(iter(held_out), "")
-    rows = -(-len(small) // _ACROSS)
+    rows = -(-len(small) // _COLUMNS)
     height = _LOSS + _SMALL * rows
     figure = Figure(figsize=(9, height), dpi=100)
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
         rows + 1,
-        _ACROSS,
+        _COLUMNS,
         height_ratios=[_LOSS, *([_SMALL] * rows)],
         left=0.08,
         right=0.98,
@@ -55,15 +55,15 @@ def draw_curves(lines: Sequence[LogLine], path: Path, *, kept: int | None = None
         hspace=0.9 * (rows + 1) / height,
         wspace=0.3,
     )
-    places = [grid[0, :], *(grid[1 + n // _ACROSS, n % _ACROSS] for n in range(len(small)))]
-    for name, place in zip(["loss", *small], places, strict=True):
-        axes = figure.add_subplot(place)
+    cells = [grid[0, :], *(grid[1 + n // _COLUMNS, n % _COLUMNS] for n in range(len(small)))]
+    for name, cell in zip(["loss", *small], cells, strict=True):
+        axes = figure.add_subplot(cell)
         _draw(
             axes,
             learned.get(name),
             held_out.get(name),
-            kept,
-            plain=name.startswith("learning_rate"),
+            kept_step,
+            linear=name.startswith("learning_rate"),
         )
         chooses = " (chooses the weights)" if name == chosen_by else ""
         axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10, loc="left")
@@ -82,10 +82,10 @@ def draw_curves(lines: Sequence[LogLine], path: Path, *, kept: int | None = None
 def _series(lines: Sequence[LogLine]) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Return steps and values of each name, in the order of their first line."""
     names = {name: None for line in lines for name in line if name != "step"}
-    return {name: _of(name, lines) for name in names}
+    return {name: _points(name, lines) for name in names}
 
 
-def _of(name: str, lines: Sequence[LogLine]) -> tuple[FloatArray, FloatArray]:
+def _points(name: str, lines: Sequence[LogLine]) -> tuple[FloatArray, FloatArray]:
     points = [(line["step"], line[name]) for line in lines if name in line]
     steps, values = np.array(points, dtype=np.float64).T
     return steps, values
@@ -95,29 +95,29 @@ def _draw(
     axes: Axes,
     learned: tuple[FloatArray, FloatArray] | None,
     held_out: tuple[FloatArray, FloatArray] | None,
-    kept: int | None,
+    kept_step: int | None,
     *,
-    plain: bool,
+    linear: bool,
 ) -> None:
     """Draw one measure: of the steps, of held-out examples, or both."""
-    if learned is not None and not plain and 0 < 20 * learned[1].min() < learned[1].max():
+    if learned is not None and not linear and 0 < 20 * learned[1].min() < learned[1].max():
         axes.set_yscale("log")
-    if learned is not None and plain:
+    if learned is not None and linear:
         axes.plot(*learned, color=_DARK, linewidth=1.2)
     elif learned is not None:
         _draw_steps(axes, *learned)
     if held_out is not None:
-        few = len(held_out[0]) <= 60
+        mark_points = len(held_out[0]) <= 60
         axes.plot(
             *held_out,
             color=_HELD_OUT,
             linewidth=1.2,
-            marker="o" if few else "",
+            marker="o" if mark_points else "",
             markersize=3,
             label="held out",
         )
-    if kept is not None:
-        axes.axvline(kept, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")
+    if kept_step is not None:
+        axes.axvline(kept_step, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")
 
 
 def _draw_steps(axes: Axes, steps: FloatArray, values: FloatArray) -> None:
@@ -125,7 +125,7 @@ def _draw_steps(axes: Axes, steps: FloatArray, values: FloatArray) -> None:
     if len(steps) > _BINS:
         bins = list(_bins(steps, values))
         centres = np.array([part.mean() for part, _ in bins])
-        lowest, highest = np.array([np.percentile(part, _MOST) for _, part in bins]).T
+        lowest, highest = np.array([np.percentile(part, _PERCENTILES) for _, part in bins]).T
         course = np.array([part.mean() for _, part in bins])
         axes.fill_between(centres, lowest, highest, color=_PALE, linewidth=0, label="most steps")
         axes.plot(centres, course, color=_DARK, linewidth=1.2, label="mean of steps")

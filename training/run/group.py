@@ -24,7 +24,7 @@ from training.run.launching import group_size
 _PATIENCE: Final = timedelta(hours=2)
 """Longest wait for another process: one may measure and save while the others wait."""
 
-_Told = TypeVar("_Told")
+_Value = TypeVar("_Value")
 
 
 class Group:
@@ -78,9 +78,9 @@ class Group:
         """Whether this is the process that measures and writes."""
         return self.index == 0
 
-    def any(self, here: bool) -> bool:
-        """Tell whether `here` is true in any process."""
-        return here if self.size == 1 else self.sum({"": float(here)})[""] > 0
+    def any(self, value: bool) -> bool:
+        """Tell whether `value` is true in any process."""
+        return value if self.size == 1 else self.sum({"": float(value)})[""] > 0
 
     def sum(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return the sums over all processes, in the order given."""
@@ -93,17 +93,17 @@ class Group:
         """Return the sum of each tensor over all processes, which give the same shapes."""
         if self.size == 1:
             return list(tensors)
-        together = torch.cat([tensor.reshape(-1) for tensor in tensors])
-        parts = reduce(together, reduction="sum").split([tensor.numel() for tensor in tensors])
+        flat = torch.cat([tensor.reshape(-1) for tensor in tensors])
+        parts = reduce(flat, reduction="sum").split([tensor.numel() for tensor in tensors])
         return [part.view_as(one) for part, one in zip(parts, tensors, strict=True)]
 
-    def from_leader(self, value: _Told) -> _Told:
+    def from_leader(self, value: _Value) -> _Value:
         """Return what the leading process holds; `value` of the others does not matter."""
         if self.size == 1:
             return value
-        told: list[Any] = [value]
-        broadcast_object_list(told)
-        result: _Told = told[0]
+        values: list[Any] = [value]
+        broadcast_object_list(values)
+        result: _Value = values[0]
         return result
 
     def sum_gradients(self, weights: Iterable[nn.Parameter]) -> None:
@@ -113,17 +113,17 @@ class Group:
         """
         if self.size == 1:
             return
-        listed = list(weights)
-        here = torch.tensor([float(one.grad is not None) for one in listed])
-        anywhere = reduce(here.to(self._state.device), reduction="sum").tolist()
-        used = [one for one, count in zip(listed, anywhere, strict=True) if count]
-        under_way = []
-        for one in used:
-            if one.grad is None:
-                one.grad = torch.zeros_like(one)
-            under_way.append(all_reduce(one.grad, async_op=True))
-        for sending in under_way:
-            sending.wait()
+        parameters = list(weights)
+        has_gradient = torch.tensor([float(weight.grad is not None) for weight in parameters])
+        counts = reduce(has_gradient.to(self._state.device), reduction="sum").tolist()
+        shared = [weight for weight, count in zip(parameters, counts, strict=True) if count]
+        pending = []
+        for weight in shared:
+            if weight.grad is None:
+                weight.grad = torch.zeros_like(weight)
+            pending.append(all_reduce(weight.grad, async_op=True))
+        for operation in pending:
+            operation.wait()
 
     def hand_out(self, network: nn.Module) -> None:
         """Give the leading process' weights to all."""

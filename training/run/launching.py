@@ -85,10 +85,10 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
         if failed is None:
             return 0
         _end(started)
-        said = complaints[failed]
-        if said is not None:
-            said.seek(0)
-            sys.stderr.write(said.read().decode(errors="replace"))
+        complaint_file = complaints[failed]
+        if complaint_file is not None:
+            complaint_file.seek(0)
+            sys.stderr.write(complaint_file.read().decode(errors="replace"))
         return _status(started[failed].returncode)
 
 
@@ -133,14 +133,14 @@ def _signals_passed_on(started: Sequence[subprocess.Popen[bytes]]) -> Iterator[N
             if process.poll() is None:
                 process.send_signal(number)
 
-    before = {
+    previous = {
         signal.SIGINT: signal.signal(signal.SIGINT, lambda number, frame: None),
         signal.SIGTERM: signal.signal(signal.SIGTERM, pass_on),
     }
     try:
         yield
     finally:
-        for number, handler in before.items():
+        for number, handler in previous.items():
             signal.signal(number, handler)
 
 
@@ -191,9 +191,9 @@ def stop_request(*, heeded: int = 1) -> Iterator[StopRequest]:
             raise KeyboardInterrupt
         request.times += 1
 
-    before = {number: signal.signal(number, note) for number in _SIGNALS}
+    previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
         yield request
     finally:
-        for number, handler in before.items():
+        for number, handler in previous.items():
             signal.signal(number, handler)

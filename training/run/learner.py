@@ -30,12 +30,12 @@ from training.run.batches import (
     StepStatistics,
     batch_normed,
     batches_per_epoch,
-    chance_of_part,
-    parts_of_step,
-    rows_of_step,
+    part_seed,
+    step_parts,
+    step_rows,
 )
 from training.run.group import Group
-from training.run.passes import Pass, Teaching
+from training.run.passes import Pass, PassWeights
 from training.run.task import Network, Task, TaskInPasses
 
 
@@ -79,7 +79,7 @@ class Learner(Generic[Network]):
         self._group = group
         self._network = task.network()
         group.hand_out(self._network)
-        self._teaching = Teaching(self._network, config.passes, config.steps)
+        self._pass_weights = PassWeights(self._network, config.passes, config.steps)
         self._optimizer = _optimizer(self._network, config)
         self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
         decay = config.ema_decay
@@ -90,10 +90,14 @@ class Learner(Generic[Network]):
         """The network as it is measured and kept: of the mean weights, where there is a mean."""
         return self._network if self._average is None else self._average.network
 
-    def learning_rate(self, step: int, of: Pass | None = None) -> float:
+    def learning_rate(self, step: int, update_pass: Pass | None = None) -> float:
         """Return the learning rate of a step, from 0, or of one of its passes."""
         config = self._config
-        rate = config.learning_rate if of is None else of.learning_rate or config.learning_rate
+        rate = (
+            config.learning_rate
+            if update_pass is None
+            else update_pass.learning_rate or config.learning_rate
+        )
         if config.decay is None:
             return rate
         epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
@@ -102,9 +106,9 @@ class Learner(Generic[Network]):
     def learning_rates(self, step: int) -> dict[str, float]:
         """Return the learning rates of a step, from 0, as the log tells them."""
         rates = {
-            f"learning_rate_{one.name}": self.learning_rate(step, one)
-            for one in self._config.passes
-            if one.made(step)
+            f"learning_rate_{update_pass.name}": self.learning_rate(step, update_pass)
+            for update_pass in self._config.passes
+            if update_pass.is_due(step)
         }
         return rates or {"learning_rate": self.learning_rate(step)}
 
@@ -113,17 +117,20 @@ class Learner(Generic[Network]):
 
         Of several passes each tells its loss under its name; ``loss`` is the first one's.
         """
-        self._teaching.prepare(self._network, step)
+        self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}
         for update in self._updates(step):
-            found = self._update(update)
+            update_losses = self._update(update)
             if update.name:
-                found = {"loss": found["loss"], update.name: found.pop("loss")} | found
-            losses = found | losses
+                update_losses = {
+                    "loss": update_losses["loss"],
+                    update.name: update_losses.pop("loss"),
+                } | update_losses
+            losses = update_losses | losses
         if self._average is not None:
             self._average.follow(self._network)
             average = self._average.network
-            self._teaching.prepare(average, step)
+            self._pass_weights.prepare(average, step)
             for update in self._updates(step) if batch_normed(average) else ():
                 StepStatistics(average, self._group, self._computed(update, average)).remember()
         return losses
@@ -134,9 +141,14 @@ class Learner(Generic[Network]):
         if not passes:
             return [_Update(step=step, rate=self.learning_rate(step))]
         return [
-            _Update(step=step, number=number, name=one.name, rate=self.learning_rate(step, one))
-            for number, one in enumerate(passes)
-            if one.made(step)
+            _Update(
+                step=step,
+                number=number,
+                name=update_pass.name,
+                rate=self.learning_rate(step, update_pass),
+            )
+            for number, update_pass in enumerate(passes)
+            if update_pass.is_due(step)
         ]
 
     def _update(self, update: _Update) -> dict[str, float]:
@@ -146,7 +158,7 @@ class Learner(Generic[Network]):
             settings["lr"] = update.rate
         # Weights without a gradient stay as they are, with their state of the optimizer.
         self._optimizer.zero_grad(set_to_none=True)
-        with self._teaching.of(self._network, update.name):
+        with self._pass_weights.learning_only(self._network, update.name):
             losses = self._gradients(update)
         self._scaler.unscale_(self._optimizer)
         if config.gradient_clip is not None:
@@ -158,7 +170,7 @@ class Learner(Generic[Network]):
     def _gradients(self, update: _Update) -> dict[str, float]:
         """Sum the gradients of an update, and its losses."""
         group = self._group
-        rows, parts = self._parts(update.step)
+        rows, parts = self._step_parts(update.step)
         computed = self._computed(update, self._network)
         shared = None
         if len(parts) > 1 and batch_normed(self._network):
@@ -166,7 +178,7 @@ class Learner(Generic[Network]):
         sums: dict[str, float] = {}
         for part, compute in zip(parts[group.index :: group.size], computed, strict=True):
             share = len(part) / len(rows)
-            with shared.held() if shared is not None else nullcontext():
+            with shared.applied() if shared is not None else nullcontext():
                 losses = compute()
             torch.autograd.backward(self._scaler.scale(losses["loss"] * share))
             for name, loss in losses.items():
@@ -177,29 +189,29 @@ class Learner(Generic[Network]):
         group.sum_gradients(self._network.parameters())
         return group.sum(sums)
 
-    def _parts(self, step: int) -> tuple[NDArray[np.int64], Sequence[NDArray[np.int64]]]:
+    def _step_parts(self, step: int) -> tuple[NDArray[np.int64], Sequence[NDArray[np.int64]]]:
         """Return the examples of a step, and the parts in which all processes compute it."""
         config = self._config
-        rows = rows_of_step(step, self._task.examples, config.batch_size, config.seed)
-        return rows, parts_of_step(rows, config.accumulate, self._group.size)
+        rows = step_rows(step, self._task.examples, config.batch_size, config.seed)
+        return rows, step_parts(rows, config.accumulate, self._group.size)
 
     def _computed(
         self, update: _Update, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
         """Return what computes the losses of each of this process' parts of an update."""
-        _, parts = self._parts(update.step)
-        own = range(self._group.index, len(parts), self._group.size)
-        return [partial(self._losses, network, parts[number], update, number) for number in own]
+        _, parts = self._step_parts(update.step)
+        numbers = range(self._group.index, len(parts), self._group.size)
+        return [partial(self._losses, network, parts[number], update, number) for number in numbers]
 
     def _losses(
         self, network: Network, rows: NDArray[np.int64], update: _Update, number: int
     ) -> Mapping[str, Tensor]:
         """Return the losses of a part of an update, with chance of its own."""
-        low = self._config.precision != "float32"
-        dtype = getattr(torch, self._config.precision) if low else None
-        chance = chance_of_part(self._config.seed, update.step, number, update.number)
-        torch.manual_seed(chance)
-        with autocast(self._task.device, dtype=dtype, enabled=low):
+        reduced = self._config.precision != "float32"
+        dtype = getattr(torch, self._config.precision) if reduced else None
+        seed = part_seed(self._config.seed, update.step, number, update.number)
+        torch.manual_seed(seed)
+        with autocast(self._task.device, dtype=dtype, enabled=reduced):
             if update.name:
                 task = cast("TaskInPasses[Network]", self._task)
                 return task.losses_of(update.name, network, rows)
@@ -270,12 +282,12 @@ class AveragedWeights(Generic[Network]):
 
     def follow(self, network: Network) -> None:
         """Take the weights after one more step into the mean."""
-        own = [buffer for layer in batch_normed(self.network) for buffer in layer.buffers()]
-        before = [buffer.clone() for buffer in own]
+        statistics = [buffer for layer in batch_normed(self.network) for buffer in layer.buffers()]
+        saved = [buffer.clone() for buffer in statistics]
         # It copies all buffers, batch statistics among them.
         self._model.update_parameters(network)
-        for buffer, kept in zip(own, before, strict=True):
-            buffer.copy_(kept)
+        for buffer, value in zip(statistics, saved, strict=True):
+            buffer.copy_(value)
 
     def state(self) -> dict[str, Tensor]:
         """Return the mean, and how many steps it holds."""
@@ -286,6 +298,6 @@ class AveragedWeights(Generic[Network]):
         self._model.load_state_dict(state)
 
     def _move(self, mean: Sequence[Tensor], weights: Sequence[Tensor], count: Tensor | int) -> None:
-        taken = int(count)
-        kept = min(self._decay, (1 + taken) / (10 + taken))
-        torch._foreach_lerp_(list(mean), list(weights), 1 - kept)
+        steps = int(count)
+        decay = min(self._decay, (1 + steps) / (10 + steps))
+        torch._foreach_lerp_(list(mean), list(weights), 1 - decay)

@@ -98,13 +98,13 @@ def train(
     if group.leads:
         # Now rather than at the first save: a place that cannot be written costs no training.
         folder.root.mkdir(parents=True, exist_ok=True)
-    with _own_chance(task.device), _repeatable(task.device):
+    with _generators_restored(task.device), _deterministic(task.device):
         torch.manual_seed(config.seed)
-        shown = show if show is not None and group.leads else _unseen
-        return _Run(task, config, folder, group, shown).finish()
+        progress = show if show is not None and group.leads else _show_nothing
+        return _Run(task, config, folder, group, progress).finish()
 
 
-def _unseen(done: int, total: int, detail: str) -> None:
+def _show_nothing(done: int, total: int, detail: str) -> None:
     """Show nothing."""
 
 
@@ -141,9 +141,9 @@ class _Run(Generic[Network]):
     def finish(self) -> Trained[Network]:
         """Make the steps that are missing."""
         steps = self._config.steps
-        with stop_request(heeded=1 if self._group.size == 1 else 2) as asked_to_stop:
+        with stop_request(heeded=1 if self._group.size == 1 else 2) as stop:
             while self._step < steps:
-                if self._group.any(bool(asked_to_stop)):
+                if self._group.any(bool(stop)):
                     self._save(drawn=True)
                     raise TrainingStopped(self._step, steps)
                 self._advance()
@@ -151,12 +151,12 @@ class _Run(Generic[Network]):
                     self._save(drawn=False)
                 self._show(self._step, steps, f"loss {self._log.last_loss:.4g}")
             best = self._best
-            if best is None or not self._log.measured:
+            if best is None or not self._log.ends_in_validation:
                 best = self._validate()
                 self._save(drawn=True)
         network = self._learner.network
         if self._group.leads:
-            network.load_state_dict(read_weights(self._folder.best).part("network"))
+            network.load_state_dict(read_weights(self._folder.best).with_prefix("network"))
         self._group.hand_out(network)
         return Trained(
             network=network.eval(),
@@ -177,15 +177,15 @@ class _Run(Generic[Network]):
 
     def _validate(self) -> Best:
         """Measure held-out examples, and keep the weights where they do best so far."""
-        measured = self._group.from_leader(self._measured() if self._group.leads else {})
+        measured = self._group.from_leader(self._measure() if self._group.leads else {})
         self._check_finite(measured)
         self._log.add({"step": self._step, "held_out": measured})
         chosen_by = next(iter(measured))
-        began = max((one.first for one in self._config.passes), default=0)
+        last_stage = max((update_pass.first for update_pass in self._config.passes), default=0)
         if (
             self._best is None
             # Weights of an earlier stage lack what the last one teaches.
-            or self._best.step <= began < self._step
+            or self._best.step <= last_stage < self._step
             or measured[chosen_by] < self._best.measured[chosen_by]
         ):
             self._best = Best(step=self._step, measured=measured)
@@ -196,7 +196,7 @@ class _Run(Generic[Network]):
                 }
         return self._best
 
-    def _measured(self) -> dict[str, float]:
+    def _measure(self) -> dict[str, float]:
         """Measure held-out examples."""
         network = self._learner.network.eval()
         with torch.no_grad():
@@ -222,8 +222,8 @@ class _Run(Generic[Network]):
         )
         # A long log takes a second to draw, and looks the same after a few steps more.
         if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
-            kept = None if self._best is None else self._best.step
-            draw_curves(self._log.lines, self._folder.curves, kept=kept)
+            best_step = None if self._best is None else self._best.step
+            draw_curves(self._log.lines, self._folder.curves, kept_step=best_step)
             self._drawn = self._step
         self._watch.start(self._step)
 
@@ -238,8 +238,8 @@ class _Run(Generic[Network]):
 
     def _check_alike(self) -> None:
         """Raise where this process sees another run or other data than the leading one."""
-        seen = (self._step, self._task.data_sha256, self._config.facts())
-        if self._group.any(seen != self._group.from_leader(seen)):
+        state = (self._step, self._task.data_sha256, self._config.facts())
+        if self._group.any(state != self._group.from_leader(state)):
             raise InputError(
                 "the processes that train together see different runs or data",
                 where=self._folder.root,
@@ -249,22 +249,22 @@ class _Run(Generic[Network]):
 
 
 @contextmanager
-def _own_chance(device: str) -> Iterator[None]:
+def _generators_restored(device: str) -> Iterator[None]:
     """Leave torch's generators as they were."""
     with torch.random.fork_rng(devices=[torch.cuda.current_device()] if device == "cuda" else []):
         yield
 
 
 @contextmanager
-def _repeatable(device: str) -> Iterator[None]:
+def _deterministic(device: str) -> Iterator[None]:
     """Let torch use only algorithms that give the same result each time.
 
     A graphics processor has none for some layers, and is left as it is.
     """
-    before = torch.get_deterministic_debug_mode()
+    previous = torch.get_deterministic_debug_mode()
     if device == "cpu":
         torch.set_deterministic_debug_mode("error")
     try:
         yield
     finally:
-        torch.set_deterministic_debug_mode(before)
+        torch.set_deterministic_debug_mode(previous)

@@ -42,16 +42,16 @@ class Pass:
     first: int = 0
     end: int | None = None
 
-    def lasts(self, step: int) -> bool:
+    def in_stage(self, step: int) -> bool:
         """Tell whether a step, from 0, is of the pass' stage."""
         return self.first <= step and (self.end is None or step < self.end)
 
-    def made(self, step: int) -> bool:
+    def is_due(self, step: int) -> bool:
         """Tell whether the pass is made in a step, from 0."""
-        return self.lasts(step) and (step - self.first) % self.every == 0
+        return self.in_stage(step) and (step - self.first) % self.every == 0
 
 
-class Teaching:
+class PassWeights:
     """Which weights of a network learn in which pass.
 
     Parameters
@@ -71,16 +71,28 @@ class Teaching:
 
     def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
         self._passes = passes
-        self._learning = {name for name, one in network.named_parameters() if one.requires_grad}
-        self._taught = {one.name: self._learning & _weights(network, one) for one in passes}
-        self._inside = {
-            start: {f"{start}.{name}".strip(".") for name, _ in module.named_parameters()}
-            for start, module in network.named_modules()
+        self._learning = {
+            name for name, update_pass in network.named_parameters() if update_pass.requires_grad
         }
-        idle = next((n for n in range(steps) if not any(one.made(n) for one in passes)), None)
-        if passes and idle is not None:
+        self._by_pass = {
+            update_pass.name: self._learning & _weights_of_pass(network, update_pass)
+            for update_pass in passes
+        }
+        self._by_module = {
+            prefix: {f"{prefix}.{name}".strip(".") for name, _ in module.named_parameters()}
+            for prefix, module in network.named_modules()
+        }
+        idle_step = next(
+            (
+                step
+                for step in range(steps)
+                if not any(update_pass.is_due(step) for update_pass in passes)
+            ),
+            None,
+        )
+        if passes and idle_step is not None:
             raise InputError(
-                f"no pass is made in step {idle + 1} of {steps}",
+                f"no pass is made in step {idle_step + 1} of {steps}",
                 remedy="Let one be made in every step",
             )
 
@@ -89,14 +101,20 @@ class Teaching:
         network.train()
         if not self._passes:
             return
-        learning = set().union(*(self._taught[one.name] for one in self._passes if one.lasts(step)))
-        for start, module in network.named_modules():
-            weights = self._inside[start]
+        learning = set().union(
+            *(
+                self._by_pass[update_pass.name]
+                for update_pass in self._passes
+                if update_pass.in_stage(step)
+            )
+        )
+        for prefix, module in network.named_modules():
+            weights = self._by_module[prefix]
             if weights and weights.isdisjoint(learning):
                 module.eval()
 
     @contextmanager
-    def of(self, network: nn.Module, name: str) -> Iterator[None]:
+    def learning_only(self, network: nn.Module, name: str) -> Iterator[None]:
         """Let only the weights of one pass gather gradients."""
         if not name:
             yield
@@ -104,23 +122,28 @@ class Teaching:
         weights: Mapping[str, nn.Parameter] = dict(network.named_parameters())
         try:
             for key in self._learning:
-                weights[key].requires_grad_(key in self._taught[name])
+                weights[key].requires_grad_(key in self._by_pass[name])
             yield
         finally:
             for key in self._learning:
                 weights[key].requires_grad_(True)
 
 
-def _weights(network: nn.Module, one: Pass) -> set[str]:
+def _weights_of_pass(network: nn.Module, update_pass: Pass) -> set[str]:
     """Return the names of the weights in the parts of a pass."""
     names = [name for name, _ in network.named_parameters()]
-    for part in one.parts:
+    for part in update_pass.parts:
         if not any(f"{name}.".startswith(f"{part}.") for name in names):
             children = ", ".join(name for name, _ in network.named_children())
             raise InputError(
-                f"the pass {one.name!r} teaches {part!r}, which has no weights in the network",
+                f"the pass {update_pass.name!r} trains {part!r}, which has no weights in the "
+                "network",
                 remedy=f"Name one of its parts: {children}",
             )
-    if not one.parts:
+    if not update_pass.parts:
         return set(names)
-    return {name for name in names if any(f"{name}.".startswith(f"{part}.") for part in one.parts)}
+    return {
+        name
+        for name in names
+        if any(f"{name}.".startswith(f"{part}.") for part in update_pass.parts)
+    }

@@ -80,14 +80,14 @@ class RunLog:
     def __init__(self, path: Path, *, steps: int) -> None:
         self._path = path
         self._lines: list[LogLine] = []
-        self._kept = 0
-        self._fresh: list[LogLine] = []
+        self._saved_bytes = 0
+        self._unsaved: list[LogLine] = []
         if path.exists():
             self._read(steps)
-        known = self.steps
-        if known != steps:
+        logged = self.steps
+        if logged != steps:
             raise InputError(
-                f"the log tells of {known} of the {steps} steps that were made",
+                f"the log tells of {logged} of the {steps} steps that were made",
                 where=path,
                 remedy="Put the log back, or begin anew in another place",
             )
@@ -103,7 +103,7 @@ class RunLog:
         return int(self._lines[-1]["step"]) if self._lines else 0
 
     @property
-    def measured(self) -> bool:
+    def ends_in_validation(self) -> bool:
         """Whether held-out examples were looked at after the last step."""
         return bool(self._lines) and "held_out" in self._lines[-1]
 
@@ -115,20 +115,20 @@ class RunLog:
     def add(self, line: LogLine) -> None:
         """Take one line more."""
         self._lines.append(line)
-        self._fresh.append(line)
+        self._unsaved.append(line)
 
     def save(self) -> None:
         """Append what is new to the file, and see it onto the disk."""
-        content = "".join(f"{json.dumps(line)}\n" for line in self._fresh).encode()
+        content = "".join(f"{json.dumps(line)}\n" for line in self._unsaved).encode()
         with self._path.open("r+b" if self._path.exists() else "xb") as file:
             # What a crash left behind the lines that count goes first.
-            file.truncate(self._kept)
-            file.seek(self._kept)
+            file.truncate(self._saved_bytes)
+            file.seek(self._saved_bytes)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        self._kept += len(content)
-        self._fresh.clear()
+        self._saved_bytes += len(content)
+        self._unsaved.clear()
 
     def _read(self, steps: int) -> None:
         """Read the lines up to `steps`; one that a crash cut off ends them."""
@@ -141,7 +141,7 @@ class RunLog:
                 if not content.endswith(b"\n") or line["step"] > steps:
                     return
                 self._lines.append(line)
-                self._kept += len(content)
+                self._saved_bytes += len(content)
 
 
 class Stopwatch:
@@ -183,9 +183,9 @@ class Stopwatch:
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
-def package_versions(*further: str) -> dict[str, str]:
+def package_versions(*extra: str) -> dict[str, str]:
     """Return the versions of what every training uses, and of `further` packages."""
-    return {name: metadata.version(name) for name in (*_PACKAGES, *further)}
+    return {name: metadata.version(name) for name in (*_PACKAGES, *extra)}
 
 
 def run_facts(

@@ -93,7 +93,7 @@ class WindowTask:
         What counts how much.
     training, held_out : Windows
         Of the features that the network is told and learns to give.
-    further : mapping
+    extra_settings : mapping
         What else makes this training another one than the next, as JSON values.
     device : str
         ``cpu`` or ``cuda``.
@@ -103,7 +103,7 @@ class WindowTask:
     weights: DataclassInstance | Mapping[str, float]
     training: Windows
     held_out: Windows
-    further: Mapping[str, Any] = field(default_factory=dict)
+    extra_settings: Mapping[str, Any] = field(default_factory=dict)
     device: str = "cpu"
 
     @property
@@ -120,9 +120,9 @@ class WindowTask:
     def settings(self) -> dict[str, Any]:
         """What makes this training another one than the next, as JSON values."""
         return {
-            **{f"network {name}": _plain(value) for name, value in asdict(self.config).items()},
-            **{f"loss {name}": _plain(value) for name, value in self._weights().items()},
-            **self.further,
+            **{f"network {name}": _as_json(value) for name, value in asdict(self.config).items()},
+            **{f"loss {name}": _as_json(value) for name, value in self._weights().items()},
+            **self.extra_settings,
             "device": self.device,
         }
 
@@ -139,10 +139,10 @@ class WindowTask:
 
     def tensors(self, windows: Windows, rows: NDArray[np.int64]) -> dict[str, Tensor]:
         """Return windows by feature, each (len(rows), frames, channels), on the device."""
-        found = windows.batch(rows)
-        return {name: torch.from_numpy(one).to(self.device) for name, one in found.items()}
+        features = windows.batch(rows)
+        return {name: torch.from_numpy(values).to(self.device) for name, values in features.items()}
 
 
-def _plain(value: object) -> object:
+def _as_json(value: object) -> object:
     """Return a value as JSON holds it."""
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+    return [_as_json(item) for item in value] if isinstance(value, tuple) else value

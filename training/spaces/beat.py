@@ -71,10 +71,10 @@ _LEG: Final[tuple[tuple[str, str, Offset], ...]] = (
     ("ToeBase", "Foot", (0, -3, 10)),
 )
 
-_TOLD_OF_TRUNK: Final = ("Spine", "Neck", "Neck1")
+_MODELLED_TRUNK: Final = ("Spine", "Neck", "Neck1")
 
-TOLD_JOINTS: Final = (
-    *_TOLD_OF_TRUNK,
+UPPER_BODY_JOINTS: Final = (
+    *_MODELLED_TRUNK,
     *(f"{side}{name}" for side in ("Right", "Left") for name, *_ in _ARM),
 )
 """The 47 joints whose rotations DiffSHEG tells, in its order. Of the others BEAT's prepared files
@@ -85,10 +85,10 @@ def _joints() -> Iterator[tuple[str, str, Offset]]:
     yield from _TRUNK
     for side, sign in (("Right", -1), ("Left", 1)):
         for part in (_ARM, _LEG):
-            own = {name for name, *_ in part}
+            names = {name for name, *_ in part}
             for name, parent, (x, y, z) in part:
-                above = f"{side}{parent}" if parent in own else parent
-                yield f"{side}{name}", above, (sign * x, y, z)
+                parent_name = f"{side}{parent}" if parent in names else parent
+                yield f"{side}{name}", parent_name, (sign * x, y, z)
 
 
 def _skeleton() -> tuple[BvhJoint, ...]:
@@ -109,7 +109,7 @@ FloatArray = NDArray[np.float64]
 FACIAL_WEIGHTS: Final = ARKIT_NAMES[:51]
 """BEAT records all of ARKit's but the last, the tongue, in ARKit's order."""
 
-_BODY: Final = 3 * len(TOLD_JOINTS)
+_BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 
 
 def body_values(motion: BvhMotion) -> FloatArray:
@@ -121,15 +121,15 @@ def body_values(motion: BvhMotion) -> FloatArray:
         If the skeleton lacks a joint.
     """
     names = motion.joint_names
-    missing = [name for name in TOLD_JOINTS if name not in names]
+    missing = [name for name in UPPER_BODY_JOINTS if name not in names]
     if missing:
         raise InputError(
             f"the skeleton is not BEAT's: it lacks {', '.join(missing[:5])}",
             remedy="Give a BVH file of BEAT",
         )
-    turns = motion.local_rotations()[:, [names.index(name) for name in TOLD_JOINTS]]
-    turned = Rotation.from_matrix(turns.reshape(-1, 3, 3)).as_rotvec()
-    return np.asarray(turned.reshape(len(turns), _BODY))
+    turns = motion.local_rotations()[:, [names.index(name) for name in UPPER_BODY_JOINTS]]
+    rotation_vectors = Rotation.from_matrix(turns.reshape(-1, 3, 3)).as_rotvec()
+    return np.asarray(rotation_vectors.reshape(len(turns), _BODY))
 
 
 def face_values(arkit: NDArray[np.float32]) -> FloatArray:
@@ -137,7 +137,7 @@ def face_values(arkit: NDArray[np.float32]) -> FloatArray:
     return arkit[:, : len(FACIAL_WEIGHTS)].astype(np.float64)
 
 
-def told_motion(
+def upper_body_motion(
     body: FloatArray, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
 ) -> BvhMotion:
     """Return told rotations (T, 141) on a skeleton of BEAT; all other joints stay unturned.
@@ -145,7 +145,7 @@ def told_motion(
     Parameters
     ----------
     body : ndarray, shape (T, 141)
-        Axis-angle in radians, in the order of `TOLD_JOINTS`.
+        Axis-angle in radians, in the order of `UPPER_BODY_JOINTS`.
     frame_rate : float
         Frames per second.
     skeleton : tuple of BvhJoint
@@ -156,11 +156,11 @@ def told_motion(
         values=np.zeros((len(body), sum(len(joint.channels) for joint in skeleton))),
         frame_rate=frame_rate,
     )
-    turns = body.reshape(len(body), len(TOLD_JOINTS), 3)
-    for place_told, name in enumerate(TOLD_JOINTS):
+    turns = body.reshape(len(body), len(UPPER_BODY_JOINTS), 3)
+    for row, name in enumerate(UPPER_BODY_JOINTS):
         index = motion.joint_names.index(name)
         # Where several angles mean the same rotation, any will do.
-        angles = Rotation.from_rotvec(turns[:, place_told]).as_euler(
+        angles = Rotation.from_rotvec(turns[:, row]).as_euler(
             "XYZ", degrees=True, suppress_warnings=True
         )
         columns = motion.columns(index)
@@ -181,31 +181,31 @@ def beat_clip(
     frame_rate : float
         Frames per second.
     skeleton : tuple of BvhJoint
-        See `told_motion`.
+        See `upper_body_motion`.
 
     Returns
     -------
     MotionClip
         Standing on the floor at the origin, facing +z; hips and legs stand still.
     """
-    return beat_piece(values, frame_rate, None, skeleton)[0]
+    return beat_clip_piece(values, frame_rate, None, skeleton)[0]
 
 
-def beat_piece(
+def beat_clip_piece(
     values: FloatArray,
     frame_rate: float,
-    before: ForearmTwists | None,
+    previous: ForearmTwists | None,
     skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON,
 ) -> tuple[MotionClip, ForearmTwists]:
     """Return a piece of motion as `beat_clip` does, and what the next piece goes on from.
 
     The pieces of a motion one after the other are the motion as a whole, bit by bit.
     """
-    motion = told_motion(values[:, :_BODY], frame_rate, skeleton)
+    motion = upper_body_motion(values[:, :_BODY], frame_rate, skeleton)
     _, joint_map = choose_joint_map(motion.joint_names)
-    moved, twists = retarget_piece(motion, joint_map, before)
-    clip, _ = place(moved)
+    retargeted, twists = retarget_piece(motion, joint_map, previous)
+    clip, _ = place(retargeted)
     arkit = np.zeros((len(values), ARKIT_COUNT), np.float32)
     arkit[:, : len(FACIAL_WEIGHTS)] = np.clip(values[:, _BODY:], 0, 1)
-    made = MotionClip(poses=clip.poses, trans=clip.trans, frame_rate=frame_rate, arkit=arkit)
-    return made, twists
+    piece = MotionClip(poses=clip.poses, trans=clip.trans, frame_rate=frame_rate, arkit=arkit)
+    return piece, twists

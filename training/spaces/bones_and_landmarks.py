@@ -28,14 +28,14 @@ FloatArray = NDArray[np.float64]
 BONE_VALUES: Final = 3 * len(BONES)
 
 _PARENTS, _CHILDREN = np.array(BONES).T
-_TOLD: Final = [joint_index(name) for name in JOINT_NAMES]
-_BONES: Final = REST_JOINTS[_TOLD][_CHILDREN] - REST_JOINTS[_TOLD][_PARENTS]
+_JOINTS: Final = [joint_index(name) for name in JOINT_NAMES]
+_BONES: Final = REST_JOINTS[_JOINTS][_CHILDREN] - REST_JOINTS[_JOINTS][_PARENTS]
 
 BONE_LENGTHS: Final[FloatArray] = np.linalg.norm(_BONES, axis=1)
 """Metres, of the default body."""
 
 
-def values_of(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
+def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
     """Return directions of bones and shifts of landmarks, (T, 27 + 3 L); without `face` no shifts.
 
     Raises
@@ -44,18 +44,20 @@ def values_of(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
         If the clip's face is in terms that the landmarks' body does not show.
     """
     joints = forward_kinematics(clip.poses, np.zeros_like(clip.trans), REST_JOINTS)[0]
-    directions = directions_of(facing_forward(joints)[:, _TOLD])
+    directions = bone_directions(facing_forward(joints)[:, _JOINTS])
     shifts = np.zeros((len(clip), 0)) if face is None else face.shifts(clip)
     return np.concatenate(
         [directions.reshape(len(clip), -1), shifts.reshape(len(clip), -1)], axis=1
     )
 
 
-def values_clip(values: FloatArray, frame_rate: float, face: FaceLandmarks) -> MotionClip:
+def bone_and_landmark_clip(
+    values: FloatArray, frame_rate: float, face: FaceLandmarks
+) -> MotionClip:
     """Return the clip of values (T, 27 + 3 L) on the landmarks' body; see `clip_from_points`."""
     directions, shifts = np.split(values, [BONE_VALUES], axis=1)
     return clip_from_points(
-        joints_of(directions.reshape(len(values), -1, 3)).astype(np.float32),
+        joints_from_directions(directions.reshape(len(values), -1, 3)).astype(np.float32),
         JOINT_NAMES,
         frame_rate,
         body=face.body,
@@ -77,22 +79,24 @@ def facing_forward(joints: FloatArray) -> FloatArray:
     return np.stack([cos * x + sin * z, y, cos * z - sin * x], axis=-1)
 
 
-def directions_of(joints: FloatArray) -> FloatArray:
+def bone_directions(joints: FloatArray) -> FloatArray:
     """Return unit vectors along the bones (T, 9, 3) of the ten joints (T, 10, 3)."""
-    along = joints[:, _CHILDREN] - joints[:, _PARENTS]
-    lengths = np.linalg.norm(along, axis=-1, keepdims=True)
+    offsets = joints[:, _CHILDREN] - joints[:, _PARENTS]
+    lengths = np.linalg.norm(offsets, axis=-1, keepdims=True)
     if not lengths.all():
         raise InputError("a bone has no length", remedy="Repair the recording")
-    return np.asarray(along / lengths)
+    return np.asarray(offsets / lengths)
 
 
-def joints_of(directions: FloatArray, lengths: FloatArray = BONE_LENGTHS) -> FloatArray:
+def joints_from_directions(
+    directions: FloatArray, lengths: FloatArray = BONE_LENGTHS
+) -> FloatArray:
     """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
     units = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-9)
     return chain_bones(lengths[:, None] * units)
 
 
-def points_of(values: Tensor) -> Tensor:
+def as_points(values: Tensor) -> Tensor:
     """Return values (…, 3 N) as points (…, N, 3)."""
     return values.reshape(*values.shape[:-1], -1, 3)
 
@@ -100,10 +104,10 @@ def points_of(values: Tensor) -> Tensor:
 def split_motion(values: Tensor) -> dict[str, Tensor]:
     """Return the parts of values (B, T, 27 + 3 L)."""
     pose, face = values[..., :BONE_VALUES], values[..., BONE_VALUES:]
-    return {"face": points_of(face), "pose": points_of(pose)}
+    return {"face": as_points(face), "pose": as_points(pose)}
 
 
-def joint_tensors_of(directions: Tensor) -> Tensor:
+def joint_tensors(directions: Tensor) -> Tensor:
     """Return the ten joints (B, T, 10, 3) of directions (B, T, 9, 3), equation 2."""
     units = functional.normalize(directions, dim=-1)
     joints = [torch.zeros_like(units[..., 0, :])] * (len(BONES) + 1)
@@ -114,5 +118,5 @@ def joint_tensors_of(directions: Tensor) -> Tensor:
 
 def with_units(values: Tensor) -> Tensor:
     """Return values whose directions have length 1 (equation 2)."""
-    bones = functional.normalize(points_of(values[:, :BONE_VALUES]), dim=-1)
+    bones = functional.normalize(as_points(values[:, :BONE_VALUES]), dim=-1)
     return torch.cat([bones.flatten(-2), values[:, BONE_VALUES:]], dim=-1)

@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-_CONSTANT: Final = 1e-6
+_LARGEST_ROUNDING: Final = 1e-6
 """Standard deviations below this are rounding: such a value never changes."""
 
 
-LEAST: Final = 1e-5
+SMALLEST_DEVIATION: Final = 1e-5
 """Least deviation that `mean_and_deviation` and `spread` tell, of what never changes."""
 
 
 def mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return mean and standard deviation of each of values (N, values)."""
-    return values.mean(axis=0), np.maximum(values.std(axis=0), LEAST)
+    return values.mean(axis=0), np.maximum(values.std(axis=0), SMALLEST_DEVIATION)
 
 
 def spread(values: FloatArray) -> float:
     """Return how far values (N, values) are from their means, all together."""
-    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), LEAST))
+    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), SMALLEST_DEVIATION))
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,4 +52,4 @@ class Normalisation:
 
     @property
     def _varies(self) -> NDArray[np.bool_]:
-        return np.asarray(self.std >= _CONSTANT)
+        return np.asarray(self.std >= _LARGEST_ROUNDING)

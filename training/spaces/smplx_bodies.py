@@ -76,17 +76,17 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return vectors / np.maximum(lengths, np.finfo(np.float64).tiny)
 
 
-TOLD_OF_TRUNK: Final = (
+TRUNK_AND_ARM_JOINTS: Final = (
     "spine1", "spine2", "spine3", "neck", "left_collar", "right_collar", "head", "left_shoulder",
     "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
 )  # fmt: skip
 """The 13 joints that come first, in SMPL-X's order; both hands' 30 follow."""
 
-TOLD_JOINTS: Final = (
-    *(joint_index(name) for name in TOLD_OF_TRUNK),
+UPPER_BODY_JOINTS: Final = (
+    *(joint_index(name) for name in TRUNK_AND_ARM_JOINTS),
     *range(FINGERS.start, FINGERS.stop),
 )
-_BODY: Final = 3 * len(TOLD_JOINTS)
+_BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 _JAW: Final = slice(_BODY, _BODY + 3)
 
 
@@ -100,7 +100,7 @@ def show_values(clip: MotionClip) -> FloatArray:
     """
     frames = len(clip)
     expressions = np.zeros((frames, 100)) if clip.expressions is None else clip.expressions
-    body = clip.poses[:, list(TOLD_JOINTS)].reshape(frames, _BODY)
+    body = clip.poses[:, list(UPPER_BODY_JOINTS)].reshape(frames, _BODY)
     jaw = clip.poses[:, joint_index("jaw")]
     return np.concatenate([body, jaw, expressions], axis=1, dtype=np.float64)
 
@@ -125,7 +125,7 @@ def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     """
     frames = len(values)
     poses = np.zeros((frames, JOINT_COUNT, 3))
-    poses[:, list(TOLD_JOINTS)] = values[:, :_BODY].reshape(frames, len(TOLD_JOINTS), 3)
+    poses[:, list(UPPER_BODY_JOINTS)] = values[:, :_BODY].reshape(frames, len(UPPER_BODY_JOINTS), 3)
     poses[:, joint_index("jaw")] = values[:, _JAW]
     clip = MotionClip(
         poses=poses.astype(np.float32),
@@ -136,16 +136,16 @@ def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     return place(added_to_mean_hands(clip, RELAXED_HANDS))[0]
 
 
-_BESIDE: Final = 0.05
+_AXIS_LENGTH: Final = 0.05
 """Metres from a joint to the points beside it, about the radius of an arm."""
 
 
 def _generations() -> list[tuple[list[int], list[int]]]:
     """Return each generation below the root: its joints, and their parents' places in the last."""
-    generations, before = [], [0]
-    while found := [joint for joint, parent in enumerate(PARENTS) if parent in before]:
-        generations.append((found, [before.index(PARENTS[joint]) for joint in found]))
-        before = found
+    generations, previous = [], [0]
+    while joints := [joint for joint, parent in enumerate(PARENTS) if parent in previous]:
+        generations.append((joints, [previous.index(PARENTS[joint]) for joint in joints]))
+        previous = joints
     return generations
 
 
@@ -183,21 +183,21 @@ class BodyPoints(nn.Module):
         """
         rows = values[..., : 6 * JOINT_COUNT].reshape(-1, JOINT_COUNT, 2, 3)
         # Frames come last, so that each product of small matrices is one of long rows.
-        turns = rotations_of(rows.permute(1, 2, 3, 0))
+        turns = matrices_from_rows(rows.permute(1, 2, 3, 0))
         world, places = [turns[:1]], [torch.zeros_like(turns[:1, 0])]
-        for found, parents in _GENERATIONS:
-            before, turn = world[-1][parents], turns[found]
-            bones = self.bones[found][:, None, :, None]
-            places.append(places[-1][parents] + (before * bones).sum(dim=2))
-            terms = [before[:, :, k, None] * turn[:, None, k] for k in range(3)]
+        for joints_of_generation, parents in _GENERATIONS:
+            parent_turns, turn = world[-1][parents], turns[joints_of_generation]
+            bones = self.bones[joints_of_generation][:, None, :, None]
+            places.append(places[-1][parents] + (parent_turns * bones).sum(dim=2))
+            terms = [parent_turns[:, :, k, None] * turn[:, None, k] for k in range(3)]
             world.append(terms[0] + terms[1] + terms[2])
-        joints, axes = torch.cat(places)[_ORDER], _BESIDE * torch.cat(world)[_ORDER]
-        beside = joints[:, None] + axes[:, :, :2].transpose(1, 2)
-        points = torch.cat([joints, beside.flatten(0, 1)])
+        joints, axes = torch.cat(places)[_ORDER], _AXIS_LENGTH * torch.cat(world)[_ORDER]
+        axis_points = joints[:, None] + axes[:, :, :2].transpose(1, 2)
+        points = torch.cat([joints, axis_points.flatten(0, 1)])
         return points.permute(2, 0, 1).reshape(*values.shape[:-1], *points.shape[:2])
 
 
-def rotations_of(rows: Tensor) -> Tensor:
+def matrices_from_rows(rows: Tensor) -> Tensor:
     """Return rotation matrices (joints, 3, 3, frames) of their first two rows, by Gram-Schmidt.
 
     Parameters
@@ -206,6 +206,6 @@ def rotations_of(rows: Tensor) -> Tensor:
         (joints, 2, 3, frames).
     """
     first = functional.normalize(rows[:, 0], dim=1)
-    along = (first * rows[:, 1]).sum(dim=1, keepdim=True)
-    second = functional.normalize(rows[:, 1] - along * first, dim=1)
+    overlap = (first * rows[:, 1]).sum(dim=1, keepdim=True)
+    second = functional.normalize(rows[:, 1] - overlap * first, dim=1)
     return torch.stack([first, second, torch.linalg.cross(first, second, dim=1)], dim=1)

@@ -90,9 +90,10 @@ def command(
     )
     with progress("corpus", "take") as show:
         done = make_corpus(folder, request, processes=processes, show=show)
-    kept = len(done.takes) - done.made
+    kept = len(done.takes) - done.new_takes
     click.echo(
-        f"Made {counted(done.made, 'take')} in {folder}" + (f"; {kept} were there" if kept else "")
+        f"Made {counted(done.new_takes, 'take')} in {folder}"
+        + (f"; {kept} were there" if kept else "")
     )
     counts = {
         split: sum(take.split == split for take in done.takes)

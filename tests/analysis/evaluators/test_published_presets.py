@@ -17,7 +17,7 @@ from analysis.evaluators.published_presets import (
 from motion.clip import MotionClip
 from motion.formats.smplx_rows import read_rows
 from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
-from training.spaces.beat import TOLD_JOINTS, beat_clip, told_motion
+from training.spaces.beat import UPPER_BODY_JOINTS, beat_clip, upper_body_motion
 from training.spaces.smplx_bodies import rotation_rows
 
 
@@ -89,12 +89,14 @@ def test_talkshow_sees_the_columns_that_its_code_picks(tmp_path: Path) -> None:
 
 def test_beats_own_angles_come_back_from_the_clip_that_they_made() -> None:
     turns = np.random.default_rng(0).normal(0, 0.2, (12, 47, 3))
-    roots = [p for p, name in enumerate(TOLD_JOINTS) if name.endswith(("Ring", "Pinky", "Index"))]
-    forearms = [p for p, name in enumerate(TOLD_JOINTS) if name.endswith(("ForeArm", "Hand"))]
+    roots = [
+        p for p, name in enumerate(UPPER_BODY_JOINTS) if name.endswith(("Ring", "Pinky", "Index"))
+    ]
+    forearms = [p for p, name in enumerate(UPPER_BODY_JOINTS) if name.endswith(("ForeArm", "Hand"))]
     turns[:, roots + forearms] = 0
     values = np.concatenate([turns.reshape(12, -1), np.zeros((12, 51))], axis=1)
-    given = told_motion(values[:, :141], 15.0)
-    columns = [given.columns(given.joint_names.index(name)) for name in TOLD_JOINTS]
+    given = upper_body_motion(values[:, :141], 15.0)
+    columns = [given.columns(given.joint_names.index(name)) for name in UPPER_BODY_JOINTS]
     wanted = np.stack([given.values[:, c.stop - 3 : c.stop] for c in columns], axis=1)
     found = beat_frames(beat_clip(values, 15.0)).reshape(12, 47, 3)
     assert np.isnan(found[:, roots]).all()

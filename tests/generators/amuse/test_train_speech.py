@@ -18,7 +18,7 @@ from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.one_device import require_one_device
-from training.corpus.request import CorpusRequest, claim
+from training.corpus.request import CorpusRequest, claim_folder
 from training.data.take import TakeFolder
 
 Learn = Callable[..., TrainedGenerator]
@@ -164,7 +164,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
 def test_a_corpus_whose_speakers_share_no_texts_is_refused(
     learn: Learn, tmp_path: Path, shared: bool
 ) -> None:
-    claim(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
+    claim_folder(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
     out = tmp_path / "out.safetensors"
     if shared:
         learn(1, out, tmp_path / "corpus")

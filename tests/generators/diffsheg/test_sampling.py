@@ -94,7 +94,7 @@ def test_how_speech_comes_in_changes_nothing(lengths: list[int]) -> None:
     whole = spoken(sum(lengths))
     ends = np.cumsum(lengths)
     pieces = [
-        whole.part(end - length, end) for length, end in zip(lengths, map(int, ends), strict=True)
+        whole.slice(end - length, end) for length, end in zip(lengths, map(int, ends), strict=True)
     ]
     motion = moved(pieces=[whole])
     assert len(motion) == len(whole)
@@ -104,7 +104,7 @@ def test_how_speech_comes_in_changes_nothing(lengths: list[int]) -> None:
 def test_windows_that_share_nothing_are_the_same_alone_and_together() -> None:
     apart = replace(SAMPLING, overlap=0)
     sampler, whole = WindowSampler(NETWORK, PERSON, apart), spoken(3 * FRAMES + 2)
-    pieces = [whole.part(start, start + FRAMES) for start in range(0, len(whole), FRAMES)]
+    pieces = [whole.slice(start, start + FRAMES) for start in range(0, len(whole), FRAMES)]
     one_by_one, together = (moved(sampler, given, sampling=apart) for given in (pieces, [whole]))
     assert torch.equal(one_by_one, together)
 

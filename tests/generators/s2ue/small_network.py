@@ -16,7 +16,7 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
 from training.hearing.word_vectors import StandIn
-from training.spaces.bones_and_landmarks import values_of
+from training.spaces.bones_and_landmarks import bone_and_landmark_values
 from training.speakers import Speakers
 
 FACE: Final = FaceLandmarks.of_default_body()
@@ -45,7 +45,7 @@ def standing() -> np.ndarray:
         frame_rate=15,
         arkit=np.full((1, 52), 0.02, np.float32),
     )
-    values: np.ndarray = values_of(clip, FACE)[0].astype(np.float32)
+    values: np.ndarray = bone_and_landmark_values(clip, FACE)[0].astype(np.float32)
     return values
 
 

@@ -22,7 +22,7 @@ from generators.s2ue.model import Network, Synthesis
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
 from training.layers.convolutions import ComponentEncoder, components_of
-from training.spaces.bones_and_landmarks import joint_tensors_of
+from training.spaces.bones_and_landmarks import joint_tensors
 
 VALUES = 27 + 3 * FACE.count
 COMPONENTS = components_of(FACE.actions)
@@ -127,7 +127,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
     one, two = motion(1), motion(2)
     found = reconstruction_losses(network, one, two, WEIGHTS)
     pose, face = one[..., :27] - two[..., :27], one[..., 27:] - two[..., 27:]
-    joints = joint_tensors_of(one[..., :27].reshape(2, 5, 9, 3)) - joint_tensors_of(
+    joints = joint_tensors(one[..., :27].reshape(2, 5, 9, 3)) - joint_tensors(
         two[..., :27].reshape(2, 5, 9, 3)
     )
     places = face.abs().mean() / 1e-3 + joints.abs().mean() / 0.1

@@ -6,7 +6,7 @@ import pytest
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from training.corpus.plan import SENTENCES, UNHEARD, passage, planned_takes
+from training.corpus.plan import RESERVED_SENTENCES, SENTENCES, passage, planned_takes
 from training.corpus.request import MOST_RECORDINGS, CorpusRequest
 
 
@@ -97,9 +97,9 @@ def test_81_passages_differ_and_the_first_nine_share_no_sentence(emotion: str) -
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
 def test_what_is_kept_for_testing_is_heard_in_no_other_passage(emotion: str) -> None:
-    kept = [text for part in SENTENCES[emotion].values() for text in part[-UNHEARD:]]
+    kept = [text for part in SENTENCES[emotion].values() for text in part[-RESERVED_SENTENCES:]]
     told = "".join(passage(emotion, number) for number in range(81))
     assert not any(text in told for text in kept)
-    unheard = {passage(emotion, number, unheard=True) for number in range(UNHEARD**2)}
-    assert len(unheard) == UNHEARD**2
+    unheard = {passage(emotion, number, unheard=True) for number in range(RESERVED_SENTENCES**2)}
+    assert len(unheard) == RESERVED_SENTENCES**2
     assert all(any(text in one for text in kept) for one in unheard)

@@ -10,10 +10,15 @@ from motion.errors import InputError
 from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
 from training.corpus.chance import EXPECTED, Chance
-from training.corpus.heard_speech import HeardSpeech, find_strokes
-from training.corpus.motion_curves import MotionCurves, curves_of, following, wrist_positions
+from training.corpus.motion_curves import (
+    MotionCurves,
+    correlate_motions,
+    curves_of,
+    wrist_positions,
+)
 from training.corpus.process import Process, drive
 from training.corpus.speakers import speaker_of
+from training.corpus.speech_curves import SpeechCurves, find_strokes
 
 SPEAKER = speaker_of(1, 1)
 
@@ -25,11 +30,13 @@ def speech() -> Audio:
 
 @pytest.fixture(scope="module")
 def process(speech: Audio) -> Process:
-    return Process.of(speech, "neutral", SPEAKER)
+    return Process.from_speech(speech, "neutral", SPEAKER)
 
 
 def correlation(curve: str, one: MotionCurves, other: MotionCurves) -> float:
-    return next(found.correlation for found in following(one, other) if found.curve == curve)
+    return next(
+        found.correlation for found in correlate_motions(one, other) if found.curve == curve
+    )
 
 
 def test_the_drive_is_the_motion_without_chance(speech: Audio, process: Process) -> None:
@@ -82,7 +89,7 @@ def test_silence_calls_for_no_stroke_and_the_hands_rest() -> None:
 def test_motion_is_finite_smooth_and_within_limits(
     speech: Audio, number: int, emotion: str
 ) -> None:
-    process = Process.of(speech, emotion, speaker_of(number, 1))
+    process = Process.from_speech(speech, emotion, speaker_of(number, 1))
     chance = Chance(seed=(number,))
     body, face = process.body(60.0, chance), process.face(60.0, chance)
     assert body.shape == (360, 141)
@@ -103,7 +110,7 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
 
 def test_a_curve_that_does_not_change_has_no_correlation_but_a_reason(process: Process) -> None:
     still = curves_of(np.zeros((180, 141)), np.zeros((180, 51)), 30.0)
-    for found in following(still, process.drive(30.0)):
+    for found in correlate_motions(still, process.drive(30.0)):
         assert np.isnan(found.correlation)
         assert "does not change" in found.reason
 
@@ -143,14 +150,14 @@ def test_drift_has_the_stated_mean_and_variance_at_any_frame_rate() -> None:
     assert slow.var() == pytest.approx(1, rel=0.05)
 
 
-def speech_with_humps(peaks: dict[float, float], seconds: float = 4.0) -> HeardSpeech:
+def speech_with_humps(peaks: dict[float, float], seconds: float = 4.0) -> SpeechCurves:
     """Return speech whose loudness has a hump of 0.2 s at each of the times, so high."""
     times = np.arange(round(100 * seconds)) / 100
     loudness = np.zeros(len(times))
     for moment, height in peaks.items():
         loudness += height * np.exp(-0.5 * ((times - moment) / 0.05) ** 2)
     nothing = np.zeros(len(times))
-    return HeardSpeech(
+    return SpeechCurves(
         loudness=loudness,
         slow_loudness=nothing,
         pitch=nothing,

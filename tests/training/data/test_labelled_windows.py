@@ -22,7 +22,7 @@ def _windows() -> Windows:
 
 def test_each_four_has_two_texts_by_two_speakers_in_one_emotion() -> None:
     windows = _windows()
-    fours = quadruples(windows, most=100, seed=0)
+    fours = quadruples(windows, limit=100, seed=0)
     assert len(fours) == 2 * WINDOWS  # Each emotion has one four for each window of a take.
     for row in fours:
         takes = [windows.take_of(int(one)) for one in row]
@@ -34,9 +34,9 @@ def test_each_four_has_two_texts_by_two_speakers_in_one_emotion() -> None:
 
 
 def test_of_too_many_some_are_drawn_the_same_each_time() -> None:
-    fours = quadruples(_windows(), most=3, seed=7)
+    fours = quadruples(_windows(), limit=3, seed=7)
     assert len(fours) == 3
-    assert (fours == quadruples(_windows(), most=3, seed=7)).all()
+    assert (fours == quadruples(_windows(), limit=3, seed=7)).all()
 
 
 def test_there_are_none_where_one_speaker_speaks_all_texts() -> None:
@@ -46,9 +46,9 @@ def test_there_are_none_where_one_speaker_speaks_all_texts() -> None:
     windows = Windows(
         replace(prepared, takes=alone, arrays=arrays), split="train", frames=ROWS, stride=ROWS
     )
-    assert quadruples(windows, most=100, seed=0).shape == (0, 4)
+    assert quadruples(windows, limit=100, seed=0).shape == (0, 4)
     with pytest.raises(InputError, match="no two speakers speak the same two texts"):
-        quadruples(windows, most=100, seed=0, needed=True)
+        quadruples(windows, limit=100, seed=0, required=True)
 
 
 FIELDS = ("emotion", "speaker")
@@ -61,10 +61,10 @@ def test_classes_are_those_of_what_is_learned_from_and_others_are_not_known() ->
         for take in prepared.takes
     )
     learned = Windows(prepared, split="train", frames=ROWS, stride=ROWS)
-    classes = Classes.of(learned, FIELDS)
+    classes = Classes.from_windows(learned, FIELDS)
     assert classes.names == {"emotion": ("anger", "happiness"), "speaker": ("ann", "bob")}
     other = Windows(replace(prepared, takes=strangers), split="train", frames=ROWS, stride=ROWS)
-    known = classes.known(other)
+    known = classes.labelled_rows(other)
     assert 0 < len(known) < len(other)
     numbers = classes.numbers(other, known)
     for row, emotion, speaker in zip(known, *numbers, strict=True):

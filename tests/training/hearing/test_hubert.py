@@ -13,7 +13,7 @@ from safetensors.torch import load_file, save_file
 from transformers import HubertConfig, HubertModel
 
 from motion.errors import InputError
-from training.hearing.hubert import at_frames, load_hubert, stand_in
+from training.hearing.hubert import load_hubert, resample_to_frames, stand_in
 
 
 def speech(seconds: float) -> NDArray[np.float32]:
@@ -52,30 +52,30 @@ def copied(folder: Path, to: Path) -> Path:
     ("samples", "vectors"), [(0, 1), (399, 1), (400, 1), (720, 2), (16000, 49)]
 )
 def test_there_are_1024_channels_50_times_a_second(samples: int, vectors: int) -> None:
-    assert stand_in().hear(speech(1)[:samples]).shape == (vectors, 1024)
+    assert stand_in().features(speech(1)[:samples]).shape == (vectors, 1024)
 
 
 def test_the_stand_in_is_the_same_every_time_and_takes_nothing_from_other_chance() -> None:
     torch.manual_seed(3)
     expected = torch.rand(3)
     torch.manual_seed(3)
-    first = stand_in().hear(speech(0.5))
+    first = stand_in().features(speech(0.5))
     assert torch.equal(torch.rand(3), expected)
-    assert torch.equal(stand_in().hear(speech(0.5)), first)
+    assert torch.equal(stand_in().features(speech(0.5)), first)
 
 
 def test_the_stand_in_tells_speech_from_other_speech_and_calls_itself_one() -> None:
     hubert = stand_in()
     assert hubert.stands_in
     assert "stand-in" in hubert.description
-    difference = hubert.hear(speech(1)) - hubert.hear(speech(2)[16000:])
+    difference = hubert.features(speech(1)) - hubert.features(speech(2)[16000:])
     assert float(difference.abs().mean()) > 0.01
 
 
 def test_loudness_and_offset_do_not_matter() -> None:
     hubert = stand_in()
     plain, other = (
-        hubert.hear(each) for each in (speech(1), np.float32(0.3) * speech(1) + np.float32(0.2))
+        hubert.features(each) for each in (speech(1), np.float32(0.3) * speech(1) + np.float32(0.2))
     )
     torch.testing.assert_close(plain, other, rtol=1e-3, atol=1e-3)
 
@@ -88,7 +88,7 @@ def test_weights_of_a_folder_are_heard_with_and_named_by_their_hash(saved: Path)
     even = torch.from_numpy((samples - samples.mean()) / samples.std())[None]
     with torch.inference_mode():
         expected = HubertModel.from_pretrained(saved).eval()(even).last_hidden_state[0]
-    torch.testing.assert_close(hubert.hear(samples), expected, rtol=1e-3, atol=1e-4)
+    torch.testing.assert_close(hubert.features(samples), expected, rtol=1e-3, atol=1e-4)
 
 
 def test_a_folder_that_lacks_a_weight_is_refused(saved: Path, tmp_path: Path) -> None:
@@ -132,4 +132,4 @@ def test_vectors_come_to_frames_linearly_with_aligned_corners(vectors: int, fram
     expected = torch.nn.functional.interpolate(
         features.T[None], size=frames, mode="linear", align_corners=True
     )[0].T
-    torch.testing.assert_close(at_frames(features, frames), expected, rtol=1e-4, atol=1e-4)
+    torch.testing.assert_close(resample_to_frames(features, frames), expected, rtol=1e-4, atol=1e-4)

@@ -16,8 +16,8 @@ from tests.generators.amuse.test_speech import SMALL
 from training.hearing.spectrogram_transformer import (
     MASKED_BANDS,
     MASKED_ROWS,
-    augmented,
-    listen,
+    augment,
+    initialise_from_speech,
     read_ast_weights,
 )
 from training.layers.transformers import PackedLinear, pack
@@ -105,7 +105,7 @@ def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
     late = early.roll(10 * 16, dims=1)
     with torch.inference_mode():
         before = (encoder(early)[0] - encoder(late)[0]).abs().max()
-        listen(encoder.transformer, torch.randn(4, config.frames, config.bands))
+        initialise_from_speech(encoder.transformer, torch.randn(4, config.frames, config.bands))
         after = (encoder(early)[0] - encoder(late)[0]).abs().max()
     assert before < 1e-4
     assert after > 1e-2
@@ -114,7 +114,7 @@ def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
 def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     torch.manual_seed(2)
     filterbanks = torch.ones(40, 1024, 128)
-    heard, target = augmented(filterbanks)
+    heard, target = augment(filterbanks)
     hidden = target == 0
     rows, bands = hidden.all(dim=2).sum(dim=1), hidden.all(dim=1).sum(dim=1)
     assert int(rows.max()) <= round(MASKED_ROWS * 1024)

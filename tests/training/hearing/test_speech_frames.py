@@ -16,18 +16,18 @@ from motion.audio import Audio
 from motion.errors import InputError
 from training.hearing.hubert import stand_in
 from training.hearing.speech_frames import (
-    LONG,
-    HearingWindow,
+    LONG_SPEECH_WINDOW,
     SpeechFrames,
-    hear,
-    hear_stream,
-    hear_whole,
-    hearing_of,
+    StreamWindow,
+    extract_all_frames,
+    extract_frames,
+    stream_frames,
+    window_for,
 )
 from training.hearing.speech_windows import plan_windows
 
 HUBERT = stand_in()
-WINDOW = HearingWindow(past=1, ahead=0.5)
+WINDOW = StreamWindow(past=1, ahead=0.5)
 
 
 def speech(seconds: float) -> np.ndarray:
@@ -36,11 +36,11 @@ def speech(seconds: float) -> np.ndarray:
 
 
 def streamed(
-    pieces: list[np.ndarray], window: HearingWindow = WINDOW, rate: int = 15
+    pieces: list[np.ndarray], window: StreamWindow = WINDOW, rate: int = 15
 ) -> SpeechFrames:
-    first, *others = hear_stream(pieces, rate, HUBERT, window)
+    first, *others = stream_frames(pieces, rate, HUBERT, window)
     for frames in others:
-        first = first.then(frames)
+        first = first.followed_by(frames)
     return first
 
 
@@ -62,8 +62,8 @@ def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[in
 
 
 def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
-    found = streamed([SPEECH], HearingWindow(past=4, ahead=4.0)).hubert
-    vectors = HUBERT.hear(SPEECH)
+    found = streamed([SPEECH], StreamWindow(past=4, ahead=4.0)).hubert
+    vectors = HUBERT.features(SPEECH)
     frame = np.arange(0, len(found), 3)  # every third frame lies on a feature, 0.2 s apart
     torch.testing.assert_close(found[frame[:-1]], vectors[10 * frame[:-1] // 3])
 
@@ -72,7 +72,7 @@ def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> Non
 @pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
 def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int) -> None:
     pieces = [speech(seconds)]
-    count = sum(len(frames) for frames in hear_stream(pieces, rate, HUBERT, WINDOW))
+    count = sum(len(frames) for frames in stream_frames(pieces, rate, HUBERT, WINDOW))
     assert count == round(seconds * rate)
 
 
@@ -84,7 +84,7 @@ def test_a_second_is_heard_as_soon_as_what_lies_ahead_of_it_is_known() -> None:
             given_out.append(len(piece))
             yield piece
 
-    frames = hear_stream(pieces(), 15, HUBERT, WINDOW)
+    frames = stream_frames(pieces(), 15, HUBERT, WINDOW)
     assert len(next(frames)) == 15
     assert sum(given_out) == round(1.5 * 16000)
     assert len(next(frames)) == 15
@@ -111,7 +111,7 @@ def test_speech_outside_the_stated_window_changes_nothing(
 @pytest.mark.parametrize(("past", "ahead", "at_once"), [(0, 1.0, 1), (4, 0.0, 1), (4, 1.0, 0)])
 def test_a_window_that_is_too_narrow_is_refused(past: int, ahead: float, at_once: int) -> None:
     with pytest.raises(InputError, match="Give whole seconds"):
-        HearingWindow(past=past, ahead=ahead, at_once=at_once)
+        StreamWindow(past=past, ahead=ahead, at_once=at_once)
 
 
 class Listening:
@@ -134,8 +134,8 @@ def test_long_speech_is_never_heard_at_once() -> None:
     network = Listening()
     hubert = replace(HUBERT, network=network)
     audio = Audio(np.zeros(round(200.2 * 16000), np.float32), 16000)
-    assert hearing_of(audio) == LONG
-    parts = list(hear(audio, 15, hubert))
+    assert window_for(audio) == LONG_SPEECH_WINDOW
+    parts = list(extract_frames(audio, 15, hubert))
     assert sum(len(part) for part in parts) == round(200.2 * 15)
     assert max(network.seconds) == 68
     assert len(network.seconds) == 4
@@ -146,12 +146,13 @@ def test_long_speech_is_never_heard_at_once() -> None:
 
 def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     audio = Audio(speech(6.5), 16000)
-    whole = hear_whole(audio, 15, HUBERT).mel
-    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 4.0)
+    whole = extract_all_frames(audio, 15, HUBERT).mel
+    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_AT_ONCE", 4.0)
     monkeypatch.setattr(
-        "training.hearing.speech_frames.LONG", HearingWindow(past=1, ahead=1.0, at_once=2)
+        "training.hearing.speech_frames.LONG_SPEECH_WINDOW",
+        StreamWindow(past=1, ahead=1.0, at_once=2),
     )
-    found = torch.cat([part.mel for part in hear(audio, 15, HUBERT)])
+    found = torch.cat([part.mel for part in extract_frames(audio, 15, HUBERT)])
     torch.testing.assert_close(found, whole, rtol=1e-4, atol=1e-6)
 
 

@@ -15,8 +15,8 @@ WORDS = (Word("hello", 0.0, 0.2), Word("nobody", 0.2, 0.3), Word("hi", 0.35, 0.3
 
 
 def test_the_stand_in_is_the_same_each_time_and_knows_spelling() -> None:
-    found = StandIn().of(["walking", "walked", "sea"])
-    again = StandIn().of(["walking"])
+    found = StandIn().lookup(["walking", "walked", "sea"])
+    again = StandIn().lookup(["walking"])
     assert found["walking"].shape == (300,)
     np.testing.assert_array_equal(found["walking"], again["walking"])
     near, far = (np.corrcoef(found["walking"], found[word])[0, 1] for word in ("walked", "sea"))
@@ -31,7 +31,7 @@ def test_fasttexts_text_is_read_for_the_words_that_are_asked(tmp_path: Path) -> 
     rows = word_rows(WORDS, vectors, 6, 15.0)
     np.testing.assert_array_equal(rows, [[1, 2], [1, 2], [1, 2], [0, 0], [0, 0], [3, 4]])
     with pytest.raises(InputError, match="line 3: the line holds no vector of 2 numbers"):
-        vectors.of(["broken"])
+        vectors.lookup(["broken"])
 
 
 @pytest.mark.parametrize("content", ["", "hello 1 2\n", "0 0\n"])

@@ -77,7 +77,7 @@ def smooth_windows(count: int = 4000) -> np.ndarray:
 
 def told() -> LinearSkip:
     skip = LinearSkip(FRAMES, PART)
-    skip.tell(smooth_windows())
+    skip.fit(smooth_windows())
     return skip
 
 

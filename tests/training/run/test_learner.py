@@ -13,7 +13,7 @@ from tests.training.plain_lines import PlainLine, PlainNetwork
 from tests.training.toy_takes import toy_takes
 from training.config import Decay, TrainingConfig
 from training.data.windows import Windows
-from training.run.batches import batches_per_epoch, parts_of_step, rows_of_step
+from training.run.batches import batches_per_epoch, step_parts, step_rows
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.task import WindowTask
@@ -109,13 +109,13 @@ def test_an_epoch_goes_through_all_examples_but_an_unfilled_batch(
     examples: int, size: int, seed: int
 ) -> None:
     count = batches_per_epoch(examples, size)
-    rows = np.concatenate([rows_of_step(step, examples, size, seed) for step in range(count)])
+    rows = np.concatenate([step_rows(step, examples, size, seed) for step in range(count)])
     assert len(set(rows)) == len(rows) == min(examples, count * size)
     assert 0 <= rows.min() <= rows.max() < examples
 
 
 def test_each_epoch_has_an_order_of_its_own() -> None:
-    first, second = (rows_of_step(step, 30, 30, 0) for step in (0, 1))
+    first, second = (step_rows(step, 30, 30, 0) for step in (0, 1))
     assert sorted(first) == sorted(second)
     assert list(first) != list(second)
 
@@ -125,7 +125,7 @@ def test_parts_hold_each_example_once_and_are_shared_evenly(
     examples: int, accumulate: int, processes: int
 ) -> None:
     rows = np.arange(max(examples, processes))
-    parts = parts_of_step(rows, accumulate, processes)
+    parts = step_parts(rows, accumulate, processes)
     assert np.array_equal(np.concatenate(parts), rows)
     assert len(parts) % processes == 0
     assert {len(part) for part in parts} <= {len(rows) // len(parts), -(-len(rows) // len(parts))}
@@ -153,7 +153,7 @@ def task() -> WindowTask:
         weights=_Weights(),
         training=Windows(takes, split="train", frames=10, stride=10),
         held_out=Windows(takes, split="validation", frames=10, stride=10),
-        further={"heard by": "nobody"},
+        extra_settings={"heard by": "nobody"},
     )
 
 
@@ -161,7 +161,7 @@ def test_sizes_weights_and_device_make_it_another_one(task: WindowTask) -> None:
     others = [
         replace(task, config=_Sizes(parts=((0,), (1, 2)))),
         replace(task, weights=_Weights(velocity=0.0)),
-        replace(task, further={}),
+        replace(task, extra_settings={}),
         replace(task, device="cuda"),
     ]
     assert all(other.settings != task.settings for other in others)

@@ -210,7 +210,7 @@ def test_averaged_weights_are_what_is_measured_and_kept(tmp_path: Path) -> None:
     averaged = CONFIGS["averaged, in parts, slower from epoch to epoch"]
     trained = train(Line(), averaged, RunFolder(tmp_path))
     state = read_weights(tmp_path / "checkpoint.safetensors")
-    best = read_weights(tmp_path / "best.safetensors").part("network")
+    best = read_weights(tmp_path / "best.safetensors").with_prefix("network")
     assert trained.best.step == best_step(tmp_path) == 9
     assert best["0.weight"].equal(state.tensors["average.module.0.weight"])
     assert not best["0.weight"].equal(state.tensors["network.0.weight"])

@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, LineTask, files_of_run
 from training.config import TrainingConfig
-from training.run.batches import rows_of_step
+from training.run.batches import step_rows
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import train
@@ -105,7 +105,7 @@ def test_two_passes_come_to_what_two_optimizers_come_to() -> None:
     makers = torch.optim.Adam([*plain.maker.parameters(), *plain.last.parameters()], lr=0.02)
     for step in range(6):
         told = learner.learn(step)
-        rows = rows_of_step(step, 32, 8, 0)
+        rows = step_rows(step, 32, 8, 0)
         for name, optimizer, others in (
             ("judge", judges, (plain.maker, plain.last)),
             ("maker", makers, (plain.judge,)),
@@ -192,7 +192,7 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("passes", "said"),
     [
-        ((replace(MAKER, parts=("painter",)),), r"teaches 'painter'.*parts: maker, last, judge"),
+        ((replace(MAKER, parts=("painter",)),), r"trains 'painter'.*parts: maker, last, judge"),
         ((replace(MAKER, every=2),), "no pass is made in step 2 of 9"),
         ((replace(MAKER, end=4), replace(JUDGE, first=5)), "no pass is made in step 5 of 9"),
     ],

@@ -29,8 +29,8 @@ def test_a_log_grows_and_is_read_back(tmp_path: Path) -> None:
     log = grown(path, 6)
     assert RunLog(path, steps=6).lines == log.lines
     assert [json.loads(line) for line in path.read_text().splitlines()] == log.lines
-    assert (log.steps, log.measured, log.last_loss) == (6, True, 1 / 6)
-    assert not RunLog(path, steps=5).measured
+    assert (log.steps, log.ends_in_validation, log.last_loss) == (6, True, 1 / 6)
+    assert not RunLog(path, steps=5).ends_in_validation
 
 
 @pytest.mark.parametrize("tail", ["", '{"step": 7, "lo', "\x00\x00", '{"step": 7, "loss": 1}'])

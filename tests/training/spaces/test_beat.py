@@ -22,12 +22,12 @@ from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_
 from training.spaces.beat import (
     BEAT_SKELETON,
     FACIAL_WEIGHTS,
-    TOLD_JOINTS,
+    UPPER_BODY_JOINTS,
     beat_clip,
-    beat_piece,
+    beat_clip_piece,
     body_values,
     face_values,
-    told_motion,
+    upper_body_motion,
 )
 
 DATA = Path(__file__).parents[4] / "shared" / "data"
@@ -55,7 +55,7 @@ def degrees_apart(one: MotionClip, other: MotionClip) -> dict[str, float]:
 def moved(**turned: tuple[float, float, float]) -> np.ndarray:
     body = np.zeros((1, 47, 3))
     for name, turn in turned.items():
-        body[0, TOLD_JOINTS.index(name)] = turn
+        body[0, UPPER_BODY_JOINTS.index(name)] = turn
     return body.reshape(1, 141)
 
 
@@ -94,12 +94,12 @@ def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) 
 def test_values_survive_the_way_over_angles_about_axes() -> None:
     rng = np.random.default_rng(2)
     body = rng.uniform(-1.5, 1.5, (20, 141))
-    np.testing.assert_allclose(body_values(told_motion(body, 15)), body, atol=1e-9)
+    np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-9)
 
 
 def test_a_turn_at_which_angles_are_not_unique_is_no_matter() -> None:
     body = moved(RightForeArm=(0, np.pi / 2, 0))
-    np.testing.assert_allclose(body_values(told_motion(body, 15)), body, atol=1e-7)
+    np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-7)
 
 
 def test_nothing_turned_is_a_person_with_level_arms_who_stands_upright() -> None:
@@ -155,13 +155,13 @@ def test_pieces_are_the_whole_motion_also_where_forearms_twist_past_half_a_turn(
     cuts: list[int],
 ) -> None:
     body = np.zeros((80, 47, 3))
-    body[:, TOLD_JOINTS.index("RightForeArm"), 0] = np.linspace(0, 8, 80)
-    body[:, TOLD_JOINTS.index("LeftHand"), 0] = np.linspace(3, -5, 80)
+    body[:, UPPER_BODY_JOINTS.index("RightForeArm"), 0] = np.linspace(0, 8, 80)
+    body[:, UPPER_BODY_JOINTS.index("LeftHand"), 0] = np.linspace(3, -5, 80)
     values = with_still_face(body.reshape(80, 141))
     whole = beat_clip(values, 15)
     pieces, before = [], None
     for part in np.split(values, cuts):
-        piece, before = beat_piece(part, 15, before)
+        piece, before = beat_clip_piece(part, 15, before)
         pieces.append(piece)
     assert before is not None
     assert before.turns.any()

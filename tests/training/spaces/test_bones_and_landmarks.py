@@ -16,10 +16,10 @@ from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_
 from training.spaces.bones_and_landmarks import (
     BONE_LENGTHS,
     BONE_VALUES,
-    directions_of,
-    joint_tensors_of,
-    joints_of,
-    values_of,
+    bone_and_landmark_values,
+    bone_directions,
+    joint_tensors,
+    joints_from_directions,
     with_units,
 )
 
@@ -37,38 +37,40 @@ def clip(turned: float = 0.0) -> MotionClip:
 
 
 def test_directions_are_units_from_which_joints_are_built_again() -> None:
-    values = values_of(clip(), FACE)
+    values = bone_and_landmark_values(clip(), FACE)
     assert values.shape == (5, BONE_VALUES + 3 * FACE.count)
     directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
     joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
     wanted = joints[:, [joint_index(name) for name in JOINT_NAMES]] - joints[:, :1]
-    np.testing.assert_allclose(joints_of(directions), wanted, atol=1e-6)
-    np.testing.assert_allclose(joints_of(3 * directions), wanted, atol=1e-6)
+    np.testing.assert_allclose(joints_from_directions(directions), wanted, atol=1e-6)
+    np.testing.assert_allclose(joints_from_directions(3 * directions), wanted, atol=1e-6)
     np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
 
 
 def test_it_is_seen_from_the_front_whichever_way_somebody_stands() -> None:
-    np.testing.assert_allclose(values_of(clip(2.0), FACE), values_of(clip(), FACE), atol=1e-6)
+    np.testing.assert_allclose(
+        bone_and_landmark_values(clip(2.0), FACE), bone_and_landmark_values(clip(), FACE), atol=1e-6
+    )
 
 
 def test_landmarks_are_shifts_from_the_neutral_face() -> None:
-    shifts = values_of(clip(), FACE)[:, BONE_VALUES:]
+    shifts = bone_and_landmark_values(clip(), FACE)[:, BONE_VALUES:]
     np.testing.assert_allclose(shifts[0], 0, atol=1e-7)
     np.testing.assert_allclose(shifts, FACE.shifts(clip()).reshape(5, -1), atol=1e-7)
-    assert values_of(clip(), None).shape == (5, BONE_VALUES)
+    assert bone_and_landmark_values(clip(), None).shape == (5, BONE_VALUES)
 
 
 def test_the_clip_of_values_has_the_same_values() -> None:
-    values = values_of(clip(), FACE)
+    values = bone_and_landmark_values(clip(), FACE)
     again = clip_from_points(
-        joints_of(values[:, :BONE_VALUES].reshape(5, -1, 3)).astype(np.float32),
+        joints_from_directions(values[:, :BONE_VALUES].reshape(5, -1, 3)).astype(np.float32),
         JOINT_NAMES,
         15.0,
         body=FACE.body,
         landmarks=values[:, BONE_VALUES:].reshape(5, -1, 3).astype(np.float32),
     )
-    found = values_of(again, FACE)
+    found = bone_and_landmark_values(again, FACE)
     arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
     np.testing.assert_allclose(found[:, arms], values[:, arms], atol=0.02)
     np.testing.assert_allclose(found[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
@@ -76,13 +78,13 @@ def test_the_clip_of_values_has_the_same_values() -> None:
 
 def test_a_bone_without_length_is_refused() -> None:
     with pytest.raises(InputError, match="no length"):
-        directions_of(np.zeros((1, 10, 3)))
+        bone_directions(np.zeros((1, 10, 3)))
 
 
 def test_joints_are_those_of_equation_2() -> None:
     directions = torch.randn(4, 9, 3)
-    joints = joint_tensors_of(directions)
-    wanted = joints_of(directions.double().numpy())
+    joints = joint_tensors(directions)
+    wanted = joints_from_directions(directions.double().numpy())
     torch.testing.assert_close(joints, torch.from_numpy(wanted).float())
     lengths = (joints[:, 5] - joints[:, 4]).norm(dim=-1)
     torch.testing.assert_close(lengths, torch.full((4,), float(BONE_LENGTHS[4])))

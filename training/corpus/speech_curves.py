@@ -45,7 +45,7 @@ _TRANSFORM: Final = 512
 _PITCH_WINDOW: Final = 1024
 _LOWEST_PITCH: Final = 65.0
 _HIGHEST_PITCH: Final = 400.0
-_LOUD: Final = 0.15
+_REFERENCE_LEVEL: Final = 0.15
 _POWER_LAW: Final = 0.6
 _SYLLABLE: Final = 0.04
 _SLOW: Final = 0.35
@@ -57,7 +57,7 @@ _RUMBLE, _BRIGHT = 100.0, 1500.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class HeardSpeech:
+class SpeechCurves:
     """Curves of a stretch of speech, at `STEPS_PER_SECOND`; step k lies at ``k / 100`` seconds.
 
     Attributes
@@ -76,12 +76,12 @@ class HeardSpeech:
     sounding: FloatArray
     brightness: FloatArray
 
-    def at(self, curve: FloatArray, times: FloatArray) -> FloatArray:
+    def interpolated(self, curve: FloatArray, times: FloatArray) -> FloatArray:
         """Return one of the curves at `times` in seconds, interpolated linearly."""
         return np.interp(times, np.arange(len(curve)) / STEPS_PER_SECOND, curve)
 
 
-def hear(speech: Audio) -> HeardSpeech:
+def analyse_speech(speech: Audio) -> SpeechCurves:
     """Return what the process hears of `speech`.
 
     Raises
@@ -97,11 +97,11 @@ def hear(speech: Audio) -> HeardSpeech:
     samples = np.asarray(speech.samples, np.float64)
     steps = len(samples) // _HOP + 1
     rms = _level(samples, steps)
-    raw = (rms / _LOUD) ** _POWER_LAW
+    raw = (rms / _REFERENCE_LEVEL) ** _POWER_LAW
     loudness = _smooth(raw, _SYLLABLE)
     pitch = _octaves(samples, steps)
     melody = np.where(loudness > _AUDIBLE, pitch, 0.0)
-    return HeardSpeech(
+    return SpeechCurves(
         loudness=loudness,
         slow_loudness=_smooth(raw, _SLOW),
         pitch=_weighted(melody, loudness, _MELODY),
@@ -128,7 +128,7 @@ def _octaves(samples: FloatArray, steps: int) -> FloatArray:
         frame_length=_PITCH_WINDOW,
         hop_length=_HOP,
     )
-    return np.asarray(np.log2(_fitted(np.asarray(hertz, np.float64), steps) / 100))
+    return np.asarray(np.log2(_with_length(np.asarray(hertz, np.float64), steps) / 100))
 
 
 def _brightness(samples: FloatArray, steps: int) -> FloatArray:
@@ -137,11 +137,11 @@ def _brightness(samples: FloatArray, steps: int) -> FloatArray:
         np.hanning(_WINDOW), hop=_HOP, fs=SPEECH_RATE, mfft=_TRANSFORM, scale_to="psd"
     )
     power = np.asarray(transform.spectrogram(samples, p0=0, p1=steps), np.float64)
-    all_of_it = power[transform.f >= _RUMBLE].sum(axis=0)
-    return np.asarray(power[transform.f >= _BRIGHT].sum(axis=0) / (all_of_it + _LOWEST_POWER))
+    total = power[transform.f >= _RUMBLE].sum(axis=0)
+    return np.asarray(power[transform.f >= _BRIGHT].sum(axis=0) / (total + _LOWEST_POWER))
 
 
-def _fitted(values: FloatArray, steps: int) -> FloatArray:
+def _with_length(values: FloatArray, steps: int) -> FloatArray:
     """Return `values` cut to `steps`, or with the last one held."""
     return values[np.minimum(np.arange(steps), len(values) - 1)]
 
@@ -156,8 +156,8 @@ def _smooth(values: FloatArray, seconds: float) -> FloatArray:
     return np.asarray(gaussian_filter1d(values, seconds * STEPS_PER_SECOND, mode="nearest"))
 
 
-LOUD_ENOUGH: Final = 0.35
-STANDS_OUT: Final = 0.1
+STROKE_LOUDNESS: Final = 0.35
+STROKE_PROMINENCE: Final = 0.1
 _SIZE: Final = 1.6
 _RISE: Final = 0.2
 """Seconds before the peak in which the voice rises to it."""
@@ -179,40 +179,40 @@ class Strokes:
     sizes: FloatArray
 
 
-def find_strokes(heard: HeardSpeech, spacing: float) -> Strokes:
+def find_strokes(curves: SpeechCurves, spacing: float) -> Strokes:
     """Return the strokes that speech calls for, at least about `spacing` seconds apart."""
-    loudness = heard.loudness
+    loudness = curves.loudness
     peaks, _ = find_peaks(
         loudness,
-        height=LOUD_ENOUGH,
-        prominence=STANDS_OUT,
+        height=STROKE_LOUDNESS,
+        prominence=STROKE_PROMINENCE,
         distance=max(1, round(spacing * STEPS_PER_SECOND)),
     )
     slope = np.gradient(loudness)
-    before = round(_RISE * STEPS_PER_SECOND)
-    starts = np.maximum(peaks - before, 0)
+    rise_steps = round(_RISE * STEPS_PER_SECOND)
+    starts = np.maximum(peaks - rise_steps, 0)
     arrivals = [
         start + int(np.argmax(slope[start : peak + 1]))
         for start, peak in zip(starts, peaks, strict=True)
     ]
     return Strokes(
         times=np.array(arrivals, np.float64) / STEPS_PER_SECOND,
-        sizes=_SIZE * (loudness[peaks] - LOUD_ENOUGH),
+        sizes=_SIZE * (loudness[peaks] - STROKE_LOUDNESS),
     )
 
 
-def stroke_shape(since: FloatArray, attack: float, release: float) -> FloatArray:
+def stroke_shape(elapsed: FloatArray, attack: float, release: float) -> FloatArray:
     """Return how far out a stroke of size 1 is, in [0, 1].
 
     Parameters
     ----------
-    since : ndarray
+    elapsed : ndarray
         Seconds since its arrival; negative before.
     attack, release : float
         Seconds in which it goes out and comes back, above 0. Both ways are movements of minimum
         jerk (Flash & Hogan 1985) from rest to rest, so that the hand stands still on arrival.
     """
-    out = np.clip(1 + since / attack, 0, 1)
-    back = np.clip(1 - since / release, 0, 1)
-    share = np.where(since < 0, out, back)
+    rise = np.clip(1 + elapsed / attack, 0, 1)
+    fall = np.clip(1 - elapsed / release, 0, 1)
+    share = np.where(elapsed < 0, rise, fall)
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2))

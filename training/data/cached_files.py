@@ -1,7 +1,4 @@
-"""What the files of a take hold, told by hashes computed once, and arrays known to be whole.
-
-Arrays lie on disk and are read as if they were in memory.
-"""
+"""Hashes of files, computed once, and memory-mapped arrays that are known to be intact."""
 
 from __future__ import annotations
 
@@ -21,12 +18,12 @@ from motion.files import replacing, sha256_of, write_text
 
 
 class FileState(BaseModel, frozen=True):
-    """A file that was hashed, and how to tell that it has not been written since.
+    """The hash of a file, and its size and time of writing, which show whether it still holds.
 
     Attributes
     ----------
     size, mtime_ns : int
-        Bytes, and when it was last written, in nanoseconds.
+        Bytes, and the time of the last write in nanoseconds.
     sha256 : str
         Hash of its content.
     """
@@ -37,15 +34,15 @@ class FileState(BaseModel, frozen=True):
 
     @classmethod
     def of(cls, path: Path, known: FileState | None = None) -> Self:
-        """Return the state of `path`; its content is read only if it is not as `known`."""
-        facts = path.stat()
-        same = known is not None and (known.size, known.mtime_ns) == (
-            facts.st_size,
-            facts.st_mtime_ns,
+        """Return the state of `path`; it is read only if size or time differ from `known`."""
+        status = path.stat()
+        unchanged = known is not None and (known.size, known.mtime_ns) == (
+            status.st_size,
+            status.st_mtime_ns,
         )
-        if known is not None and same:
+        if known is not None and unchanged:
             return cls.model_validate(known.model_dump())
-        return cls(size=facts.st_size, mtime_ns=facts.st_mtime_ns, sha256=sha256_of(path))
+        return cls(size=status.st_size, mtime_ns=status.st_mtime_ns, sha256=sha256_of(path))
 
 
 _STATES = TypeAdapter(dict[str, FileState])
@@ -59,8 +56,8 @@ def hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
     files : tuple of Path
         The files.
     memory : Path
-        JSON file in which hashes are kept, so that files which were not written since are not
-        read again. It may be missing or damaged.
+        JSON file with the hashes of earlier calls, so that unchanged files are not read again. It
+        may be missing or damaged.
 
     Raises
     ------
@@ -83,8 +80,8 @@ def hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
                 remedy="Check that it is there and may be read",
             ) from error
     if states != known:
-        plain = {place: state.model_dump() for place, state in states.items()}
-        write_text(memory, json.dumps(plain, indent=1))
+        content = {place: state.model_dump() for place, state in states.items()}
+        write_text(memory, json.dumps(content, indent=1))
     return tuple(states[str(path.absolute())].sha256 for path in files)
 
 
@@ -92,7 +89,7 @@ FloatArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
-class KeptArray:
+class CachedArray:
     """An array that was read from disk.
 
     Attributes
@@ -108,23 +105,23 @@ class KeptArray:
 
 
 def write_array(path: Path, values: FloatArray) -> None:
-    """Write `values` to `path` (``.npy``), and beside it what tells that the file is whole."""
+    """Write `values` to `path` (``.npy``), and a seal beside it that shows the file is intact."""
     with replacing(path) as draft:
         np.save(draft, values, allow_pickle=False)
     write_text(_seal_of(path), FileState.of(path).model_dump_json())
 
 
-def open_array(path: Path) -> KeptArray | None:
-    """Return the array in `path`, or None where there is none, or not as it was written."""
+def open_array(path: Path) -> CachedArray | None:
+    """Return the array in `path`; None if it is missing or damaged."""
     try:
         seal = FileState.model_validate_json(_seal_of(path).read_bytes())
         state = FileState.of(path, seal)
         if state.sha256 != seal.sha256:
             return None
         if state != seal:
-            # A copy: the same content, written at another time. It need not be read again.
+            # A copy has the same content and another time. It need not be read again.
             write_text(_seal_of(path), state.model_dump_json())
-        return KeptArray(_mapped(path), state.sha256)
+        return CachedArray(_map_array(path), state.sha256)
     except (OSError, ValidationError, ValueError):
         return None
 
@@ -138,11 +135,10 @@ def _seal_of(path: Path) -> Path:
     return path.with_suffix(".json")
 
 
-def _mapped(path: Path) -> FloatArray:
+def _map_array(path: Path) -> FloatArray:
     """Return the array in `path`, mapped into memory.
 
-    numpy's own mapping keeps each file open, of which a process may have about a thousand; a data
-    set has more.
+    numpy's own mapping keeps each file open. A data set has more files than a process may open.
     """
     with path.open("rb") as file:
         version = np.lib.format.read_magic(file)
@@ -151,7 +147,7 @@ def _mapped(path: Path) -> FloatArray:
         shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(file)
         start = file.tell()
     if fortran_order or dtype != np.float32 or len(shape) != 2:
-        raise ValueError("not an array as it is written here")
+        raise ValueError("not an array that this module wrote")
     with pyarrow.memory_map(str(path)) as mapped:
         buffer = mapped.read_buffer()
     values = np.frombuffer(buffer, dtype=np.float32, offset=start)
