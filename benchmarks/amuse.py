@@ -16,7 +16,7 @@ import torch
 from torch import Tensor
 
 from benchmarks.diffsheg import in_turns
-from generators.amuse.config import PARTS, MotionConfig, SpeechConfig
+from generators.amuse.config import SPEECH_PARTS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import SpeechModel
 from training.device import torch_threads
@@ -60,7 +60,10 @@ def main() -> None:
     options.add_argument("--threads", type=int, default=torch.get_num_threads())
     given = options.parse_args()
     motion = MotionModel(MotionConfig()).eval().requires_grad_(False)
-    latents, noise = [torch.randn(1, 1, 256) for _ in PARTS], torch.randn(1, 1, motion.config.width)
+    latents, noise = (
+        [torch.randn(1, 1, 256) for _ in SPEECH_PARTS],
+        torch.randn(1, 1, motion.config.width),
+    )
 
     def moved() -> Tensor:
         return motion.prior.decode(motion.sample(noise, latents))[0]
@@ -78,7 +81,7 @@ def main() -> None:
     plain = {name: speech_model(name) for name in ("eager", "sdpa")}
 
     def latent(model: SpeechModel) -> Tensor:
-        return torch.cat([model.latent(part, heard) for part in PARTS])
+        return torch.cat([model.latent(part, heard) for part in SPEECH_PARTS])
 
     with torch_threads(given.threads):
         print(f"{given.threads} threads, {given.rounds} turns, ten seconds of speech")

@@ -24,10 +24,10 @@ from generators.interface import (
     OnPart,
     SpeechSegment,
     StudyClips,
+    ignore_progress,
     provenance_of,
     required_source,
     seeded_stream,
-    unheard,
     with_length,
 )
 from generators.rule_based.body_pose import Trunk, pose_body
@@ -79,7 +79,7 @@ class Static:
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
@@ -87,14 +87,14 @@ class Static:
         """
         seeded_stream(seed)
         frames = speech.frame_count(frame_rate)
-        still, level = np.zeros((1, 3)), np.zeros(1)
+        zero_turns, zero_angles = np.zeros((1, 3)), np.zeros(1)
         trunk = Trunk(
-            pelvis=still,
-            spine=still,
-            head=still,
-            shift=still,
-            shoulders_up=level,
-            shoulders_forward=level,
+            pelvis=zero_turns,
+            spine=zero_turns,
+            head=zero_turns,
+            shift=zero_turns,
+            shoulders_up=zero_angles,
+            shoulders_forward=zero_angles,
         )
         hand = BY_THE_SIDE.channels()[None]
         poses, trans = pose_body(trunk, {"left": hand, "right": hand})
@@ -121,7 +121,7 @@ class Mismatched:
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
@@ -139,7 +139,7 @@ class Mismatched:
         )
 
 
-def partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
+def assign_partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
     """Return for each segment of a study the one whose motion it gets.
 
     Nobody keeps their own motion and no two get the same: of all such exchanges, one that has
@@ -167,8 +167,8 @@ def partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
     ordered = sorted(segments, key=lambda segment: segment.name)
     length = np.array([segment.duration for segment in ordered])
     missing = np.maximum(length[:, None] - length[None, :], 0)
-    chance = np.random.default_rng(seeded_stream(seed, Mismatched.name)).random(missing.shape)
-    cost = chance + _COST_OF_MISSING_SECOND * missing
+    tie_breaks = np.random.default_rng(seeded_stream(seed, Mismatched.name)).random(missing.shape)
+    cost = tie_breaks + _COST_OF_MISSING_SECOND * missing
     np.fill_diagonal(cost, _COST_OF_OWN_MOTION)
     takers, givers = linear_sum_assignment(cost)
     return {
@@ -178,13 +178,13 @@ def partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
 
 
 def _partner(segment: Segment, segments: Sequence[Segment], seed: int) -> str:
-    chosen = partners(segments, seed)
-    if segment.name not in chosen:
+    partner_of = assign_partners(segments, seed)
+    if segment.name not in partner_of:
         raise InputError(
             f"segment {segment.name} is none of the study's",
-            remedy=f"Use one of {', '.join(sorted(chosen))}",
+            remedy=f"Use one of {', '.join(sorted(partner_of))}",
         )
-    return chosen[segment.name]
+    return partner_of[segment.name]
 
 
 class Broken:
@@ -201,24 +201,24 @@ class Broken:
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`."""
         clips = required_source(source, self.name)
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
         frames = speech.frame_count(frame_rate)
-        whole = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)
-        stuttering = whole.frames(_stutter(frames, frame_rate, rng))
+        source_clip = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)
+        stuttering = source_clip.frames(_stutter(frames, frame_rate, rng))
         broken = _break_face(stuttering, rng)
         return MotionClip(
             poses=_break_body(stuttering, rng),
             trans=stuttering.trans + rng.normal(0, _ROOT_JITTER, (frames, 3)).astype(np.float32),
             frame_rate=frame_rate,
-            betas=whole.betas,
-            expressions=whole.expressions,
+            betas=source_clip.betas,
+            expressions=source_clip.expressions,
             arkit=broken,
-            gender=whole.gender,
-            provenance={**whole.provenance, **provenance_of(self.name, seed, speech)},
+            gender=source_clip.gender,
+            provenance={**source_clip.provenance, **provenance_of(self.name, seed, speech)},
         )
 
 

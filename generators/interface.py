@@ -54,7 +54,7 @@ OnPart = Callable[[int, int], object]
 """Told how many parts of a clip are made, of how many in all."""
 
 
-def unheard(made: int, parts: int) -> None:
+def ignore_progress(made: int, parts: int) -> None:
     """Take in how far a clip is, and do nothing."""
 
 
@@ -107,7 +107,7 @@ class Generator(Protocol):
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`.
 

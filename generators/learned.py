@@ -15,9 +15,9 @@ from generators.interface import (
     OnPart,
     SpeechSegment,
     StudyClips,
+    ignore_progress,
     provenance_of,
     seeded_stream,
-    unheard,
     with_length,
 )
 from generators.learned_settings import ModelSettings
@@ -35,12 +35,12 @@ from training.run.records import RunFolder, run_facts
 from training.run.task import Task, WindowTask
 from training.speakers import Speakers
 
-Given = TypeVar("Given", bound=ModelSettings)
+SettingsT = TypeVar("SettingsT", bound=ModelSettings)
 
 Network = TypeVar("Network", bound=nn.Module)
 
 
-class NetworkGenerator(ABC, Generic[Given]):
+class NetworkGenerator(ABC, Generic[SettingsT]):
     """A generator whose motion a network tells at a frame rate of its own.
 
     Parameters
@@ -60,7 +60,7 @@ class NetworkGenerator(ABC, Generic[Given]):
     version: ClassVar[str]
     needs_source: Final = False
 
-    def __init__(self, settings: Given, device: str = "cpu") -> None:
+    def __init__(self, settings: SettingsT, device: str = "cpu") -> None:
         check_device(device)
         self._settings = settings
         self._device = device
@@ -72,7 +72,7 @@ class NetworkGenerator(ABC, Generic[Given]):
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
@@ -82,13 +82,13 @@ class NetworkGenerator(ABC, Generic[Given]):
         seeded_stream(seed)
         count = speech.frame_count(frame_rate)
         check_frame_rate(frame_rate)
-        clip, facts = self.made(speech, seed, on_part)
+        clip, facts = self.make_motion(speech, seed, on_part)
         return with_length(resample(clip, frame_rate), count).with_provenance(
             **provenance_of(self.name, seed, speech), **facts
         )
 
     @abstractmethod
-    def made(
+    def make_motion(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion at the network's frame rate, and what its provenance further holds."""
@@ -110,20 +110,20 @@ def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
         )
 
 
-def joined(
+def concatenate_parts(
     parts: Iterable[NDArray[np.float64]], frames: int, on_part: OnPart
 ) -> NDArray[np.float64]:
     """Return parts (some frames, values) one after the other, telling of how many `frames`."""
-    found: list[NDArray[np.float64]] = []
-    made = 0
+    pieces: list[NDArray[np.float64]] = []
+    done = 0
     for part in parts:
-        found.append(part)
-        made += len(part)
-        on_part(made, frames)
-    return np.concatenate(found)
+        pieces.append(part)
+        done += len(part)
+        on_part(done, frames)
+    return np.concatenate(pieces)
 
 
-def network_facts(
+def network_provenance(
     settings: ModelSettings,
     device: str,
     *,
@@ -144,7 +144,7 @@ def network_facts(
     return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
 
 
-class Cut(TypedDict):
+class TrainingWindows(TypedDict):
     """The windows of a `training.run.task.WindowTask`, and where it is computed."""
 
     training: Windows
@@ -160,7 +160,7 @@ def cut_windows(
     stride: int,
     *,
     held_out: int | None = None,
-) -> Cut:
+) -> TrainingWindows:
     """Return windows of the request's recordings with their features.
 
     Those to learn from are `stride` frames apart; held-out ones lie side by side, or so many
@@ -182,7 +182,7 @@ def cut_windows(
     }
 
 
-def learned_from(windows: Windows, speakers: Speakers) -> str:
+def describe_training_data(windows: Windows, speakers: Speakers) -> str:
     """Say how much somebody learned from, and from whom."""
     takes = sum(take.split == "train" for take in windows.prepared.takes)
     return (
@@ -191,19 +191,19 @@ def learned_from(windows: Windows, speakers: Speakers) -> str:
     )
 
 
-def outcome(
-    task: WindowTask, trained: Trained[Any], *said: str, warnings: Sequence[str] = ()
+def describe_training(
+    task: WindowTask, trained: Trained[Any], *sentences: str, warnings: Sequence[str] = ()
 ) -> TrainedGenerator:
     """Return what came out, by what is said of it and by which step's weights were kept."""
-    kept = f"Its weights are those of step {trained.best.step} of {trained.steps}."
+    chosen_weights = f"Its weights are those of step {trained.best.step} of {trained.steps}."
     return TrainedGenerator(
-        sentences=(*said, kept),
+        sentences=(*sentences, chosen_weights),
         skipped=task.training.prepared.skipped,
         warnings=tuple(warnings),
     )
 
 
-def learn(
+def run_training(
     request: TrainingRequest,
     task: Task[Network],
     config: TrainingConfig,

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from generators.settings import File, Folder, NameOrFile, Settings, content
 
-ANYBODY: Final = "anybody"
+MIXED_SPEAKER: Final = "anybody"
 """In place of a speaker of S2UE: a mixture of those it learned from, which the seed draws."""
 
 
@@ -155,7 +155,7 @@ class S2ueSettings(ModelSettings):
     )
     vectors: File | None = Field(None, description="FastText's vectors; without them, a stand-in.")
     speaker: int | str | None = Field(
-        None, description=f"As which of its speakers to move: number, name or {ANYBODY}."
+        None, description=f"As which of its speakers to move: number, name or {MIXED_SPEAKER}."
     )
     variation: float = Field(
         1.0, ge=0, le=3, description="How far from the speaker's mean it moves: 1."

@@ -23,7 +23,7 @@ Show = Callable[[int, int, str], None]
 """Told how much is done, of how much, and what was last."""
 
 
-def unseen(done: int, total: int, detail: str) -> None:
+def show_nothing(done: int, total: int, detail: str) -> None:
     """Show nothing."""
 
 
@@ -81,7 +81,7 @@ class Trainable:
 
     def load(self) -> TrainGenerator:
         """Return what trains it; its module is imported now."""
-        return cast("TrainGenerator", _named(self.home))
+        return cast("TrainGenerator", _import_object(self.home))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,16 +115,16 @@ class TrainingRequest:
     changes: Mapping[str, Any] = field(default_factory=dict)
     choices: Mapping[str, str] = field(default_factory=dict)
     device: Device = "cpu"
-    show_preparing: Show = unseen
-    show_training: Show = unseen
+    show_preparing: Show = show_nothing
+    show_training: Show = show_nothing
 
     @property
     def run(self) -> Path:
         """Folder of the run."""
-        return run_of(self.out)
+        return run_folder(self.out)
 
 
-def run_of(out: Path) -> Path:
+def run_folder(out: Path) -> Path:
     """Return the folder of the run that makes the network's file `out`."""
     return out.with_suffix(".run")
 
@@ -221,7 +221,7 @@ def needs_model(name: str) -> bool:
 def settings_type(name: str) -> type[Settings]:
     """Return the type of what generator `name` takes, `Settings` itself for nothing but speech."""
     home = _entry(name).settings
-    return Settings if home is None else cast("type[Settings]", _named(home))
+    return Settings if home is None else cast("type[Settings]", _import_object(home))
 
 
 def trainable_names() -> tuple[str, ...]:
@@ -229,7 +229,7 @@ def trainable_names() -> tuple[str, ...]:
     return tuple(TRAINABLE)
 
 
-def trainable_of(name: str) -> Trainable:
+def find_trainable(name: str) -> Trainable:
     """Return what can be trained under that name; no network is loaded.
 
     Raises
@@ -276,11 +276,11 @@ def load_generator(name: str, settings: Settings | None = None, device: str = "c
             f"the generator {name} is {network} and takes no {type(settings).__name__}",
             remedy="Leave them out, or name another generator",
         )
-    make = _named(_entry(name).home)
+    make = _import_object(_entry(name).home)
     return cast("Generator", make() if kind is Settings else make(settings, device))
 
 
-def _named(home: str) -> Any:
+def _import_object(home: str) -> Any:
     module, _, name = home.partition(":")
     return getattr(import_module(module), name)
 

@@ -33,18 +33,18 @@ class Reader:
     ----------
     generator : str
         Who is to take them.
-    beside : tuple of str
+    sibling_keys : tuple of str
         Keys that stand beside theirs, which a misspelt one may be near.
     """
 
     generator: str = ""
-    beside: tuple[str, ...] = ()
+    sibling_keys: tuple[str, ...] = ()
 
     def unknown(self, key: str, known: Sequence[str]) -> str:
         """Say that a key is none of those that are known."""
-        near = get_close_matches(key, [*known, *self.beside], n=1)
-        if near:
-            return f"unknown key (did you mean {near[0]!r}?)"
+        close_matches = get_close_matches(key, [*known, *self.sibling_keys], n=1)
+        if close_matches:
+            return f"unknown key (did you mean {close_matches[0]!r}?)"
         if not known:
             return f"{key} is given, but nothing there uses it"
         return f"unknown key (known are {listed(known)})"
@@ -81,13 +81,13 @@ class Settings(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _has_the_right_keys(cls, given: Any, info: ValidationInfo) -> Any:
+    def _check_keys(cls, values: Any, info: ValidationInfo) -> Any:
         """Refuse unknown keys, each with the known one that is near it, and missing ones."""
         reader: Reader = info.context or Reader()
         known = cls.model_fields
-        if not isinstance(given, Mapping):
-            return given
-        wrong = [(key, reader.unknown(key, list(known))) for key in given if key not in known]
+        if not isinstance(values, Mapping):
+            return values
+        wrong = [(key, reader.unknown(key, list(known))) for key in values if key not in known]
         wrong += [
             (
                 key,
@@ -96,23 +96,23 @@ class Settings(BaseModel):
                 else "is missing",
             )
             for key, field in known.items()
-            if field.is_required() and key not in given
+            if field.is_required() and key not in values
         ]
         if wrong:
             raise ValidationError.from_exception_data(
                 cls.__name__,
                 [
                     InitErrorDetails(
-                        type=PydanticCustomError("wrong_key", "{what}", {"what": what}),
+                        type=PydanticCustomError("wrong_key", "{what}", {"what": problem}),
                         loc=(key,),
-                        input=given.get(key),
+                        input=values.get(key),
                     )
-                    for key, what in wrong
+                    for key, problem in wrong
                 ],
             )
-        return given
+        return values
 
-    def within(self, folder: Path) -> Self:
+    def resolved_in(self, folder: Path) -> Self:
         """Return the settings with paths from `folder`.
 
         Raises
@@ -129,8 +129,8 @@ class Settings(BaseModel):
                 continue
             path = values[setting.key] = folder / value
             if not (path.is_dir() if kind == Folder else path.is_file()):
-                what = _ON_DISK[kind].format(setting.key)
-                raise InputError(f"there is no such {what}", where=path, remedy="Check the path")
+                role = _ON_DISK[kind].format(setting.key)
+                raise InputError(f"there is no such {role}", where=path, remedy="Check the path")
         return type(self).model_validate(values)
 
     def fingerprint(self) -> tuple[object, ...]:

@@ -17,7 +17,7 @@ from benchmarks.learned_motion.following import (
     follow,
     mean_followed,
 )
-from generators.controls import partners
+from generators.controls import assign_partners
 from motion.formats import read_clip
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import GROUND_TRUTH
@@ -49,7 +49,7 @@ def followings(
 
     Both are measured over the same frames of each clip: as many as both speeches last.
     """
-    swap = partners([one for one in folder.segments() if one.name in speech], seed)
+    swap = assign_partners([one for one in folder.segments() if one.name in speech], seed)
     found = {}
     for condition in conditions:
         own: dict[str, Followed] = {}

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from generators.amuse.config import LABELS, SPEECH_PRESETS
+from generators.amuse.config import LABEL_FIELDS, SPEECH_PRESETS
 from generators.amuse.losses import SPEECH_LOSSES
 from generators.amuse.network_file import load_speech
 from generators.amuse.train_speech import SpeechTask
@@ -35,7 +35,7 @@ def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, f
         weights=SPEECH_LOSSES,
         training=training,
         held_out=test,
-        fours=np.empty((0, 4), dtype=np.int64),
-        classes=Classes({of: tuple(speech.latents[part]) for part, of in LABELS.items()}),
+        quadruples=np.empty((0, 4), dtype=np.int64),
+        classes=Classes({of: tuple(speech.latents[part]) for part, of in LABEL_FIELDS.items()}),
     )
     return task.validation(speech.model)

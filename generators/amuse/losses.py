@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.config import FRAME_RATE, PARTS, STEPS
+from generators.amuse.config import FRAME_RATE, SPEECH_PARTS, STEPS
 from generators.amuse.model import Denoiser, MotionModel
-from generators.amuse.speech import HeardSpeech, SpeechDecoder, SpeechModel
+from generators.amuse.speech import DisentangledSpeech, SpeechDecoder, SpeechModel
 from training.diffusion import SCALED_LINEAR
 
 Weights = Mapping[str, float]
@@ -29,14 +29,14 @@ prior also needs ``velocity``, without which it trembles: what the reconstructio
 change of each value in a second.
 """
 
-OF_PRIOR: Final = ("rec", "vrec", "kl", "velocity")
-OF_ALIGNMENT: Final = ("align", "valign")
+PRIOR_LOSSES: Final = ("rec", "vrec", "kl", "velocity")
+ALIGNMENT_LOSSES: Final = ("align", "valign")
 
-LEFT_OUT: Final[Mapping[str, Sequence[str]]] = {
-    "prior": ("ld", *OF_ALIGNMENT),
-    "denoiser": (*OF_PRIOR, *OF_ALIGNMENT),
-    "without_alignment": OF_ALIGNMENT,
-    "without_prior": (*OF_PRIOR, *OF_ALIGNMENT),
+ABLATED_LOSSES: Final[Mapping[str, Sequence[str]]] = {
+    "prior": ("ld", *ALIGNMENT_LOSSES),
+    "denoiser": (*PRIOR_LOSSES, *ALIGNMENT_LOSSES),
+    "without_alignment": ALIGNMENT_LOSSES,
+    "without_prior": (*PRIOR_LOSSES, *ALIGNMENT_LOSSES),
     "emotion_only": ("sty", "xsty"),
     "style_only": ("emo", "xemo"),
 }
@@ -51,23 +51,23 @@ OTHER_CONTENT: Final = (1, 0, 3, 2)
 OTHER_STYLE: Final = (2, 3, 0, 1)
 """For each of the four, one of the same text by the other speaker: j(k) = [(1 + k) mod 4] + 1."""
 
-CROSSED: Final = {
+CROSS_RECONSTRUCTIONS: Final = {
     "xcon": ("content", OTHER_STYLE),
     "xemo": ("emotion", OTHER_CONTENT),
     "xsty": ("style", OTHER_CONTENT),
 }
 """Which latent is that of another of the four in a cross-reconstruction, and of which other."""
 
-_LEAST_APART: Final = 1e-6
+_SMALLEST_DISTANCE: Final = 1e-6
 
 
-def without(weights: Weights, *names: str) -> Weights:
-    """Return the weights without those of some losses, or of what `LEFT_OUT` leaves out."""
-    dropped = {loss for name in names for loss in LEFT_OUT.get(name, (name,))}
+def without_losses(weights: Weights, *names: str) -> Weights:
+    """Return the weights without those of some losses, or of what `ABLATED_LOSSES` leaves out."""
+    dropped = {loss for name in names for loss in ABLATED_LOSSES.get(name, (name,))}
     return {name: weight for name, weight in weights.items() if name not in dropped}
 
 
-def _summed(parts: Mapping[str, Tensor], weights: Weights) -> dict[str, Tensor]:
+def _weighted_sum(parts: Mapping[str, Tensor], weights: Weights) -> dict[str, Tensor]:
     """Return the weighted sum of the parts that count, ``loss``, and them."""
     counted = {name: part for name, part in parts.items() if name in weights}
     total = torch.stack([weights[name] * part for name, part in counted.items()]).sum()
@@ -117,40 +117,42 @@ def motion_losses(
     parts = {"kl": (mu.square() + std.square() - 2 * std.log() - 1).mean() / 2}
     points = model.points(motion) if weights.keys() & {"vrec", "valign"} else None
 
-    def compare(z: Tensor, whole: str, surface: str) -> Tensor:
+    def compare(z: Tensor, name: str, points_name: str) -> Tensor:
         """Return the motion of latents, and tell by how much it and its points miss the true."""
         decoded = model.prior.decode(z, motion.shape[1])
-        parts[whole] = functional.smooth_l1_loss(decoded, motion)
-        if points is not None and surface in weights:
-            parts[surface] = functional.smooth_l1_loss(model.points(decoded), points)
+        parts[name] = functional.smooth_l1_loss(decoded, motion)
+        if points is not None and points_name in weights:
+            parts[points_name] = functional.smooth_l1_loss(model.points(decoded), points)
         return decoded
 
     if weights.keys() & {"rec", "vrec", "velocity"}:
-        moves, moved = (FRAME_RATE * one.diff(dim=1) for one in (compare(z, "rec", "vrec"), motion))
-        parts["velocity"] = functional.smooth_l1_loss(moves, moved)
+        velocity, target_velocity = (
+            FRAME_RATE * values.diff(dim=1) for values in (compare(z, "rec", "vrec"), motion)
+        )
+        parts["velocity"] = functional.smooth_l1_loss(velocity, target_velocity)
     if "ld" in weights:
-        parts["ld"] = _unpredicted(model.denoiser, z.detach(), latents, noise[2:], timestep)
-    if weights.keys() & set(OF_ALIGNMENT):
+        parts["ld"] = _denoising_loss(model.denoiser, z.detach(), latents, noise[2:], timestep)
+    if weights.keys() & set(ALIGNMENT_LOSSES):
         with torch.no_grad():
             z = model.sample(noise[1], latents, steps)
         compare(z, "align", "valign")
-    return _summed(parts, weights)
+    return _weighted_sum(parts, weights)
 
 
-def _unpredicted(
+def _denoising_loss(
     denoiser: Denoiser, z: Tensor, latents: Sequence[Tensor], noise: Tensor, timestep: Tensor
 ) -> Tensor:
     """Return what the denoiser does not predict of each draw of noise (draws, batch, …)."""
     draws, t, eps = len(noise), timestep.flatten(), noise.flatten(0, 1)
     z = z.repeat(draws, 1, 1)
-    told = [latent.repeat(draws, 1, 1) for latent in latents]
-    predicted = denoiser.predict(SCALED_LINEAR.x_t(z, eps, t), t, *told)
-    wanted = eps if denoiser.config.predicts == "eps" else SCALED_LINEAR.v(z, eps, t)
-    return functional.mse_loss(predicted, wanted)
+    conditions = [latent.repeat(draws, 1, 1) for latent in latents]
+    predicted = denoiser.predict(SCALED_LINEAR.x_t(z, eps, t), t, *conditions)
+    target = eps if denoiser.config.predicts == "eps" else SCALED_LINEAR.v(z, eps, t)
+    return functional.mse_loss(predicted, target)
 
 
 def speech_losses(
-    model: SpeechModel, heard: Tensor, target: Tensor, classes: Tensor, weights: Weights
+    model: SpeechModel, filterbanks: Tensor, target: Tensor, classes: Tensor, weights: Weights
 ) -> dict[str, Tensor]:
     """Return the loss of quadruples, and its parts.
 
@@ -158,7 +160,7 @@ def speech_losses(
     ----------
     model : SpeechModel
         The network.
-    heard, target : Tensor
+    filterbanks, target : Tensor
         (4 batch, frames, bands), fours in the order of `quadruples`: what the encoders
         are given, and what the decoder is to give.
     classes : Tensor
@@ -174,20 +176,20 @@ def speech_losses(
         how far those of two texts by one speaker are: as printed, it is least where all contents
         are one, and within some hundred steps they were.
     """
-    told: HeardSpeech = model(heard)
-    content = told.content.view(-1, 4, told.content.shape[-1])
-    apart = functional.l1_loss(content[:, ::2], content[:, 1::2]).clamp_min(_LEAST_APART)
+    output: DisentangledSpeech = model(filterbanks)
+    content = output.content.view(-1, 4, output.content.shape[-1])
+    distance = functional.l1_loss(content[:, ::2], content[:, 1::2]).clamp_min(_SMALLEST_DISTANCE)
     parts = {
-        "con": functional.l1_loss(content[:, :2], content[:, 2:]) / apart,
-        **reconstruction_errors(model.decoder, told, target, weights),
-        "emo": functional.cross_entropy(told.emotion_logits, classes[0]),
-        "sty": functional.cross_entropy(told.style_logits, classes[1]),
+        "con": functional.l1_loss(content[:, :2], content[:, 2:]) / distance,
+        **reconstruction_errors(model.decoder, output, target, weights),
+        "emo": functional.cross_entropy(output.emotion_logits, classes[0]),
+        "sty": functional.cross_entropy(output.style_logits, classes[1]),
     }
-    return _summed(parts, weights)
+    return _weighted_sum(parts, weights)
 
 
 def reconstruction_errors(
-    decoder: SpeechDecoder, heard: HeardSpeech, target: Tensor, counted: Collection[str]
+    decoder: SpeechDecoder, output: DisentangledSpeech, target: Tensor, names: Collection[str]
 ) -> dict[str, Tensor]:
     """Return how much filterbanks miss that are rebuilt from latents of quadruples (Table A.2).
 
@@ -195,11 +197,11 @@ def reconstruction_errors(
     ----------
     decoder : SpeechDecoder
         Of the network.
-    heard : HeardSpeech
+    output : HeardSpeech
         What it heard in them.
     target : Tensor
         (4 batch, frames, bands), what is to be rebuilt.
-    counted : collection of str
+    names : collection of str
         Which cross-reconstructions count.
 
     Returns
@@ -208,11 +210,11 @@ def reconstruction_errors(
         Mean absolute differences: ``self``, of each speech's own latents; ``xcon``, ``xemo`` and
         ``xsty``, with one latent of another of the four.
     """
-    errors = {"self": functional.l1_loss(heard.reconstruction, target)}
-    for name, (part, order) in CROSSED.items():
-        if name in counted:
-            latents = dict(zip(PARTS, heard[:3], strict=True))
-            fours = latents[part].view(-1, 4, latents[part].shape[-1])
-            latents[part] = fours[:, list(order)].flatten(0, 1)
+    errors = {"self": functional.l1_loss(output.reconstruction, target)}
+    for name, (part, order) in CROSS_RECONSTRUCTIONS.items():
+        if name in names:
+            latents = dict(zip(SPEECH_PARTS, output[:3], strict=True))
+            quadruples = latents[part].view(-1, 4, latents[part].shape[-1])
+            latents[part] = quadruples[:, list(order)].flatten(0, 1)
             errors[name] = functional.l1_loss(decoder(**latents), target)
     return errors

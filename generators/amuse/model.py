@@ -12,7 +12,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from generators.amuse.config import PARTS, STEPS, MotionConfig
+from generators.amuse.config import SPEECH_PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
 from training.layers.transformers import SkipTransformer
 from training.spaces.smplx_bodies import BodyPoints
@@ -103,9 +103,9 @@ class Denoiser(nn.Module):
             nn.SiLU(),
             nn.Linear(config.width, config.width),
         )
-        for part in PARTS[: config.conditions]:
-            told = nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
-            self.add_module(part, told)
+        for part in SPEECH_PARTS[: config.conditions]:
+            projection = nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
+            self.add_module(part, projection)
         self.query_pos = Positions(config)
         self.encoder = _transformer(config)
         # Without a prior there is a linear layer on the way in, and one on the way out.
@@ -140,8 +140,11 @@ class Denoiser(nn.Module):
         """
         t = timestep.reshape(-1).expand(len(z_t))
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
-        told = (self.get_submodule(part)(one) for part, one in zip(PARTS, speech, strict=False))
-        x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *told], dim=1)
+        conditions = (
+            self.get_submodule(part)(latent)
+            for part, latent in zip(SPEECH_PARTS, speech, strict=False)
+        )
+        x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *conditions], dim=1)
         predicted: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
         return predicted
 

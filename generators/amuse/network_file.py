@@ -14,16 +14,18 @@ from typing import Final
 import torch
 from torch import Tensor
 
-from generators.amuse.config import LABELS, MotionConfig, SpeechConfig
+from generators.amuse.config import LABEL_FIELDS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
-from generators.amuse.speech import AnySpeechModel, SpeechModel, speech_model_of
+from generators.amuse.speech import AnySpeechModel, SpeechModel, make_speech_model
 from motion.errors import InputError, listed
 from training.released_weights import ReleasedNames, fill, not_weights_error, read_saved, tensors_in
 from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 _MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
 _SPEECH: Final = NetworkKind(name="amuse speech", wanted="AMUSE's speech model")
-_RELEASED: Final = "Give the released checkpoint, or what torch.save wrote of its state dictionary"
+_RELEASED_REMEDY: Final = (
+    "Give the released checkpoint, or what torch.save wrote of its state dictionary"
+)
 
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
@@ -105,38 +107,38 @@ def load_speech(path: Path) -> SpeechNetwork:
         return SpeechNetwork(model=read_speech_model(path))
     with _SPEECH.reading(path) as file:
         return SpeechNetwork(
-            model=file.loaded(speech_model_of(SpeechConfig(**file.facts["config"])), "model"),
-            latents={part: found for part in LABELS if (found := file.with_prefix(part))},
+            model=file.loaded(make_speech_model(SpeechConfig(**file.facts["config"])), "model"),
+            latents={part: latents for part in LABEL_FIELDS if (latents := file.with_prefix(part))},
             training=file.facts["training"],
         )
 
 
 def read_motion_model(file: Path) -> MotionModel:
     """Return the released prior and denoiser, which ``torch.save`` wrote under these names."""
-    found = read_saved(file)
-    if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
+    content = read_saved(file)
+    if not isinstance(content, Mapping) or not {"prior", "denoiser"} <= content.keys():
         raise not_weights_error(file, "it has no 'prior' and 'denoiser'")
     model = MotionModel(MotionConfig())
-    for part, whose in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
-        weights = _asked(found[part], file)
-        fill(model.get_submodule(part), weights, file, f"AMUSE's {whose}", _RELEASED)
+    for part, description in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
+        weights = _forward_pass_weights(content[part], file)
+        fill(model.get_submodule(part), weights, file, f"AMUSE's {description}", _RELEASED_REMEDY)
     return model.eval()
 
 
 def read_speech_model(file: Path) -> SpeechModel:
     """Return the released speech model, of which a state dictionary was written."""
-    weights = _asked(read_saved(file), file)
+    weights = _forward_pass_weights(read_saved(file), file)
     for name in [name for name in weights if ".attn.qkv." in name]:
-        for one, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
-            weights[name.replace(".attn.qkv.", f".attention.{one}_proj.")] = part.clone()
+        for letter, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
+            weights[name.replace(".attn.qkv.", f".attention.{letter}_proj.")] = part.clone()
     with torch.device("meta"):
         model = SpeechModel(SpeechConfig())
-    return fill(model, weights, file, "AMUSE's speech model", _RELEASED)
+    return fill(model, weights, file, "AMUSE's speech model", _RELEASED_REMEDY)
 
 
-def _asked(found: object, file: Path) -> dict[str, Tensor]:
+def _forward_pass_weights(content: object, file: Path) -> dict[str, Tensor]:
     """Return, by our names, the weights that the release's own forward pass asks."""
-    weights = _NAMES.renamed_weights(tensors_in(found, file))
+    weights = _NAMES.renamed_weights(tensors_in(content, file))
     # A position is one row for each token; the release keeps a dimension for the batch.
     return {
         name: weight.squeeze(1) if name.endswith(".pe") else weight

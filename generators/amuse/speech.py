@@ -16,10 +16,10 @@ from torch import Tensor, nn
 from torch.nn import functional
 from transformers import ASTConfig, ASTModel
 
-from generators.amuse.config import PARTS, SpeechConfig
+from generators.amuse.config import SPEECH_PARTS, SpeechConfig
 
 
-class HeardSpeech(NamedTuple):
+class DisentangledSpeech(NamedTuple):
     """What the speech model says of filterbanks, one row for each.
 
     Attributes
@@ -65,9 +65,11 @@ class SpeechEncoder(nn.Module):
             nn.LayerNorm(config.width), nn.Linear(config.width, config.latent)
         )
         self.by_latent = config.classified == "latent"
-        told = config.latent if self.by_latent else config.width
+        head_width = config.latent if self.by_latent else config.width
         self.class_head = (
-            None if classes is None else nn.Sequential(nn.LayerNorm(told), nn.Linear(told, classes))
+            None
+            if classes is None
+            else nn.Sequential(nn.LayerNorm(head_width), nn.Linear(head_width, classes))
         )
 
     def forward(self, filterbank: Tensor) -> tuple[Tensor, Tensor | None]:
@@ -93,10 +95,10 @@ class SpeechDecoder(nn.Module):
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
-        fused, width, hidden = 3 * config.latent, config.decoder_width, config.decoder_hidden
+        fused_width, width, hidden = 3 * config.latent, config.decoder_width, config.decoder_hidden
         self.shape = (config.frames, config.bands)
-        self.fusion = _layers(config, fused, config.fusion_layers)
-        self.narrow = nn.Linear(fused, width)
+        self.fusion = _layers(config, fused_width, config.fusion_layers)
+        self.narrow = nn.Linear(fused_width, width)
         self.decoder = _layers(config, width, config.decoder_layers)
         self.projection = nn.Sequential(
             nn.Linear(width, hidden), nn.ReLU(), nn.Linear(hidden, config.frames * config.bands)
@@ -112,7 +114,7 @@ class SpeechDecoder(nn.Module):
 class SpeechModel(nn.Module):
     """The whole model."""
 
-    parts: Final = PARTS
+    parts: Final = SPEECH_PARTS
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
@@ -124,16 +126,16 @@ class SpeechModel(nn.Module):
 
     def latent(self, part: str, filterbank: Tensor) -> Tensor:
         """Return one latent (batch, latent) of filterbanks; the other encoders are not asked."""
-        found: Tensor = self.get_submodule(part)(filterbank)[0]
-        return found
+        latent: Tensor = self.get_submodule(part)(filterbank)[0]
+        return latent
 
-    def forward(self, filterbank: Tensor) -> HeardSpeech:
+    def forward(self, filterbank: Tensor) -> DisentangledSpeech:
         """Return what is heard in filterbanks (batch, frames, bands)."""
         content, _ = self.content(filterbank)
         emotion, emotion_logits = self.emotion(filterbank)
         style, style_logits = self.style(filterbank)
         rebuilt = self.decoder(content, emotion, style)
-        return HeardSpeech(content, emotion, style, rebuilt, emotion_logits, style_logits)
+        return DisentangledSpeech(content, emotion, style, rebuilt, emotion_logits, style_logits)
 
 
 class SpeechAutoencoder(nn.Module):
@@ -143,7 +145,7 @@ class SpeechAutoencoder(nn.Module):
     part of the speech can be swapped.
     """
 
-    parts: Final = PARTS[:1]
+    parts: Final = SPEECH_PARTS[:1]
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
@@ -160,24 +162,24 @@ class SpeechAutoencoder(nn.Module):
 
     def latent(self, part: str, filterbank: Tensor) -> Tensor:
         """Return the latent (batch, latent) of filterbanks (batch, frames, bands)."""
-        found: Tensor = self.encoder(self.coefficients(filterbank))
-        return found
+        latent: Tensor = self.encoder(self.coefficients(filterbank))
+        return latent
 
-    def missed(self, filterbank: Tensor) -> Tensor:
+    def reconstruction_error(self, filterbank: Tensor) -> Tensor:
         """Return the mean absolute difference of what is rebuilt of the coefficients."""
-        known = self.coefficients(filterbank)
-        return functional.l1_loss(self.decoder(self.encoder(known)), known)
+        coefficients = self.coefficients(filterbank)
+        return functional.l1_loss(self.decoder(self.encoder(coefficients)), coefficients)
 
 
 def _linear_layers(first: int, hidden: int, last: int) -> nn.Sequential:
     sizes = (first, hidden, hidden, hidden, last)
     layers = [(nn.Linear(*pair), nn.ReLU()) for pair in pairwise(sizes)]
-    return nn.Sequential(*[one for pair in layers for one in pair][:-1])
+    return nn.Sequential(*[layer for pair in layers for layer in pair][:-1])
 
 
 AnySpeechModel = SpeechModel | SpeechAutoencoder
 
 
-def speech_model_of(config: SpeechConfig) -> AnySpeechModel:
+def make_speech_model(config: SpeechConfig) -> AnySpeechModel:
     """Return a fresh speech model, or what stands in its place."""
     return SpeechAutoencoder(config) if config.mfcc else SpeechModel(config)

@@ -14,11 +14,23 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from generators.amuse import network_file
-from generators.amuse.config import FRAME_RATE, LABELS, MOTION_PRESETS, PARTS, MotionConfig
-from generators.amuse.losses import MOTION_LOSSES, OF_PRIOR, Weights, motion_losses, without
+from generators.amuse.config import (
+    FRAME_RATE,
+    LABEL_FIELDS,
+    MOTION_PRESETS,
+    SPEECH_PARTS,
+    MotionConfig,
+)
+from generators.amuse.losses import (
+    MOTION_LOSSES,
+    PRIOR_LOSSES,
+    Weights,
+    motion_losses,
+    without_losses,
+)
 from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import SpeechNetwork
-from generators.learned import cut_windows, learn, outcome
+from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
 from motion.audio import read_audio
@@ -33,17 +45,17 @@ from training.run.batches import evenly_spaced
 from training.run.passes import Pass
 from training.run.task import WindowTask
 
-HELD_OUT: Final = 128
+MOST_HELD_OUT: Final = 128
 """At most so many windows tell how well held-out takes are known."""
 
-SEEN: Final = 1_000
+MOST_INITIAL: Final = 1_000
 """At most so many windows tell the mean of the motion."""
 
 DRAWS: Final = 4
 """How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
-_SHORTEST: Final = 12
+_SHORTEST_WAVE: Final = 12
 """Frames of the fastest wave that tells the time."""
 
 
@@ -76,12 +88,12 @@ class MotionTask(WindowTask):
     def network(self) -> MotionModel:
         """Return fresh networks that set out from what motion and speech are like."""
         model = MotionModel(self.config)
-        seen = self.training.batch(evenly_spaced(self.examples, SEEN))
+        windows = self.training.batch(evenly_spaced(self.examples, MOST_INITIAL))
         if isinstance(model.prior, MotionPrior):
-            set_out(model.prior, torch.from_numpy(seen["motion"]))
+            initialise_prior(model.prior, torch.from_numpy(windows["motion"]))
         # All parts of the speech are to count alike.
-        told = self._parts(torch.from_numpy(seen["latents"][:, 0]))
-        for part, latents in zip(PARTS, told, strict=False):
+        latents_by_part = self._split_latents(torch.from_numpy(windows["latents"][:, 0]))
+        for part, latents in zip(SPEECH_PARTS, latents_by_part, strict=False):
             layer = model.denoiser.get_submodule(f"{part}.1")
             first_weights.standardise_inputs(layer, latents.relu())
         return model.to(self.device)
@@ -93,17 +105,19 @@ class MotionTask(WindowTask):
 
         Chance draws steps and noise.
         """
-        return self._losses(network, self.training, rows, without(self.weights, name))
+        return self._losses(network, self.training, rows, without_losses(self.weights, name))
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
 
         All count, whatever is learned by, so that ablations are measured alike.
         """
-        rows = evenly_spaced(len(self.held_out), HELD_OUT)
-        weights = MOTION_LOSSES if self.config.prior else without(MOTION_LOSSES, *OF_PRIOR)
-        found = self._losses(network, self.held_out, rows, weights)
-        return {name: float(value) for name, value in found.items()}
+        rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
+        weights = (
+            MOTION_LOSSES if self.config.prior else without_losses(MOTION_LOSSES, *PRIOR_LOSSES)
+        )
+        losses = self._losses(network, self.held_out, rows, weights)
+        return {name: float(value) for name, value in losses.items()}
 
     def _losses(
         self, network: MotionModel, windows: Windows, rows: NDArray[np.int64], weights: Weights
@@ -112,32 +126,34 @@ class MotionTask(WindowTask):
         noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (DRAWS, len(rows))).to(self.device)
         # All frames of a window are told the same of its speech.
-        latents = self._parts(values["latents"][:, :1])
+        latents = self._split_latents(values["latents"][:, :1])
         if self.named and windows is self.training:
-            latents = self._by_name(latents, windows.takes(rows))
+            latents = self._with_label_means(latents, windows.takes(rows))
         return motion_losses(
             network, values["motion"], latents, noise, timestep, weights, self.align_steps
         )
 
-    def _parts(self, told: Tensor) -> Sequence[Tensor]:
+    def _split_latents(self, latents: Tensor) -> Sequence[Tensor]:
         """Return content, emotion and style of what the feature ``latents`` holds."""
-        return torch.chunk(told, self.config.conditions, dim=-1)
+        return torch.chunk(latents, self.config.conditions, dim=-1)
 
-    def _by_name(self, heard: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
+    def _with_label_means(
+        self, latents: Sequence[Tensor], takes: Sequence[Take]
+    ) -> Sequence[Tensor]:
         """Return latents (batch, 1, width), some of them the mean of their label where known."""
-        told = dict(zip(PARTS, heard, strict=False))
-        for part, known in self.means.items():
+        by_part = dict(zip(SPEECH_PARTS, latents, strict=False))
+        for part, means_of_label in self.means.items():
             by_name = torch.rand(len(takes), 1, 1) < self.named
             means = [
-                known.get(getattr(take, LABELS[part]), own[0]).to(own)[None]
-                for own, take in zip(told[part], takes, strict=True)
+                means_of_label.get(getattr(take, LABEL_FIELDS[part]), latent[0]).to(latent)[None]
+                for latent, take in zip(by_part[part], takes, strict=True)
             ]
-            told[part] = torch.where(by_name.to(self.device), torch.stack(means), told[part])
-        return list(told.values())
+            by_part[part] = torch.where(by_name.to(self.device), torch.stack(means), by_part[part])
+        return list(by_part.values())
 
 
 @torch.no_grad()
-def set_out(prior: MotionPrior, motion: Tensor) -> None:
+def initialise_prior(prior: MotionPrior, motion: Tensor) -> None:
     """Set the first weights of a fresh prior from `motion` (windows, frames, motion width).
 
     A frame's values differ by a few hundredths while the learned positions are of the size of 1,
@@ -153,28 +169,28 @@ def set_out(prior: MotionPrior, motion: Tensor) -> None:
     if config.tokens == 1:
         prior.final_layer.bias.copy_(motion.mean(dim=(0, 1)))
         return
-    held = 5 * config.width // 8
-    found = first_weights.principal_components(motion.flatten(0, 1), held)
-    first_weights.encode_components(prior.skel_embedding, found, only=True)
-    first_weights.decode_components(prior.final_layer, found)
+    motion_width = 5 * config.width // 8
+    components = first_weights.principal_components(motion.flatten(0, 1), motion_width)
+    first_weights.encode_components(prior.skel_embedding, components, only=True)
+    first_weights.decode_components(prior.final_layer, components)
 
     def times(count: int) -> Tensor:
         """Return what tells the time of `count` evenly spaced moments of a window."""
         moments = (torch.arange(count) + 0.5) * config.frames / count
-        slowest, fastest = math.pi / config.frames, 2 * math.pi / _SHORTEST
-        told = first_weights.waves(moments, slowest, fastest, config.width - held)
-        return torch.cat([torch.zeros(count, held), told], dim=1)
+        slowest, fastest = math.pi / config.frames, 2 * math.pi / _SHORTEST_WAVE
+        waves = first_weights.waves(moments, slowest, fastest, config.width - motion_width)
+        return torch.cat([torch.zeros(count, motion_width), waves], dim=1)
 
-    coded = 2 * config.tokens
-    prior.query_pos_encoder.pe[:coded] = 0
-    prior.query_pos_encoder.pe[coded : coded + config.frames] = times(config.frames)
+    latent_tokens = 2 * config.tokens
+    prior.query_pos_encoder.pe[:latent_tokens] = 0
+    prior.query_pos_encoder.pe[latent_tokens : latent_tokens + config.frames] = times(config.frames)
     prior.query_pos_decoder.pe[: config.frames] = times(config.frames)
     prior.memory_pos.copy_(times(config.tokens))
     prior.global_motion_token.copy_(times(config.tokens).repeat(2, 1))
-    prior.global_motion_token[:, :held].normal_(std=0.3)
+    prior.global_motion_token[:, :motion_width].normal_(std=0.3)
     for module in prior.modules():
         if isinstance(module, nn.MultiheadAttention):
-            first_weights.attend_nearby(module, held)
+            first_weights.attend_nearby(module, motion_width)
 
 
 def speech_latents(
@@ -192,12 +208,12 @@ def speech_latents(
         count = 1 + max(0, total - frames) // stride
         plan = WindowPlan(frames=frames, stride=stride, count=count)
         model, sizes = speech.model.to(device), speech.model.config
-        told = [
+        latents = [
             torch.cat([model.latent(part, rows.to(device)) for part in model.parts], dim=-1)
             for rows in filterbanks_under(audio, plan, FRAME_RATE, sizes.frames, sizes.bands)
         ]
         window = np.minimum(np.arange(total) // stride, count - 1)
-        return torch.cat(told).cpu().numpy()[window]
+        return torch.cat(latents).cpu().numpy()[window]
 
     return Feature(name="latents", version=f"2 {identity} {frames} {stride}", compute=compute)
 
@@ -222,33 +238,33 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     latents = speech_latents(speech, identity, frames, stride, request.device)
     features = (whole_body(FRAME_RATE), latents)
     windows = cut_windows(request, features, FRAME_RATE, frames, stride, held_out=stride)
-    further = {"stride": stride, "align steps": preset.align_steps, "named": preset.named}
+    extra_settings = {"stride": stride, "align steps": preset.align_steps, "named": preset.named}
     task = MotionTask(
         config=config,
-        weights=without({**MOTION_LOSSES, **preset.weights}, ablation),
+        weights=without_losses({**MOTION_LOSSES, **preset.weights}, ablation),
         align_steps=preset.align_steps,
         named=preset.named,
         means=speech.latents,
-        extra_settings={"speech model": identity, **further},
+        extra_settings={"speech model": identity, **extra_settings},
         **windows,
     )
     training = preset.config_for(task.examples, request.changes)
     if config.prior:
         passes = _passes(preset.together, training.steps, disjoint=ablation == "disjoint")
         training = replace(training, passes=passes)
-    trained, facts = learn(request, task, training, ("transformers",))
+    trained, facts = run_training(request, task, training, ("transformers",))
     facts |= {"speech_model": identity}
     networks = network_file.MotionNetworks(model=trained.network.cpu(), training=facts)
     network_file.write_motion(request.out, networks)
-    found = trained.best.measured
-    return outcome(
+    measured = trained.best.measured
+    return describe_training(
         task,
         trained,
         f"Learned from {len(task.training)} windows of {frames / FRAME_RATE:g} s.",
         f"What the denoiser does not predict in {len(task.held_out)} held-out windows: "
-        f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
-        f"{found['align']:.4f}"
-        + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
+        f"{measured['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
+        f"{measured['align']:.4f}"
+        + (f", its reconstruction by {measured['rec']:.4f}." if "rec" in measured else "."),
     )
 
 
@@ -256,6 +272,8 @@ def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, 
     """Return what learns when: both together and then the denoiser, or one after the other."""
     if together is None and not disjoint:
         return ()
-    alone = together or max(1, steps // 2)
+    first_stage_end = together or max(1, steps // 2)
     first = Pass(name="prior", parts=("prior",)) if disjoint else Pass(name="together")
-    return replace(first, end=alone), Pass(name="denoiser", parts=("denoiser",), first=alone)
+    return replace(first, end=first_stage_end), Pass(
+        name="denoiser", parts=("denoiser",), first=first_stage_end
+    )

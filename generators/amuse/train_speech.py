@@ -15,10 +15,15 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse import losses, speech
-from generators.amuse.config import LABELS, SPEECH_PRESETS, SpeechConfig
+from generators.amuse.config import LABEL_FIELDS, SPEECH_PRESETS, SpeechConfig
 from generators.amuse.network_file import SpeechNetwork, write_speech
-from generators.amuse.speech import AnySpeechModel, HeardSpeech, SpeechAutoencoder, SpeechModel
-from generators.learned import cut_windows, learn, outcome
+from generators.amuse.speech import (
+    AnySpeechModel,
+    DisentangledSpeech,
+    SpeechAutoencoder,
+    SpeechModel,
+)
+from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
 from motion.errors import InputError, listed
@@ -35,16 +40,16 @@ from training.released_weights import WEIGHTS
 from training.run.batches import evenly_spaced
 from training.run.task import WindowTask
 
-MOST: Final = 20_000
+MOST_QUADRUPLES: Final = 20_000
 """Quadruples that are learned from, at most."""
 
-HELD_OUT: Final = 64
+MOST_HELD_OUT: Final = 64
 """At most so many windows tell how well held-out recordings are known."""
 
-SEEN: Final = 200
+MOST_INITIAL: Final = 200
 """At most so many windows tell what patches are like."""
 
-SELF: Final = "self of fours"
+QUADRUPLE_SELF_ERROR: Final = "self of fours"
 """Self-reconstruction error of the very windows whose latents are swapped."""
 
 MFCC: Final = 13
@@ -65,7 +70,7 @@ class SpeechTask(WindowTask):
         What counts how much.
     training, held_out : Windows
         Of the feature ``filterbank``.
-    fours : ndarray, shape (quadruples, 4)
+    quadruples : ndarray, shape (quadruples, 4)
         Rows of `training`.
     classes : Classes
         The emotions and the speakers.
@@ -75,27 +80,29 @@ class SpeechTask(WindowTask):
 
     config: SpeechConfig
     weights: Mapping[str, float]
-    fours: NDArray[np.int64]
+    quadruples: NDArray[np.int64]
     classes: Classes
     encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
     def examples(self) -> int:
         """Quadruples to learn from."""
-        return len(self.fours)
+        return len(self.quadruples)
 
     def network(self) -> AnySpeechModel:
         """Return a fresh network."""
-        network = speech.speech_model_of(self.config)
+        network = speech.make_speech_model(self.config)
         if isinstance(network, SpeechModel):
             # First weights are computed on the processor, so that they are the same anywhere.
-            here = replace(self, device="cpu")
-            seen = here._filterbanks(self.training, evenly_spaced(len(self.training), SEEN))
+            on_cpu = replace(self, device="cpu")
+            filterbanks = on_cpu._filterbanks(
+                self.training, evenly_spaced(len(self.training), MOST_INITIAL)
+            )
             for encoder in (network.content, network.emotion, network.style):
                 if self.encoder_weights:
                     encoder.transformer.load_state_dict(self.encoder_weights)
                 else:
-                    initialise_from_speech(encoder.transformer, seen)
+                    initialise_from_speech(encoder.transformer, filterbanks)
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -103,11 +110,11 @@ class SpeechTask(WindowTask):
 
         An auto-encoder rebuilds them as they are.
         """
-        chosen = self.fours[rows].ravel()
-        filterbanks = self._filterbanks(self.training, chosen)
+        windows = self.quadruples[rows].ravel()
+        filterbanks = self._filterbanks(self.training, windows)
         if isinstance(network, SpeechAutoencoder):
-            return {"loss": network.missed(filterbanks)}
-        numbers = self._numbers(self.training, chosen)
+            return {"loss": network.reconstruction_error(filterbanks)}
+        numbers = self._numbers(self.training, windows)
         return losses.speech_losses(network, *augment(filterbanks), numbers, self.weights)
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
@@ -117,45 +124,57 @@ class SpeechTask(WindowTask):
         accuracies and F1 scores (macro), as in Table A.1, and `reconstruction_errors` of held-out
         quadruples, as in Table A.2. Of an auto-encoder, what it misses.
         """
-        rows = self.measured
+        rows = self.validation_rows
         if isinstance(network, SpeechAutoencoder):
-            return {"loss": float(network.missed(self._filterbanks(self.held_out, rows)))}
-        filterbanks, heard = self._heard(network, rows)
-        found = {"self": float(functional.l1_loss(heard.reconstruction, filterbanks))}
+            return {
+                "loss": float(network.reconstruction_error(self._filterbanks(self.held_out, rows)))
+            }
+        filterbanks, output = self._encode_held_out(network, rows)
+        losses_by_name = {"self": float(functional.l1_loss(output.reconstruction, filterbanks))}
         scores: dict[str, float] = {}
         numbers = self._numbers(self.held_out, rows)
-        for short, kind, logits, true in zip(
-            ("emo", "sty"), LABELS, (heard.emotion_logits, heard.style_logits), numbers, strict=True
+        for short, kind, logits, labels in zip(
+            ("emo", "sty"),
+            LABEL_FIELDS,
+            (output.emotion_logits, output.style_logits),
+            numbers,
+            strict=True,
         ):
-            found[short] = float(functional.cross_entropy(logits, true))
-            told, named = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
-            scores |= {f"{kind} accuracy": float((told == named).mean())}
-            scores |= {f"{kind} F1": macro_f1(told, named)}
-        if len(fours := self.held_out_fours):
-            filterbanks, heard = self._heard(network, fours.ravel())
-            errors = losses.reconstruction_errors(network.decoder, heard, filterbanks, self.weights)
-            scores |= {SELF: float(errors.pop("self"))}
+            losses_by_name[short] = float(functional.cross_entropy(logits, labels))
+            predicted, actual = logits.argmax(1).cpu().numpy(), labels.cpu().numpy()
+            scores |= {f"{kind} accuracy": float((predicted == actual).mean())}
+            scores |= {f"{kind} F1": macro_f1(predicted, actual)}
+        if len(quadruple_rows := self.held_out_quadruples):
+            filterbanks, output = self._encode_held_out(network, quadruple_rows.ravel())
+            errors = losses.reconstruction_errors(
+                network.decoder, output, filterbanks, self.weights
+            )
+            scores |= {QUADRUPLE_SELF_ERROR: float(errors.pop("self"))}
             scores |= {name: float(error) for name, error in errors.items()}
-        return {"loss": sum(found.values()), **found, **scores}
+        return {"loss": sum(losses_by_name.values()), **losses_by_name, **scores}
 
     @cached_property
-    def measured(self) -> NDArray[np.int64]:
+    def validation_rows(self) -> NDArray[np.int64]:
         """Rows of `held_out` that tell how well held-out recordings are known."""
-        known = self.classes.labelled_rows(self.held_out)
-        return known[evenly_spaced(len(known), HELD_OUT)]
+        labelled = self.classes.labelled_rows(self.held_out)
+        return labelled[evenly_spaced(len(labelled), MOST_HELD_OUT)]
 
     @cached_property
-    def held_out_fours(self) -> NDArray[np.int64]:
+    def held_out_quadruples(self) -> NDArray[np.int64]:
         """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
-        fours = quadruples(self.held_out, limit=MOST, seed=0)
-        fours = fours[np.isin(fours, self.classes.labelled_rows(self.held_out)).all(axis=1)]
-        return fours[evenly_spaced(len(fours), HELD_OUT // 4)]
+        rows = quadruples(self.held_out, limit=MOST_QUADRUPLES, seed=0)
+        rows = rows[np.isin(rows, self.classes.labelled_rows(self.held_out)).all(axis=1)]
+        return rows[evenly_spaced(len(rows), MOST_HELD_OUT // 4)]
 
-    def _heard(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, HeardSpeech]:
+    def _encode_held_out(
+        self, network: SpeechModel, rows: NDArray[np.int64]
+    ) -> tuple[Tensor, DisentangledSpeech]:
         """Return held-out filterbanks, and what is heard in them."""
         filterbanks = self._filterbanks(self.held_out, rows)
-        heard = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
-        return filterbanks, HeardSpeech(*(torch.cat(part) for part in zip(*heard, strict=True)))
+        outputs = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
+        return filterbanks, DisentangledSpeech(
+            *(torch.cat(part) for part in zip(*outputs, strict=True))
+        )
 
     @torch.inference_mode()
     def mean_latents(self, model: AnySpeechModel) -> dict[str, dict[str, Tensor]]:
@@ -165,9 +184,13 @@ class SpeechTask(WindowTask):
         rows = self.classes.labelled_rows(self.training)
         parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
         means: dict[str, dict[str, Tensor]] = {}
-        for part, numbers in zip(LABELS, self._numbers(self.training, rows), strict=True):
-            heard = [model.latent(part, self._filterbanks(self.training, one)) for one in parts]
-            means[part] = self.classes.means(LABELS[part], torch.cat(heard).cpu(), numbers.cpu())
+        for part, numbers in zip(LABEL_FIELDS, self._numbers(self.training, rows), strict=True):
+            latents = [
+                model.latent(part, self._filterbanks(self.training, batch)) for batch in parts
+            ]
+            means[part] = self.classes.means(
+                LABEL_FIELDS[part], torch.cat(latents).cpu(), numbers.cpu()
+            )
         return means
 
     def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
@@ -191,45 +214,45 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     features = (speech_filterbank(config.bands),)
     windows = cut_windows(request, features, ROWS_PER_SECOND, frames, stride)
     training = windows["training"]
-    fours = quadruples(training, limit=MOST, seed=preset.training.seed, required=True)
-    classes = Classes.from_windows(training, LABELS.values())
+    rows = quadruples(training, limit=MOST_QUADRUPLES, seed=preset.training.seed, required=True)
+    classes = Classes.from_windows(training, LABEL_FIELDS.values())
     emotions, speakers = classes.names.values()
     task = SpeechTask(
         config=replace(config, emotions=len(emotions), styles=len(speakers)),
-        weights=losses.without(losses.SPEECH_LOSSES, ablation),
-        fours=fours,
+        weights=losses.without_losses(losses.SPEECH_LOSSES, ablation),
+        quadruples=rows,
         classes=classes,
         extra_settings={"emotions": list(emotions), "speakers": list(speakers), **origin},
         encoder_weights=weights,
         **windows,
     )
-    if not len(task.measured):
+    if not len(task.validation_rows):
         raise InputError(
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
     schedule = preset.config_for(task.examples, request.changes)
-    trained, facts = learn(request, task, schedule, ("transformers",))
+    trained, facts = run_training(request, task, schedule, ("transformers",))
     network, latents = trained.network, task.mean_latents(trained.network)
     write_speech(
         request.out, SpeechNetwork(model=network, latents=latents, training={**facts, **origin})
     )
-    return outcome(
+    return describe_training(
         task,
         trained,
-        f"Learned from {len(fours)} fours of {len(training)} windows, by {len(speakers)} "
+        f"Learned from {len(rows)} fours of {len(training)} windows, by {len(speakers)} "
         f"speakers in {len(emotions)} emotions.",
-        _measured_said(task, trained.best.measured),
+        _describe_measures(task, trained.best.measured),
     )
 
 
 def _encoder_weights(
-    named: str | None, config: SpeechConfig
+    path: str | None, config: SpeechConfig
 ) -> tuple[Mapping[str, Tensor], Mapping[str, str]]:
     """Return what encoders set out from, and where it is from."""
-    if named is None:
+    if path is None:
         return {}, {}
-    folder = Path(named)
+    folder = Path(path)
     if config.mfcc:
         raise InputError(
             "an auto-encoder of cepstral coefficients has no encoders that could take weights",
@@ -240,24 +263,27 @@ def _encoder_weights(
     return weights, {"encoder_weights": f"{folder.name} (sha256 {content(folder / WEIGHTS)})"}
 
 
-def _measured_said(task: SpeechTask, found: Mapping[str, float]) -> str:
-    heard = f"{len(task.measured)} held-out windows"
+def _describe_measures(task: SpeechTask, measured: Mapping[str, float]) -> str:
+    windows = f"{len(task.validation_rows)} held-out windows"
     if task.config.mfcc:
-        return f"It misses the coefficients of {heard} by {found['loss']:.3f}."
-    emotions, speakers = (f"(chance {1 / len(names):.0%})" for names in task.classes.names.values())
-    said = (
-        f"Of {heard} it tells the emotion of {found['emotion accuracy']:.0%} {emotions} and the "
-        f"speaker of {found['style accuracy']:.0%} {speakers}; its filterbanks miss theirs by "
-        f"{found['self']:.3f}."
+        return f"Its reconstruction error in {windows} is {measured['loss']:.3f}."
+    emotion_chance, speaker_chance = (1 / len(names) for names in task.classes.names.values())
+    summary = (
+        f"In {windows} it recognises the emotion of {measured['emotion accuracy']:.0%} (chance "
+        f"{emotion_chance:.0%}) and the speaker of {measured['style accuracy']:.0%} (chance "
+        f"{speaker_chance:.0%}); its reconstruction error is {measured['self']:.3f}."
     )
-    if SELF not in found:
+    if QUADRUPLE_SELF_ERROR not in measured:
         return (
-            f"{said} Errors of cross-reconstruction are left out: no two speakers speak two "
-            "held-out texts in one emotion. A split list (--split) can hold out such texts."
+            f"{summary} Cross-reconstruction is not measured: no two speakers speak two held-out "
+            "texts in one emotion. A split list (--split) can hold out such texts."
         )
-    swapped = {name: part for name, (part, _) in losses.CROSSED.items() if name in found}
-    crossed = [f"{found[name]:.3f} with another's {part}" for name, part in swapped.items()]
+    parts = {
+        name: part for name, (part, _) in losses.CROSS_RECONSTRUCTIONS.items() if name in measured
+    }
+    errors = [f"{measured[name]:.3f} with another's {part}" for name, part in parts.items()]
     return (
-        f"{said} Those of {len(task.held_out_fours)} held-out fours miss theirs by "
-        f"{found[SELF]:.3f}, and rebuilt from two recordings by {listed(crossed)}."
+        f"{summary} In {len(task.held_out_quadruples)} held-out quadruples it is "
+        f"{measured[QUADRUPLE_SELF_ERROR]:.3f}, and with parts of two recordings "
+        f"{listed(errors)}."
     )

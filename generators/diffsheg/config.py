@@ -118,9 +118,11 @@ class DenoiserConfig:
         )
         _check(0 <= self.dropout < 1, f"dropout is {self.dropout}", "Give a share below 1")
         _check(self.frame_rate > 0, f"the frame rate is {self.frame_rate}", "Give a rate above 0")
-        for name, known in (("flow", FLOWS), ("loudness", get_args(Loudness))):
-            given = getattr(self, name)
-            _check(given in known, f"there is no {name} {given!r}", f"Use one of {listed(known)}")
+        for name, allowed in (("flow", FLOWS), ("loudness", get_args(Loudness))):
+            value = getattr(self, name)
+            _check(
+                value in allowed, f"there is no {name} {value!r}", f"Use one of {listed(allowed)}"
+            )
 
     @property
     def motion_width(self) -> int:
@@ -192,11 +194,13 @@ class Sampling:
         Lugmayr et al. 2022 (RePaint), Figure 9: each stretch of `JUMP_LENGTH` steps is walked
         `jump_count` times, noise being added in between.
         """
-        left = dict.fromkeys(range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1)
+        repeats = dict.fromkeys(
+            range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1
+        )
         place, places = self.entry - 1, [self.entry - 1]
         while place >= 0:
-            if left.get(place, 0):
-                left[place] -= 1
+            if repeats.get(place, 0):
+                repeats[place] -= 1
                 places += range(place + 1, place + JUMP_LENGTH + 1)
                 place += JUMP_LENGTH
             place -= 1
@@ -219,9 +223,9 @@ RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
 """Frames that the windows of the released networks share."""
 
 
-def _check(fits: bool, what: str, remedy: str) -> None:
-    if not fits:
-        raise InputError(f"this is not a DiffSHEG network: {what}", remedy=remedy)
+def _check(valid: bool, problem: str, remedy: str) -> None:
+    if not valid:
+        raise InputError(f"this is not a DiffSHEG network: {problem}", remedy=remedy)
 
 
 STRIDE: Final = 10
@@ -261,7 +265,7 @@ ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
 """What the ablations of Table 1 change in the network."""
 
 
-def preset_of(config: str, dataset: str) -> TrainingPreset:
+def find_preset(config: str, dataset: str) -> TrainingPreset:
     """Return the preset of a config for the motion of a data set.
 
     Raises
@@ -269,12 +273,12 @@ def preset_of(config: str, dataset: str) -> TrainingPreset:
     InputError
         If the config is of the other data set.
     """
-    found = PRESETS[config].get(dataset)
-    if found is None:
-        fitting = [name for name, of in PRESETS.items() if dataset in of]
+    preset = PRESETS[config].get(dataset)
+    if preset is None:
+        fitting = [name for name, presets in PRESETS.items() if dataset in presets]
         raise InputError(
             f"the config {config} does not tell the motion of these recordings, which is told "
             f"as {dataset.upper()}'s",
             remedy=f"Use --config {' or '.join(fitting)}",
         )
-    return found
+    return preset

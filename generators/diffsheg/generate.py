@@ -20,7 +20,7 @@ from generators.diffsheg.config import (
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
 from generators.interface import OnPart, SpeechSegment, seeded_stream
-from generators.learned import NetworkGenerator, check_finite, joined, network_facts
+from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
 from generators.learned_settings import DiffShegSettings
 from motion.body.skinning import ForearmTwists
 from motion.clip import MotionClip
@@ -55,7 +55,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             check_hubert(settings.hubert)
         self._sampler: tuple[int, WindowSampler] | None = None
 
-    def made(
+    def make_motion(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion and its facts.
@@ -65,10 +65,14 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         ``stand_ins`` what took the place of something real.
         """
         config = self._network.denoiser.config
-        speaker = self._speaker(speech.segment.speaker)
+        speaker = self._speaker_number(speech.segment.speaker)
         frames = max(1, round(speech.audio.duration * config.frame_rate))
-        heard = extract_frames(speech.audio, config.frame_rate, self._hubert)
-        clip = self._clip(joined(self._moved(heard, seed, speaker), frames, on_part))
+        speech_frames = extract_frames(speech.audio, config.frame_rate, self._hubert)
+        clip = self._clip(
+            concatenate_parts(
+                self._denormalised_motion(speech_frames, seed, speaker), frames, on_part
+            )
+        )
         window = window_for(speech.audio)
         return clip, {
             "heard": "as a whole" if window is None else str(window),
@@ -111,8 +115,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         seeded_stream(seed)
         config = self._network.denoiser.config
         window = StreamWindow() if window is None else window
-        heard = stream_frames(pieces, int(config.frame_rate), self._hubert, window)
-        return self._moved(heard, seed, self._speaker(None))
+        speech_frames = stream_frames(pieces, int(config.frame_rate), self._hubert, window)
+        return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
 
     def stream_clips(
         self,
@@ -136,7 +140,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             The next frames, at the network's frame rate; provenance as of `generate`, with a
             segment of no name.
         """
-        facts = self._facts(self._speaker(None), None) | {
+        facts = self._facts(self._speaker_number(None), None) | {
             "generator": self.name,
             "seed": str(seed),
             "segment": "",
@@ -151,20 +155,20 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
                 clip = show_clip(motion, frame_rate)
             yield clip.with_provenance(**facts)
 
-    def _moved(
-        self, heard: Iterable[SpeechFrames], seed: int, speaker: int
+    def _denormalised_motion(
+        self, speech: Iterable[SpeechFrames], seed: int, speaker: int
     ) -> Iterator[NDArray[np.float64]]:
         """Yield the network's motion to speech in its own units, (some frames, values)."""
         config = self._network.denoiser.config
-        settled = stream(
-            heard,
+        windows = stream(
+            speech,
             self._sampler_of(speaker),
             frames=config.frames,
             width=config.motion_width,
-            sampling=self._walk,
+            sampling=self._sampling,
             seed=seed,
         )
-        for normalised in settled:
+        for normalised in windows:
             motion = self._network.normalisation.restored(
                 normalised.cpu().numpy().astype(np.float64)
             )
@@ -176,34 +180,34 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         if self._sampler is None or self._sampler[0] != speaker:
             denoiser = self._network.denoiser
             person = torch.eye(denoiser.config.speakers)[speaker - 1]
-            self._sampler = (speaker, WindowSampler(denoiser, person, self._walk))
+            self._sampler = (speaker, WindowSampler(denoiser, person, self._sampling))
         return self._sampler[1]
 
     def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
-        made = beat_clip if self._network.dataset == "beat" else show_clip
-        return made(motion, self._network.denoiser.config.frame_rate)
+        make_clip = beat_clip if self._network.dataset == "beat" else show_clip
+        return make_clip(motion, self._network.denoiser.config.frame_rate)
 
-    def _speaker(self, speaking: str | None) -> int:
+    def _speaker_number(self, segment_speaker: str | None) -> int:
         """Return the number of whom it moves as, when the speaker of that name is heard."""
-        known, wanted = self._network.speakers, self._settings.speaker
+        known, requested = self._network.speakers, self._settings.speaker
         if known is not None:
-            return known.resolve(wanted, speaking, self._settings.checkpoint)
-        if wanted is None:
+            return known.resolve(requested, segment_speaker, self._settings.checkpoint)
+        if requested is None:
             return 1
-        speakers = self._network.denoiser.config.speakers
-        if not isinstance(wanted, int) or wanted > speakers:
+        count = self._network.denoiser.config.speakers
+        if not isinstance(requested, int) or requested > count:
             raise InputError(
-                f"there is no speaker {wanted}",
+                f"there is no speaker {requested}",
                 where=self._settings.checkpoint,
-                remedy=f"Give a number from 1 to {speakers}",
+                remedy=f"Give a number from 1 to {count}",
             )
-        return wanted
+        return requested
 
-    def _facts(self, speaker: int, speaking: str | None) -> dict[str, str]:
+    def _facts(self, speaker: int, segment_speaker: str | None) -> dict[str, str]:
         """Return what a clip's provenance says of network and sampling."""
-        config, sampling = self._network.denoiser.config, self._walk
-        known = self._network.speakers
-        name = str(speaker) if known is None else known.names[speaker - 1]
+        config, sampling = self._network.denoiser.config, self._sampling
+        speakers = self._network.speakers
+        name = str(speaker) if speakers is None else speakers.names[speaker - 1]
         facts = {
             "config": f"{config.layers} layers of {config.width}, {config.flow}, "
             f"windows of {config.frames} frames at {config.frame_rate:g} fps",
@@ -217,11 +221,11 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "hubert": self._hubert.description,
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []
-        if known is not None and self._settings.speaker is None and name != speaking:
+        if speakers is not None and self._settings.speaker is None and name != segment_speaker:
             stand_ins.append(f"speaker {name} for who is heard")
         if self._network.dataset == "show":
             stand_ins.append("relaxed hands for SMPL-X's mean hands")
-        return facts | network_facts(
+        return facts | network_provenance(
             self._settings,
             self._device,
             frames=config.frames,
@@ -232,30 +236,30 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
     @cached_property
     def _network(self) -> MotionNetwork:
-        told = self._settings
-        network = load_network(told.checkpoint, told.dataset, told.stats)
+        settings = self._settings
+        network = load_network(settings.checkpoint, settings.dataset, settings.stats)
         return replace(network, denoiser=network.denoiser.to(self._device))
 
     @cached_property
     def _hubert(self) -> Hubert:
         folder = self._settings.hubert
         hubert = stand_in() if folder is None else load_hubert(folder)
-        learned = self._network.hubert
-        if learned is not None and hubert.identity != learned:
+        training_identity = self._network.hubert
+        if training_identity is not None and hubert.identity != training_identity:
             raise InputError(
-                f"the network learned from what {learned} heard, and {hubert.description} would "
-                "hear now",
+                f"the network learned from what {training_identity} heard, and "
+                f"{hubert.description} would hear now",
                 where=self._settings.checkpoint,
                 remedy="Name the folder of the same HuBERT, or none where a stand-in heard",
             )
         return hubert.to_device(self._device)
 
     @cached_property
-    def _walk(self) -> Sampling:
+    def _sampling(self) -> Sampling:
         name, steps, overlap = (
             getattr(self._settings, key) for key in ("sampling", "steps", "overlap")
         )
         if overlap is None:
-            shared = 1.5 if name == "smooth" else 1
-            overlap = round(shared * RELEASED_OVERLAP[self._network.dataset])
+            factor = 1.5 if name == "smooth" else 1
+            overlap = round(factor * RELEASED_OVERLAP[self._network.dataset])
         return replace(SAMPLINGS[name], steps=steps, overlap=overlap)

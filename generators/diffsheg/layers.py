@@ -14,9 +14,9 @@ from torch.nn import functional
 
 def frame_positions(longest: int, width: int) -> Tensor:
     """Return sines and cosines of each frame's place, (1, longest, width), interleaved."""
-    place = torch.arange(longest, dtype=torch.float32)[:, None]
-    falling = torch.arange(0, width, 2, dtype=torch.float32) / width
-    angles = place * torch.exp(-math.log(10_000) * falling)
+    frame = torch.arange(longest, dtype=torch.float32)[:, None]
+    exponents = torch.arange(0, width, 2, dtype=torch.float32) / width
+    angles = frame * torch.exp(-math.log(10_000) * exponents)
     return torch.stack([angles.sin(), angles.cos()], dim=-1).reshape(1, longest, width)
 
 
@@ -121,7 +121,9 @@ class StyledBlock(nn.Module):
     def modulate(self, style: Tensor) -> Tensor:
         """Return both modulations of `style` (batch, style width), (batch, 1, 4 · width)."""
         stylizations = (self.attention.stylization, self.feed_forward.stylization)
-        return torch.cat([one.modulation(style) for one in stylizations], dim=-1).unsqueeze(1)
+        return torch.cat(
+            [stylization.modulation(style) for stylization in stylizations], dim=-1
+        ).unsqueeze(1)
 
     def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
         """Return (batch, frames, width)."""
@@ -138,13 +140,13 @@ class Moments(NamedTuple):
     width: int
 
     @classmethod
-    def of(cls, values: Tensor) -> Moments:
+    def from_values(cls, values: Tensor) -> Moments:
         """Return those of (batch, frames, width)."""
         variance, mean = torch.var_mean(values.float(), dim=-1, correction=0, keepdim=True)
         return cls(mean, variance, values.shape[-1])
 
     @classmethod
-    def together(cls, parts: Sequence[Moments]) -> Moments:
+    def combined(cls, parts: Sequence[Moments]) -> Moments:
         """Return those of all values of some parts."""
         width = sum(part.width for part in parts)
         mean = torch.stack([part.mean * (part.width / width) for part in parts]).sum(dim=0)
@@ -173,7 +175,7 @@ class FusedSpeech:
     ones: Tensor
     bias: Tensor
 
-    def at(self, rows: slice) -> FusedSpeech:
+    def rows(self, rows: slice) -> FusedSpeech:
         """Return some rows of the batch."""
         mean, variance, width = self.moments
         moments = Moments(mean[rows], variance[rows], width)
@@ -201,7 +203,7 @@ class Fusion(nn.Module):
         """Return what is made of the speech, (batch, frames, channels)."""
         return FusedSpeech(
             self._map(speech, self.width),
-            Moments.of(speech),
+            Moments.from_values(speech),
             self.widen.weight @ self.norm.weight,
             self.widen(self.norm.bias),
         )
@@ -209,11 +211,11 @@ class Fusion(nn.Module):
     def forward(self, h: Tensor, speech: FusedSpeech, x0_hat: Tensor | None = None) -> Tensor:
         """Return what is added to h, (batch, frames, width)."""
         inner = self._map(h, 0) + speech.mapped
-        parts = [Moments.of(h), speech.moments]
+        parts = [Moments.from_values(h), speech.moments]
         if x0_hat is not None:
             inner = inner + self._map(x0_hat, self.width + speech.moments.width)
-            parts.append(Moments.of(x0_hat))
-        mean, variance, _ = Moments.together(parts)
+            parts.append(Moments.from_values(x0_hat))
+        mean, variance, _ = Moments.combined(parts)
         scale = torch.rsqrt(variance + self.norm.eps)
         return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 

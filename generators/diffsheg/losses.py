@@ -62,7 +62,7 @@ posture varies so much more than they do that little else would be learned."""
 
 def motion_losses(
     noise: Tensor,
-    found: Tensor,
+    predicted: Tensor,
     steps: Tensor,
     weights: LossWeights,
     semantic: Tensor | None = None,
@@ -71,7 +71,7 @@ def motion_losses(
 
     Parameters
     ----------
-    noise, found : Tensor
+    noise, predicted : Tensor
         (batch, frames, values): what was added to normalised motion, and what the network says.
     steps : Tensor
         (batch,) diffusion steps.
@@ -86,19 +86,21 @@ def motion_losses(
         ``loss``, the weighted sum of equation 8; ``noise``, ``velocity``, ``reconstruction``,
         unweighted means over frames and values.
     """
-    kept = LINEAR.alpha_bar_at(steps, noise)
-    error = (noise - found).float()
+    alpha_bar = LINEAR.alpha_bar_at(steps, noise)
+    error = (noise - predicted).float()
     # The clean motion that follows from the found noise (equation 5) misses the true one by this.
-    missed = error * ((1 - kept) / kept).sqrt()
-    counted = missed if semantic is None or not weights.semantic else missed * (1 + semantic)
+    motion_error = error * ((1 - alpha_bar) / alpha_bar).sqrt()
+    weighted_error = (
+        motion_error if semantic is None or not weights.semantic else motion_error * (1 + semantic)
+    )
     huber = functional.huber_loss(
-        counted, torch.zeros_like(counted), delta=weights.turn, reduction="none"
+        weighted_error, torch.zeros_like(weighted_error), delta=weights.turn, reduction="none"
     )
     if weights.slope is not None:
         huber = huber * (weights.slope / weights.turn)
     parts = {
         "noise": error.square().mean(),
-        "velocity": (missed[:, 1:] - missed[:, :-1]).square().mean(),
+        "velocity": (motion_error[:, 1:] - motion_error[:, :-1]).square().mean(),
         "reconstruction": huber.mean(),
     }
     total = (

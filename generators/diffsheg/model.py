@@ -44,23 +44,25 @@ class Branch(nn.Module):
 
     position: Tensor
 
-    def __init__(self, config: DenoiserConfig, part: int, told: int, width: int) -> None:
+    def __init__(
+        self, config: DenoiserConfig, values: int, condition_values: int, width: int
+    ) -> None:
         super().__init__()
-        self.inward = nn.Linear(part, width)
+        self.inward = nn.Linear(values, width)
         self.register_buffer("position", frame_positions(config.longest, width))
         self.dropout = nn.Dropout(config.dropout)
         self.audio = nn.Linear(2 * config.audio_width, 2 * config.audio_width)
         self.speech = SpeechEncoder(config.speech_features, config.speech_width)
         self.step = Embedding(width, 4 * width)
         self.speaker = Embedding(config.speakers, 4 * width)
-        conditions = 2 * config.audio_width + config.speech_width + told
+        conditions = 2 * config.audio_width + config.speech_width + condition_values
         self.fusions = nn.ModuleList(Fusion(width, conditions) for _ in range(config.layers))
         self.blocks = nn.ModuleList(
             StyledBlock(width, config.feed_forward, config.heads, 4 * width, config.dropout)
             for _ in range(config.layers)
         )
-        self.outward = zeroed(nn.Linear(width, part))
-        self.skip = LinearSkip(config.frames, part) if config.skip else None
+        self.outward = zeroed(nn.Linear(width, values))
+        self.skip = LinearSkip(config.frames, values) if config.skip else None
         self.guidance = config.guidance
         if config.guidance is not None:
             self.unconditioned = nn.Parameter(torch.randn(1, width + conditions))
@@ -76,18 +78,18 @@ class Branch(nn.Module):
         style = functional.silu(style)
         return [block.modulate(style) for _, block in self._layers]
 
-    def hear(self, audio: Tensor, hubert: Tensor) -> list[FusedSpeech]:
+    def encode_speech(self, audio: Tensor, hubert: Tensor) -> list[FusedSpeech]:
         """Return the speech as each fusion reads it; one row of `hubert` serves all of `audio`."""
         speech = self.speech(hubert)
-        heard = torch.cat([self.audio(audio), speech.expand(len(audio), -1, -1)], dim=-1)
-        return [fusion.fuse(heard) for fusion, _ in self._layers]
+        conditions = torch.cat([self.audio(audio), speech.expand(len(audio), -1, -1)], dim=-1)
+        return [fusion.fuse(conditions) for fusion, _ in self._layers]
 
     def forward(
         self,
         x_t: Tensor,
         t: Tensor,
         modulations: Sequence[Tensor],
-        heard: Sequence[FusedSpeech],
+        fused_speech: Sequence[FusedSpeech],
         x0_hat: Tensor | None = None,
     ) -> Tensor:
         """Return eps of one part of the motion, (batch, frames, part).
@@ -100,7 +102,7 @@ class Branch(nn.Module):
             (batch,) or (1,) diffusion steps.
         modulations : sequence of Tensor
             See `modulate`.
-        heard : sequence of FusedSpeech
+        fused_speech : sequence of FusedSpeech
             See `hear`.
         x0_hat : Tensor, optional
             (batch, frames, other part), the estimate of the other branch's clean motion.
@@ -111,10 +113,10 @@ class Branch(nn.Module):
             null = torch.rand(len(x_t), device=x_t.device) < CONDITION_DROPOUT
         elif self.guidance is not None:
             h = h.repeat(2, 1, 1)
-        for (fusion, block), modulation, speech in zip(
-            self._layers, modulations, heard, strict=True
+        for (fusion, block), modulation, speech_of_layer in zip(
+            self._layers, modulations, fused_speech, strict=True
         ):
-            added = fusion(h[: len(x_t)], speech, x0_hat)
+            added = fusion(h[: len(x_t)], speech_of_layer, x0_hat)
             if self.guidance is not None:
                 added = self._with_null(added, fusion.unconditioned(self.unconditioned), null)
             if len(h) > len(modulation) > 1:
@@ -149,8 +151,8 @@ class Denoiser(nn.Module):
         )
         self.branches = nn.ModuleDict(
             {
-                name: Branch(config, _size(part), _size(told), width)
-                for name, part, told, width in _parts(config)
+                name: Branch(config, _size(part), _size(given), width)
+                for name, part, given, width in _branch_layout(config)
             }
         )
 
@@ -178,17 +180,17 @@ class Denoiser(nn.Module):
             (batch, frames, motion width).
         """
         modulations = self.modulate(timestep, person)
-        heard = self.hear(mel, hubert, modulations)
-        found: dict[str, Tensor] = {}
+        fused_speech = self.encode_speech(mel, hubert, modulations)
+        eps: dict[str, Tensor] = {}
         x0_hat: Tensor | None = None
-        for name, branch in self.in_order:
+        for name, branch in self.ordered_branches:
             part = x_t[..., self.part_of(name)]
-            found[name] = branch(part, timestep, modulations[name], heard[name], x0_hat)
-            x0_hat = self.estimate(part, found[name], timestep)
-        return self.joined(found)
+            eps[name] = branch(part, timestep, modulations[name], fused_speech[name], x0_hat)
+            x0_hat = self.estimate(part, eps[name], timestep)
+        return self.join_parts(eps)
 
     @property
-    def in_order(self) -> list[tuple[str, Branch]]:
+    def ordered_branches(self) -> list[tuple[str, Branch]]:
         """The branches by name; the first one's estimate is told to the second."""
         return [
             (name, branch) for name, branch in self.branches.items() if isinstance(branch, Branch)
@@ -196,9 +198,11 @@ class Denoiser(nn.Module):
 
     def part_of(self, name: str) -> slice:
         """Return which values of a frame are a branch's."""
-        return next(part for other, part, _, _ in _parts(self.config) if other == name)
+        return next(
+            part for branch_name, part, _, _ in _branch_layout(self.config) if branch_name == name
+        )
 
-    def joined(self, parts: Mapping[str, Tensor]) -> Tensor:
+    def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:
         """Return the branches' parts of the motion as one, (…, motion width)."""
         names = sorted(parts, key=lambda name: self.part_of(name).start)
         return torch.cat([parts[name] for name in names], dim=-1)
@@ -214,10 +218,10 @@ class Denoiser(nn.Module):
             (1 or steps, speakers), one-hot.
         """
         style = functional.silu(self.step(step_embedding(t, self.config.width)))
-        of_branches = {name: branch.modulate(t, person) for name, branch in self.in_order}
-        return {"audio": [self.audio.modulate(style)], **of_branches}
+        by_branch = {name: branch.modulate(t, person) for name, branch in self.ordered_branches}
+        return {"audio": [self.audio.modulate(style)], **by_branch}
 
-    def hear(
+    def encode_speech(
         self, mel: Tensor, hubert: Tensor, modulations: Mapping[str, Sequence[Tensor]]
     ) -> dict[str, list[FusedSpeech]]:
         """Return the speech as each branch's fusions read it.
@@ -234,7 +238,7 @@ class Denoiser(nn.Module):
         if self.config.loudness == "logarithm":
             mel = ((mel + SILENCE).log10() + 2) / 2
         audio = torch.cat([mel, self.audio(MEL_GAIN * mel, modulations["audio"][0])], dim=-1)
-        return {name: branch.hear(audio, hubert) for name, branch in self.in_order}
+        return {name: branch.encode_speech(audio, hubert) for name, branch in self.ordered_branches}
 
     def estimate(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor | None:
         """Return x̂0, which the next branch is told (equation 5); None where none is told."""
@@ -243,7 +247,7 @@ class Denoiser(nn.Module):
         x0_hat = LINEAR.x0_hat(x_t, eps, t)
         return x0_hat.detach() if self.config.detached else x0_hat
 
-    def tell_covariance(self, windows: NDArray[np.float32]) -> None:
+    def fit_skips(self, windows: NDArray[np.float32]) -> None:
         """Tell the skips of all branches how normalised motion varies.
 
         Parameters
@@ -251,22 +255,28 @@ class Denoiser(nn.Module):
         windows : ndarray
             (windows, frames, motion width), of those it will learn from.
         """
-        for name, branch in self.in_order:
+        for name, branch in self.ordered_branches:
             if branch.skip is not None:
                 branch.skip.fit(windows[..., self.part_of(name)])
 
 
-def _parts(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
+def _branch_layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
     """Return each branch's name, its values of a frame, those it is told, and its width."""
-    nothing = slice(0, 0)
+    no_values = slice(0, 0)
     body = slice(0, config.gesture_width)
     face = slice(config.gesture_width, config.motion_width)
     if config.flow == "joint":
-        return [("whole", slice(0, config.motion_width), nothing, config.joint_width)]
+        return [("whole", slice(0, config.motion_width), no_values, config.joint_width)]
     if config.flow == "gesture_to_expression":
-        return [("gesture", body, nothing, config.width), ("expression", face, body, config.width)]
-    told = face if config.flow == "expression_to_gesture" else nothing
-    return [("expression", face, nothing, config.width), ("gesture", body, told, config.width)]
+        return [
+            ("gesture", body, no_values, config.width),
+            ("expression", face, body, config.width),
+        ]
+    condition = face if config.flow == "expression_to_gesture" else no_values
+    return [
+        ("expression", face, no_values, config.width),
+        ("gesture", body, condition, config.width),
+    ]
 
 
 def _size(part: slice) -> int:

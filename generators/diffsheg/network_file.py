@@ -28,7 +28,7 @@ DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
-_STATISTICS: Final = (
+_STATISTICS_REMEDY: Final = (
     "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
     "json_std.npy, as released beside the checkpoint"
 )
@@ -81,12 +81,12 @@ def read_weights(file: Path) -> dict[str, Tensor]:
     InputError
         If the file is not there, or holds anything but tensors.
     """
-    found = read_saved(file)
-    if isinstance(found, Mapping) and isinstance(found.get("encoder"), Mapping):
-        found = found["encoder"]
-    if isinstance(found, Mapping) and all(str(name).startswith("encoder.") for name in found):
-        found = {name.removeprefix("encoder."): weight for name, weight in found.items()}
-    return tensors_in(found, file)
+    content = read_saved(file)
+    if isinstance(content, Mapping) and isinstance(content.get("encoder"), Mapping):
+        content = content["encoder"]
+    if isinstance(content, Mapping) and all(str(name).startswith("encoder.") for name in content):
+        content = {name.removeprefix("encoder."): weight for name, weight in content.items()}
+    return tensors_in(content, file)
 
 
 def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
@@ -113,7 +113,9 @@ def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
         for kind in ("mean", "std")
     )
     if (std < 0).any():
-        raise InputError("a standard deviation is negative", where=folder, remedy=_STATISTICS)
+        raise InputError(
+            "a standard deviation is negative", where=folder, remedy=_STATISTICS_REMEDY
+        )
     return Normalisation(mean, std)
 
 
@@ -125,17 +127,17 @@ def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
     try:
         values = np.load(path, allow_pickle=False)
     except FileNotFoundError as error:
-        raise InputError("there is no such file", where=path, remedy=_STATISTICS) from error
+        raise InputError("there is no such file", where=path, remedy=_STATISTICS_REMEDY) from error
     except (OSError, EOFError, ValueError) as error:
         raise InputError(
-            "the file cannot be read as a plain array", where=path, remedy=_STATISTICS
+            "the file cannot be read as a plain array", where=path, remedy=_STATISTICS_REMEDY
         ) from error
     if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise InputError(
             f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "
             "numbers are needed",
             where=path,
-            remedy=_STATISTICS,
+            remedy=_STATISTICS_REMEDY,
         )
     return np.asarray(values, dtype=np.float64)
 
@@ -209,7 +211,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         If the file is no such network, or a released one comes without its normalisation.
     """
     if holds_facts(path):
-        return _own(path)
+        return _load_trained(path)
     if stats is None:
         raise InputError(
             "a released checkpoint says nothing of means and standard deviations, without which "
@@ -226,7 +228,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
     )
 
 
-def _own(path: Path) -> MotionNetwork:
+def _load_trained(path: Path) -> MotionNetwork:
     with _NETWORK.reading(path) as file:
         facts, config = file.facts, DenoiserConfig(**file.facts["config"])
         if facts["dataset"] not in DATASETS:

@@ -34,7 +34,7 @@ Sampler = Callable[[Sequence["Window"], Tensor | None], list[Tensor]]
 """Makes the motion, (frames, values), of windows that continue each other, in order; also given are
 the frames that the first window continues, if any."""
 
-TOGETHER: Final = 4
+MOST_WINDOWS_AT_ONCE: Final = 4
 """Windows that are made together at most, where their speech is there: motion comes in between."""
 
 
@@ -82,40 +82,42 @@ def stream(
             f"windows of {frames} frames cannot share {sampling.overlap} of them",
             remedy="Let windows share fewer frames than they have",
         )
-    settled, number = frames - sampling.overlap, 0
-    known: Tensor | None = None
-    waiting: SpeechFrames | None = None
+    stride, number = frames - sampling.overlap, 0
+    overlap_motion: Tensor | None = None
+    pending: SpeechFrames | None = None
 
-    def moved(parts: Sequence[SpeechFrames]) -> list[Tensor]:
+    def moved(pieces_of_speech: Sequence[SpeechFrames]) -> list[Tensor]:
         nonlocal number
         windows: list[Window] = []
         with torch.inference_mode():
-            for part in parts:
-                continues = known is not None or (bool(windows) and sampling.overlap > 0)
-                shape = (len(part), width)
-                noise = draw_noise(shape, sampling, _random(seed, number), continues=continues)
-                windows.append(Window(part, noise))
+            for piece_of_speech in pieces_of_speech:
+                continues = overlap_motion is not None or (bool(windows) and sampling.overlap > 0)
+                shape = (len(piece_of_speech), width)
+                noise = draw_noise(
+                    shape, sampling, _window_generator(seed, number), continues=continues
+                )
+                windows.append(Window(piece_of_speech, noise))
                 number += 1
-            return sampler(windows, known)
+            return sampler(windows, overlap_motion)
 
     for piece in speech:
-        waiting = piece if waiting is None else waiting.followed_by(piece)
-        while len(waiting) >= frames:
-            count = min(1 + (len(waiting) - frames) // settled, TOGETHER)
-            begins = range(0, count * settled, settled)
-            motions = moved([waiting.slice(begin, begin + frames) for begin in begins])
-            waiting = waiting.slice(count * settled)
-            known = shared_frames(motions[-1], sampling)
-            yield from (motion[:settled] for motion in motions)
-    if waiting is None:
+        pending = piece if pending is None else pending.followed_by(piece)
+        while len(pending) >= frames:
+            count = min(1 + (len(pending) - frames) // stride, MOST_WINDOWS_AT_ONCE)
+            starts = range(0, count * stride, stride)
+            motions = moved([pending.slice(start, start + frames) for start in starts])
+            pending = pending.slice(count * stride)
+            overlap_motion = shared_frames(motions[-1], sampling)
+            yield from (motion[:stride] for motion in motions)
+    if pending is None:
         return
-    if known is not None and len(waiting) == len(known):
-        yield known
-    elif len(waiting):
-        yield from moved([waiting])
+    if overlap_motion is not None and len(pending) == len(overlap_motion):
+        yield overlap_motion
+    elif len(pending):
+        yield from moved([pending])
 
 
-def _random(seed: int, number: int) -> torch.Generator:
+def _window_generator(seed: int, number: int) -> torch.Generator:
     """Return what the noise of a window is drawn from."""
     entropy = np.random.SeedSequence(seeded_stream(seed, "foppas", str(number)))
     return torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))
@@ -141,13 +143,15 @@ class WindowNoise:
         """Whether the window continues another one."""
         return bool(self.later)
 
-    def part(self, values: slice) -> WindowNoise:
+    def slice_values(self, values: slice) -> WindowNoise:
         """Return the noise of some of a frame's values."""
-        return WindowNoise(self.start[..., values], tuple(one[..., values] for one in self.later))
+        return WindowNoise(
+            self.start[..., values], tuple(noise[..., values] for noise in self.later)
+        )
 
     def to(self, device: torch.device) -> WindowNoise:
         """Return the same noise on a device."""
-        return WindowNoise(self.start.to(device), tuple(one.to(device) for one in self.later))
+        return WindowNoise(self.start.to(device), tuple(noise.to(device) for noise in self.later))
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,14 +175,16 @@ def draw_noise(
 
 
 def sample_windows(
-    windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, known: Tensor | None
+    windows: Iterable[tuple[Estimate, WindowNoise]],
+    sampling: Sampling,
+    overlap_motion: Tensor | None,
 ) -> list[Tensor]:
     """Return the motion of windows of which each continues the one before; see `sample_window`."""
-    made = []
+    motions = []
     for estimate, noise in windows:
-        made.append(sample_window(estimate, sampling, noise, known))
-        known = shared_frames(made[-1], sampling)
-    return made
+        motions.append(sample_window(estimate, sampling, noise, overlap_motion))
+        overlap_motion = shared_frames(motions[-1], sampling)
+    return motions
 
 
 def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
@@ -187,7 +193,7 @@ def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
 
 
 def sample_window(
-    estimate: Estimate, sampling: Sampling, noise: WindowNoise, known: Tensor | None = None
+    estimate: Estimate, sampling: Sampling, noise: WindowNoise, overlap_motion: Tensor | None = None
 ) -> Tensor:
     """Return a window of motion, or a part of one.
 
@@ -199,52 +205,58 @@ def sample_window(
         How to walk.
     noise : WindowNoise
         Of as many values as `estimate` reads.
-    known : Tensor, optional
+    overlap_motion : Tensor, optional
         (overlap, values), the last frames of the window before, which the first frames continue.
 
     Returns
     -------
     Tensor
-        (frames, values); the first frames are `known`, blended into what follows.
+        (frames, values); the first frames are `overlap_motion`, blended into what follows.
     """
-    walk = sampling.first_walk if known is None else sampling.later_walk
-    kept = _kept(sampling)
+    walk = sampling.first_walk if overlap_motion is None else sampling.later_walk
+    alpha_bar = _signal_variance(sampling)
     motion, later = noise.start, iter(noise.later)
-    if known is not None and sampling.keeps_pose:
-        pose = torch.cat([known, known[-1:].expand(motion.shape[1] - len(known), -1)])
-        motion = np.sqrt(kept(walk[0])) * pose + np.sqrt(1 - kept(walk[0])) * motion
-    for here, there in pairwise(walk):
-        if there > here:
-            share = kept(there) / kept(here)
+    if overlap_motion is not None and sampling.keeps_pose:
+        pose = torch.cat(
+            [overlap_motion, overlap_motion[-1:].expand(motion.shape[1] - len(overlap_motion), -1)]
+        )
+        motion = np.sqrt(alpha_bar(walk[0])) * pose + np.sqrt(1 - alpha_bar(walk[0])) * motion
+    for place, next_place in pairwise(walk):
+        if next_place > place:
+            share = alpha_bar(next_place) / alpha_bar(place)
             motion = np.sqrt(share) * motion + np.sqrt(1 - share) * next(later)
             continue
-        found = estimate(motion, here)
-        clean = (motion - np.sqrt(1 - kept(here)) * found) / np.sqrt(kept(here))
-        motion = np.sqrt(kept(there)) * clean + np.sqrt(1 - kept(there)) * found
-        if known is not None:
-            spread = float(np.sqrt(1 - kept(there)))
+        eps = estimate(motion, place)
+        x0_hat = (motion - np.sqrt(1 - alpha_bar(place)) * eps) / np.sqrt(alpha_bar(place))
+        motion = np.sqrt(alpha_bar(next_place)) * x0_hat + np.sqrt(1 - alpha_bar(next_place)) * eps
+        if overlap_motion is not None:
+            spread = float(np.sqrt(1 - alpha_bar(next_place)))
             fresh = next(later)
-            shared = (found if sampling.own_noise else fresh)[0, : len(known)]
-            seen = np.sqrt(kept(there)) * known + spread * shared
-            weight = _weight(known, blends=spread < BLEND_BELOW)
-            motion[0, : len(known)] = weight * seen + (1 - weight) * motion[0, : len(known)]
+            overlap_noise = (eps if sampling.own_noise else fresh)[0, : len(overlap_motion)]
+            noisy_overlap = np.sqrt(alpha_bar(next_place)) * overlap_motion + spread * overlap_noise
+            weight = _blend_weight(overlap_motion, blends=spread < BLEND_BELOW)
+            motion[0, : len(overlap_motion)] = (
+                weight * noisy_overlap + (1 - weight) * motion[0, : len(overlap_motion)]
+            )
     return motion[0]
 
 
-def _kept(sampling: Sampling) -> Callable[[int], float]:
+def _signal_variance(sampling: Sampling) -> Callable[[int], float]:
     """Return the share of the signal's variance that is left at each place."""
 
-    def kept(place: int) -> float:
+    def alpha_bar(place: int) -> float:
         return 1.0 if place == CLEAN else float(LINEAR.alpha_bar[sampling.timesteps[place]])
 
-    return kept
+    return alpha_bar
 
 
-def _weight(known: Tensor, *, blends: bool) -> Tensor:
+def _blend_weight(overlap_motion: Tensor, *, blends: bool) -> Tensor:
     """Return how much each shared frame is that of the window before, (overlap, 1)."""
-    overlap = len(known)
-    falls = torch.arange(overlap, dtype=torch.float32, device=known.device) / max(overlap, 1)
-    return (1 - falls if blends else torch.ones_like(falls))[:, None]
+    overlap = len(overlap_motion)
+    fade = torch.arange(overlap, dtype=torch.float32, device=overlap_motion.device) / max(
+        overlap, 1
+    )
+    return (1 - fade if blends else torch.ones_like(fade))[:, None]
 
 
 class WindowSampler:
@@ -271,73 +283,80 @@ class WindowSampler:
             self._modulations = denoiser.modulate(self._t, person[None].to(self._device))
         self._on_processor = self._device.type == "cpu"
         if self._on_processor:
-            lay_out_for_few_frames(denoiser)
+            transpose_weight_layout(denoiser)
 
-    def __call__(self, windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+    def __call__(self, windows: Sequence[Window], overlap_motion: Tensor | None) -> list[Tensor]:
         """Return the motion of each window, (frames, values).
 
         Parameters
         ----------
         windows : sequence of Window
             In order.
-        known : Tensor or None
+        overlap_motion : Tensor or None
             (overlap, values), what the first window continues.
         """
-        (first, leads), *rest = self._denoiser.in_order
-        told: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
-        heard: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
+        (first, first_branch), *others = self._denoiser.ordered_branches
+        estimates: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
+        speech_queue: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
 
         def hear_all(window: Window) -> list[FusedSpeech]:
-            of_branches = self._hear(window)
-            for name, _ in rest:
-                heard.put(of_branches[name])
-            return of_branches[first]
+            by_branch = self._encode_speech(window)
+            for name, _ in others:
+                speech_queue.put(by_branch[name])
+            return by_branch[first]
 
         def eps_ahead(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
-            eps = self._eps(first, leads, x_t, place, speech, None)
-            if rest:
-                told.put(self._denoiser.estimate(x_t, eps, self._t[place : place + 1]))
+            eps = self._eps(first, first_branch, x_t, place, speech, None)
+            if others:
+                estimates.put(self._denoiser.estimate(x_t, eps, self._t[place : place + 1]))
             return eps
 
         def ahead() -> list[Tensor]:
             try:
-                return self._walk(first, windows, known, hear_all, eps_ahead)
+                return self._sample_branch(first, windows, overlap_motion, hear_all, eps_ahead)
             except BaseException as error:
-                told.put(error)
-                heard.put(error)
+                estimates.put(error)
+                speech_queue.put(error)
                 raise
 
-        if not rest:
+        if not others:
             return ahead()
-        second, follows = rest[0]
+        second, second_branch = others[0]
 
         def eps_behind(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
-            return self._eps(second, follows, x_t, place, speech, _received(told))
+            return self._eps(second, second_branch, x_t, place, speech, _receive(estimates))
 
         def behind() -> list[Tensor]:
-            return self._walk(second, windows, known, lambda _: _received(heard), eps_behind)
+            return self._sample_branch(
+                second, windows, overlap_motion, lambda _: _receive(speech_queue), eps_behind
+            )
 
-        found = run_side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        parts_by_branch = (
+            run_side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        )
         return [
-            self._denoiser.joined(dict(zip((first, second), parts, strict=True)))
-            for parts in zip(*found, strict=True)
+            self._denoiser.join_parts(dict(zip((first, second), parts, strict=True)))
+            for parts in zip(*parts_by_branch, strict=True)
         ]
 
-    def _hear(self, window: Window) -> dict[str, list[FusedSpeech]]:
+    def _encode_speech(self, window: Window) -> dict[str, list[FusedSpeech]]:
         """Return what each branch is told of the speech at each place of the window's walk."""
         places = self._sampling.entry if window.noise.continues else self._sampling.steps
         modulations = {
-            name: [one[:places] for one in blocks] for name, blocks in self._modulations.items()
+            name: [modulation[:places] for modulation in blocks]
+            for name, blocks in self._modulations.items()
         }
         mel = window.speech.mel.to(self._device).expand(places, -1, -1)
-        return self._denoiser.hear(mel, window.speech.hubert.to(self._device)[None], modulations)
+        return self._denoiser.encode_speech(
+            mel, window.speech.hubert.to(self._device)[None], modulations
+        )
 
-    def _walk(
+    def _sample_branch(
         self,
         name: str,
         windows: Sequence[Window],
-        known: Tensor | None,
-        hear: Callable[[Window], list[FusedSpeech]],
+        overlap_motion: Tensor | None,
+        encode: Callable[[Window], list[FusedSpeech]],
         eps: Callable[..., Tensor],
     ) -> list[Tensor]:
         """Return a branch's part of the motion of all windows."""
@@ -345,10 +364,12 @@ class WindowSampler:
 
         def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
             for window in windows:
-                noise = window.noise.part(part).to(self._device)
-                yield partial(eps, speech=hear(window)), noise
+                noise = window.noise.slice_values(part).to(self._device)
+                yield partial(eps, speech=encode(window)), noise
 
-        return sample_windows(asked(), self._sampling, None if known is None else known[:, part])
+        return sample_windows(
+            asked(), self._sampling, None if overlap_motion is None else overlap_motion[:, part]
+        )
 
     def _eps(
         self,
@@ -363,15 +384,15 @@ class WindowSampler:
         row = slice(place, place + 1)
         modulations = [block[row] for block in self._modulations[name]]
         eps: Tensor = branch(
-            x_t, self._t[row], modulations, [fused.at(row) for fused in speech], x0_hat
+            x_t, self._t[row], modulations, [fused.rows(row) for fused in speech], x0_hat
         )
         return eps
 
 
-Received = TypeVar("Received")
+Message = TypeVar("Message")
 
 
-def _received(queue: SimpleQueue[Received | BaseException]) -> Received:
+def _receive(queue: SimpleQueue[Message | BaseException]) -> Message:
     """Return what comes next, or raise what kept the other branch from making it."""
     received = queue.get()
     if isinstance(received, BaseException):
@@ -379,11 +400,11 @@ def _received(queue: SimpleQueue[Received | BaseException]) -> Received:
     return received
 
 
-_APART: Final = 64
+_PADDING: Final = 64
 """Values between the weights of one input and of the next: a power of two would crowd the cache."""
 
 
-def lay_out_for_few_frames(network: nn.Module) -> None:
+def transpose_weight_layout(network: nn.Module) -> None:
     """Store the weights of all linear layers input by input, as products with few frames read them.
 
     Stored output by output, such a product spends part of its time on reordering them.
@@ -391,5 +412,5 @@ def lay_out_for_few_frames(network: nn.Module) -> None:
     for layer in network.modules():
         if isinstance(layer, nn.Linear):
             weight = layer.weight.data
-            room = torch.empty(weight.shape[1], weight.shape[0] + _APART, dtype=weight.dtype)
+            room = torch.empty(weight.shape[1], weight.shape[0] + _PADDING, dtype=weight.dtype)
             layer.weight.data = room[:, : weight.shape[0]].copy_(weight.t()).t()

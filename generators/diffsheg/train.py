@@ -14,11 +14,17 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, TrainingPreset, preset_of
+from generators.diffsheg.config import (
+    ABLATIONS,
+    STRIDE,
+    DenoiserConfig,
+    TrainingPreset,
+    find_preset,
+)
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.learned import Cut, cut_windows, learn, learned_from
+from generators.learned import TrainingWindows, cut_windows, describe_training_data, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
@@ -41,20 +47,20 @@ from training.run.task import WindowTask
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 
-HELD_OUT: Final = 1024
+VALIDATION_WINDOWS: Final = 1024
 """So many windows tell how well held-out takes are known, each several times where there are
 fewer: with other noise."""
 
-CHOSEN_BY: Final = "noise_and_reconstruction"
+SELECTION_METRIC: Final = "noise_and_reconstruction"
 """What of held-out windows chooses the weights that are kept."""
 
-_AT_ONCE: Final = 64
+_VALIDATION_BATCH: Final = 64
 """Held-out windows that are looked at together."""
 
-_SEEN: Final = 5_000
+_MOST_COVARIANCE_WINDOWS: Final = 5_000
 """At most so many windows tell the covariance of the motion."""
 
-_SEED: Final = 24
+_VALIDATION_SEED: Final = 24
 """Of the noise in held-out windows, which never changes."""
 
 
@@ -86,7 +92,7 @@ class DiffShegTask(WindowTask):
         """Return a fresh network, which knows the covariance of the motion where it has a skip."""
         network = Denoiser(self.config)
         if self.config.skip:
-            network.tell_covariance(self._seen)
+            network.fit_skips(self._covariance_windows)
         return network.to(self.device)
 
     def losses(self, network: Denoiser, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -103,48 +109,53 @@ class DiffShegTask(WindowTask):
         least of. Windows lie evenly among the held-out ones, and their steps evenly over all there
         are. A guided network is asked for what it says when it is told the speech.
         """
-        rows = np.linspace(0, len(self.held_out) - 1, HELD_OUT).round().astype(np.int64)
-        chance = np.random.default_rng(_SEED)
+        rows = np.linspace(0, len(self.held_out) - 1, VALIDATION_WINDOWS).round().astype(np.int64)
+        chance = np.random.default_rng(_VALIDATION_SEED)
         steps = chance.permutation(LINEAR.steps * (2 * np.arange(len(rows)) + 1) // (2 * len(rows)))
         sums: dict[str, float] = {}
         with _unguided(network):
-            for first in range(0, len(rows), _AT_ONCE):
-                batch = self._batch(self.held_out, rows[first : first + _AT_ONCE])
+            for first in range(0, len(rows), _VALIDATION_BATCH):
+                batch = self._batch(self.held_out, rows[first : first + _VALIDATION_BATCH])
                 noise = chance.standard_normal(tuple(batch["motion"].shape), dtype=np.float32)
                 losses = self._losses(
                     network,
                     batch,
-                    torch.from_numpy(steps[first : first + _AT_ONCE]).to(self.device),
+                    torch.from_numpy(steps[first : first + _VALIDATION_BATCH]).to(self.device),
                     torch.from_numpy(noise).to(self.device),
                 )
                 for name, value in losses.items():
                     sums[name] = sums.get(name, 0.0) + float(value) * len(batch["motion"])
         means = {name: total / len(rows) for name, total in sums.items()}
-        return {CHOSEN_BY: means["loss"] - self.weights.velocity * means["velocity"], **means}
+        return {
+            SELECTION_METRIC: means["loss"] - self.weights.velocity * means["velocity"],
+            **means,
+        }
 
     @cached_property
-    def _seen(self) -> NDArray[np.float32]:
+    def _covariance_windows(self) -> NDArray[np.float32]:
         """Normalised windows, evenly among those to learn from."""
-        rows = evenly_spaced(len(self.training), _SEEN)
-        return self._motion(dict(self.training.batch(rows)))
+        rows = evenly_spaced(len(self.training), _MOST_COVARIANCE_WINDOWS)
+        return self._normalised_motion(dict(self.training.batch(rows)))
 
     def _losses(
         self, network: Denoiser, batch: Mapping[str, Tensor], steps: Tensor, noise: Tensor
     ) -> dict[str, Tensor]:
         noisy = LINEAR.x_t(batch["motion"], noise, steps)
-        found: Tensor = network(noisy, steps, *(batch[one] for one in ("mel", "hubert", "person")))
-        return motion_losses(noise, found, steps, self.weights, batch.get("semantic"))
+        predicted: Tensor = network(
+            noisy, steps, *(batch[name] for name in ("mel", "hubert", "person"))
+        )
+        return motion_losses(noise, predicted, steps, self.weights, batch.get("semantic"))
 
     def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return windows by feature, with normalised ``motion`` and one-hot each ``person``."""
         values = dict(windows.batch(rows))
-        values["motion"] = self._motion(values)
+        values["motion"] = self._normalised_motion(values)
         values["person"] = self.speakers.one_hot(windows.speakers(rows))
-        return {name: torch.from_numpy(one).to(self.device) for name, one in values.items()}
+        return {name: torch.from_numpy(array).to(self.device) for name, array in values.items()}
 
-    def _motion(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+    def _normalised_motion(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
         """Return normalised motion in place of its two features."""
-        motion = np.concatenate([values.pop(one) for one in ("gesture", "expression")], axis=-1)
+        motion = np.concatenate([values.pop(name) for name in ("gesture", "expression")], axis=-1)
         return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
 
 
@@ -152,13 +163,13 @@ class DiffShegTask(WindowTask):
 def _unguided(network: Denoiser) -> Iterator[None]:
     """Let a guided network, in evaluation mode, say what it says when told the speech."""
     branches = [one for one in network.branches.values() if isinstance(one, Branch)]
-    before = [branch.guidance for branch in branches]
+    guidances = [branch.guidance for branch in branches]
     try:
         for branch in branches:
             branch.guidance = None
         yield
     finally:
-        for branch, guidance in zip(branches, before, strict=True):
+        for branch, guidance in zip(branches, guidances, strict=True):
             branch.guidance = guidance
 
 
@@ -166,7 +177,7 @@ _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": 
 """As whose motion the recordings of a layout are told."""
 
 
-def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
+def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
     """Return the features that DiffSHEG is trained on.
 
     Parameters
@@ -200,17 +211,17 @@ def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Featur
 def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     """Train DiffSHEG; see `generators.registry.TrainGenerator`."""
     dataset = _dataset_of(request.takes)
-    preset = _preset_of(request, dataset)
+    preset = _requested_preset(request, dataset)
     folder = request.choices.get("hubert")
     hubert = (stand_in() if folder is None else load_hubert(Path(folder))).to_device(request.device)
     frame_rate = preset.network.frame_rate
-    features = features_of(dataset, hubert, frame_rate)
+    features = training_features(dataset, hubert, frame_rate)
     windows = cut_windows(request, features, frame_rate, preset.network.frames, STRIDE)
     prepared = windows["training"].prepared
     task = _task(request, preset, windows, hubert)
     config = preset.config_for(task.examples, request.changes)
-    trained, facts = learn(request, task, config, ("transformers",))
-    untrained = _untrained(task, config.seed)
+    trained, facts = run_training(request, task, config, ("transformers",))
+    untrained = _measure_untrained(task, config.seed)
     facts |= {
         "losses": preset.losses,
         "last_loss": trained.last_loss,
@@ -231,7 +242,7 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
         training=facts,
     )
     write_network(request.out, network)
-    return _said(task, trained, untrained, hubert)
+    return _describe(task, trained, untrained, hubert)
 
 
 def _dataset_of(takes: TakeFolder) -> str:
@@ -244,9 +255,9 @@ def _dataset_of(takes: TakeFolder) -> str:
     return _DATASETS[takes.kind]
 
 
-def _preset_of(request: TrainingRequest, dataset: str) -> TrainingPreset:
+def _requested_preset(request: TrainingRequest, dataset: str) -> TrainingPreset:
     """Return sizes and training with the researcher's choices."""
-    preset = preset_of(request.config, dataset)
+    preset = find_preset(request.config, dataset)
     ablation = request.choices.get("ablation")
     changes = {} if ablation is None else ABLATIONS[ablation]
     return replace(
@@ -257,7 +268,7 @@ def _preset_of(request: TrainingRequest, dataset: str) -> TrainingPreset:
 
 
 def _task(
-    request: TrainingRequest, preset: TrainingPreset, windows: Cut, hubert: Hubert
+    request: TrainingRequest, preset: TrainingPreset, windows: TrainingWindows, hubert: Hubert
 ) -> DiffShegTask:
     prepared = windows["training"].prepared
     names = prepared.training_speakers(request.takes.speakers)
@@ -271,7 +282,7 @@ def _task(
         extra_settings={
             "hubert": hubert.identity,
             "speakers": list(names),
-            "weights chosen by": f"{CHOSEN_BY} of {HELD_OUT} windows",
+            "weights chosen by": f"{SELECTION_METRIC} of {VALIDATION_WINDOWS} windows",
         },
         **windows,
     )
@@ -292,31 +303,31 @@ def normalisation_of(prepared: PreparedTakes) -> Normalisation:
     return Normalisation(mean, np.sqrt(squares / count))
 
 
-def _untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
+def _measure_untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
     """Return what a network that learned nothing makes of the held-out windows."""
     with torch.random.fork_rng(devices=[]), torch.no_grad():
         torch.manual_seed(seed)
         return dict(task.validation(Denoiser(task.config).to(task.device).eval()))
 
 
-def _said(
+def _describe(
     task: DiffShegTask,
     trained: Trained[Any],
     untrained: Mapping[str, float],
     hubert: Hubert,
 ) -> TrainedGenerator:
     """Say what was learned, and from what."""
-    found = trained.best.measured
+    measured = trained.best.measured
     sentences = [
-        learned_from(task.training, task.speakers),
+        describe_training_data(task.training, task.speakers),
         f"Noise that it does not find in {len(task.held_out)} held-out windows: "
-        f"{found['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
-        f"{found['loss']:.4g}, and {untrained['loss']:.4g} untrained.",
+        f"{measured['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
+        f"{measured['loss']:.4g}, and {untrained['loss']:.4g} untrained.",
         f"Its weights are those of step {trained.best.step} of {trained.steps}, where "
-        f"{CHOSEN_BY.replace('_', ' ')} of held-out windows were least.",
+        f"{SELECTION_METRIC.replace('_', ' ')} of held-out windows were least.",
     ]
     warnings = []
-    if found[CHOSEN_BY] >= untrained[CHOSEN_BY]:
+    if measured[SELECTION_METRIC] >= untrained[SELECTION_METRIC]:
         warnings.append(
             "It knows held-out takes no better than a network that learned nothing: give more "
             "recordings, or more steps."

@@ -58,7 +58,7 @@ class Limb:
         return float(np.linalg.norm(self.upper) + np.linalg.norm(self.lower))
 
 
-def reach(
+def solve_limb(
     limb: Limb, root: FloatArray, target: FloatArray, pole: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return how the two bones are turned so that the limb's end is at `target`.
@@ -80,35 +80,37 @@ def reach(
     a, b = float(np.linalg.norm(limb.upper)), float(np.linalg.norm(limb.lower))
     line = target - root
     distance = np.linalg.norm(line, axis=-1, keepdims=True)
-    along = line / np.maximum(distance, 1e-9)
-    span = _within_reach(distance[..., 0] / (a + b), limb.comfort) * (a + b)
+    direction = line / np.maximum(distance, 1e-9)
+    span = _reachable_share(distance[..., 0] / (a + b), limb.comfort) * (a + b)
     cosine = np.clip((a**2 + span**2 - b**2) / (2 * a * span), -1, 1)[..., None]
-    side = pole - (pole * along).sum(axis=-1, keepdims=True) * along
+    side = pole - (pole * direction).sum(axis=-1, keepdims=True) * direction
     side /= np.linalg.norm(side, axis=-1, keepdims=True)
-    upper = cosine * along + np.sqrt(1 - cosine**2) * side
-    lower = (span[..., None] * along - a * upper) / b
-    hinge = np.cross(side, along)
+    upper = cosine * direction + np.sqrt(1 - cosine**2) * side
+    lower = (span[..., None] * direction - a * upper) / b
+    hinge = np.cross(side, direction)
     rest_hinge = np.cross(limb.upper, limb.folds_toward)
-    return _turn(limb.upper, rest_hinge, upper, hinge), _turn(limb.lower, rest_hinge, lower, hinge)
+    return _bone_rotation(limb.upper, rest_hinge, upper, hinge), _bone_rotation(
+        limb.lower, rest_hinge, lower, hinge
+    )
 
 
-def _within_reach(share: FloatArray, comfort: float) -> FloatArray:
+def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
     """Return the share of the limb's length to span: itself, eased off near a straight limb."""
-    room = _STRAIGHTEST - comfort
-    over = np.maximum(share - comfort, 0)
-    eased = np.minimum(share, comfort) + room * np.tanh(over / room)
+    margin = _STRAIGHTEST - comfort
+    excess = np.maximum(share - comfort, 0)
+    eased = np.minimum(share, comfort) + margin * np.tanh(excess / margin)
     return np.asarray(np.maximum(eased, _NEAREST))
 
 
-def _turn(
-    rest: FloatArray, rest_hinge: FloatArray, along: FloatArray, hinge: FloatArray
+def _bone_rotation(
+    bone: FloatArray, rest_hinge: FloatArray, direction: FloatArray, hinge: FloatArray
 ) -> FloatArray:
-    """Return the rotation that takes the bone `rest` along `along`, its hinge along `hinge`."""
-    return _frame(along, hinge) @ np.swapaxes(_frame(rest, rest_hinge), -1, -2)
+    """Return the rotation that takes the bone `bone` along `direction`, its hinge along `hinge`."""
+    return _frame(direction, hinge) @ np.swapaxes(_frame(bone, rest_hinge), -1, -2)
 
 
-def _frame(along: FloatArray, hinge: FloatArray) -> FloatArray:
-    x = along / np.linalg.norm(along, axis=-1, keepdims=True)
+def _frame(direction: FloatArray, hinge: FloatArray) -> FloatArray:
+    x = direction / np.linalg.norm(direction, axis=-1, keepdims=True)
     z = np.cross(x, hinge)
     z /= np.linalg.norm(z, axis=-1, keepdims=True)
     return np.stack([x, np.cross(z, x), z], axis=-1)
@@ -209,11 +211,11 @@ def _pose_arm(
     chest = turns[:, joint_index("spine3")]
     place = hand[:, PLACE] * (sign, 1.0, 1.0) * arm.length
     swivel = np.radians(hand[:, ELBOW_OUT])
-    out, down, back = _ELBOW_HANGS
+    outward, down, back = _ELBOW_HANGS
     pole = np.column_stack(
         [
-            sign * (out * np.cos(swivel) - down * np.sin(swivel)),
-            down * np.cos(swivel) + out * np.sin(swivel),
+            sign * (outward * np.cos(swivel) - down * np.sin(swivel)),
+            down * np.cos(swivel) + outward * np.sin(swivel),
             np.full(len(swivel), back),
         ]
     )
@@ -222,7 +224,9 @@ def _pose_arm(
     spine3 = joint_index("spine3")
     socket = REST_JOINTS[shoulder] - REST_JOINTS[spine3]
     target = joints[:, spine3] + np.einsum("tij,tj->ti", chest, socket + place)
-    upper, lower = reach(arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole))
+    upper, lower = solve_limb(
+        arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole)
+    )
     collar = turns[:, joint_index(f"{side}_collar")]
     bend = np.swapaxes(upper, 1, 2) @ lower
     forearm = np.array([1.0, 0.0, 0.0])
@@ -250,10 +254,10 @@ def _pose_leg(
         comfort=0.99,
     )
     frames = len(poses)
-    out, up, forward = _KNEES_POINT
-    pole = np.tile([sign * out, up, forward], (frames, 1))
+    outward, up, forward = _KNEES_POINT
+    pole = np.tile([sign * outward, up, forward], (frames, 1))
     foot = np.tile(REST_JOINTS[ankle], (frames, 1))
-    upper, lower = reach(leg, joints[:, hip], foot, pole)
+    upper, lower = solve_limb(leg, joints[:, hip], foot, pole)
     pelvis = turns[:, joint_index("pelvis")]
     poses[:, hip] = _matrix_rotvec(np.swapaxes(pelvis, 1, 2) @ upper)
     poses[:, knee] = _matrix_rotvec(np.swapaxes(upper, 1, 2) @ lower)

@@ -19,7 +19,7 @@ from generators.rule_based.hand_pose import (
     HandPose,
 )
 
-_RESTS: Final = {
+_REST_POSES: Final = {
     "before_the_chest": BEFORE_THE_CHEST,
     "before_the_waist": BEFORE_THE_WAIST,
     "by_the_side": BY_THE_SIDE,
@@ -151,20 +151,20 @@ class EmotionStyle:
     face: Face
 
 
-def _style(told: Mapping[str, Mapping[str, Any]]) -> EmotionStyle:
-    gestures = told["gestures"]
-    rest = _RESTS[gestures.get("rest", "by_the_side")]
+def _style(table: Mapping[str, Mapping[str, Any]]) -> EmotionStyle:
+    gestures = table["gestures"]
+    rest = _REST_POSES[gestures.get("rest", "by_the_side")]
     return EmotionStyle(
         gestures=GestureManner(**{**gestures, "rest": rest}),
-        posture=Posture(**told.get("posture", {})),
-        liveliness=Liveliness(**told.get("liveliness", {})),
-        face=Face(**told["face"]),
+        posture=Posture(**table.get("posture", {})),
+        liveliness=Liveliness(**table.get("liveliness", {})),
+        face=Face(**table["face"]),
     )
 
 
-def _read() -> Mapping[str, EmotionStyle]:
-    told = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
-    return MappingProxyType({emotion: _style(values) for emotion, values in told.items()})
+def _read_styles() -> Mapping[str, EmotionStyle]:
+    tables = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
+    return MappingProxyType({emotion: _style(values) for emotion, values in tables.items()})
 
 
-STYLES: Final = _read()
+STYLES: Final = _read_styles()

@@ -30,7 +30,7 @@ _HISS: Final = (3500.0, 7500.0)
 _WINDOW: Final = 0.025
 _HOP: Final = 0.01
 _LIP_INERTIA: Final = 0.03
-_SPEAKING: Final = 0.3
+_SPEECH_ENERGY: Final = 0.3
 _JAW: Final = 0.42
 
 
@@ -65,21 +65,21 @@ def move_face(
     wavering = 1 + _WAVERING * smooth_noise(times, 1, 0.1, 0.7, rng)[:, 0]
     talking = 1 - _QUIETED_BY_SPEECH * np.clip(mouth["jawOpen"] / 0.3, 0, 1)
     for name, weight in style.face.steady.items():
-        held = weight * wavering * (talking if name.startswith(_LIP_SHAPES) else 1.0)
-        _add(arkit, name, held)
+        steady = weight * wavering * (talking if name.startswith(_LIP_SHAPES) else 1.0)
+        _add_weights(arkit, name, steady)
     accents = _accent_pulses(prosody, times)
     for name, weight in style.face.on_accent.items():
-        _add(arkit, name, weight * accents)
+        _add_weights(arkit, name, weight * accents)
     for name, course in mouth.items():
-        _add(arkit, name, course)
+        _add_weights(arkit, name, course)
     for name, course in gaze(head_in_world, style.liveliness.looks_away, times, rng).items():
-        _add(arkit, name, course)
-    shut = blinks(style.liveliness.blinks, times, rng)
+        _add_weights(arkit, name, course)
+    lid_closure = blinks(style.liveliness.blinks, times, rng)
     for name in _sides("eyeBlink"):
         column = arkit[:, ARKIT_NAMES.index(name)]
-        column[:] = np.maximum(column, shut)
+        column[:] = np.maximum(column, lid_closure)
     for name in _sides("eyeWide"):
-        arkit[:, ARKIT_NAMES.index(name)] *= 1 - shut
+        arkit[:, ARKIT_NAMES.index(name)] *= 1 - lid_closure
     return np.asarray(np.clip(arkit, 0, 1))
 
 
@@ -97,7 +97,7 @@ def _sides(name: str) -> tuple[str, ...]:
     return (name,) if name in ARKIT_NAMES else (f"{name}Left", f"{name}Right")
 
 
-def _add(arkit: FloatArray, name: str, course: FloatArray) -> None:
+def _add_weights(arkit: FloatArray, name: str, course: FloatArray) -> None:
     for action in _sides(name):
         arkit[:, ARKIT_NAMES.index(action)] += course
 
@@ -132,13 +132,13 @@ def gaze(
     jumps: list[Movement] = []
     moment = rng.uniform(*_FIXATION)
     while moment < times[-1]:
-        aside = rng.normal(0, looks_away, 2) * (1.0, 0.5)
-        target = np.zeros(2) if rng.random() < _ON_VIEWER else aside
+        off_viewer = rng.normal(0, looks_away, 2) * (1.0, 0.5)
+        target = np.zeros(2) if rng.random() < _ON_VIEWER else off_viewer
         jumps.append(Movement(start=moment, end=moment + _SACCADE, target=target))
         moment += rng.uniform(*_FIXATION)
-    wanted = follow(np.zeros(2), jumps, times)
-    left = wanted[:, 0] - head_in_world[:, 1]
-    down = wanted[:, 1] - head_in_world[:, 0]
+    gaze_angles = follow(np.zeros(2), jumps, times)
+    left = gaze_angles[:, 0] - head_in_world[:, 1]
+    down = gaze_angles[:, 1] - head_in_world[:, 0]
     to_left, to_right = np.maximum(left, 0) / _SIDEWAYS, np.maximum(-left, 0) / _SIDEWAYS
     return {
         "eyeLookOutLeft": to_left,
@@ -161,16 +161,16 @@ def blinks(per_minute: float, times: FloatArray, rng: np.random.Generator) -> Fl
         Seconds.
     rng : numpy.random.Generator
     """
-    shut = np.zeros(len(times))
+    lid_closure = np.zeros(len(times))
     # Blinks keep some distance from each other: gamma intervals, shape 3, not Poisson's.
     average = 60 / per_minute
     moment = rng.uniform(0.2, average)
     while moment < times[-1]:
         closing = minimum_jerk((times - moment) / _CLOSING)
         opening = minimum_jerk((times - moment - _CLOSING) / _OPENING)
-        shut = np.maximum(shut, closing - opening)
+        lid_closure = np.maximum(lid_closure, closing - opening)
         moment += max(rng.gamma(3.0, average / 3.0), 0.4)
-    return shut
+    return lid_closure
 
 
 def speaking_mouth(
@@ -194,23 +194,23 @@ def speaking_mouth(
         How widely this speaker opens the mouth; 1 is usual.
     """
     share = _band_shares(audio, times)
-    loud = np.clip((prosody.energy - _SPEAKING) / (1 - _SPEAKING), 0, 1)
+    loudness = np.clip((prosody.energy - _SPEECH_ENERGY) / (1 - _SPEECH_ENERGY), 0, 1)
     width = max(_LIP_INERTIA * prosody.frame_rate, 1e-3)
 
     def lips(weight: FloatArray) -> FloatArray:
         return np.asarray(gaussian_filter1d(weight, width, mode="nearest"))
 
-    voiced = loud * (1 - share["hiss"])
+    voiced = loudness * (1 - share["hiss"])
     openness = voiced * (0.35 + 0.65 * share["open"])
     spread = voiced * share["front"]
     rounded = voiced * np.clip(1 - share["open"] - share["front"], 0, 1)
     # A dip between two syllables is where lips or tongue close.
-    around = gaussian_filter1d(loud, 4 * width, mode="nearest")
-    closing = np.clip(around - loud, 0, 1) * (around > 0.15)
+    surrounding = gaussian_filter1d(loudness, 4 * width, mode="nearest")
+    closing = np.clip(surrounding - loudness, 0, 1) * (surrounding > 0.15)
     return {
         "jawOpen": lips(_JAW * opening * openness),
-        "mouthLowerDown": lips(0.3 * opening * openness + 0.25 * loud * share["hiss"]),
-        "mouthUpperUp": lips(0.16 * opening * openness + 0.1 * loud * share["hiss"]),
+        "mouthLowerDown": lips(0.3 * opening * openness + 0.25 * loudness * share["hiss"]),
+        "mouthUpperUp": lips(0.16 * opening * openness + 0.1 * loudness * share["hiss"]),
         "mouthStretch": lips(0.3 * spread),
         "mouthSmile": lips(0.14 * spread),
         "mouthFunnel": lips(0.4 * rounded),
@@ -233,8 +233,8 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
     frequency = transform.f
 
     def band(limits: tuple[float, float]) -> FloatArray:
-        inside = (frequency >= limits[0]) & (frequency < limits[1])
-        return np.asarray(np.interp(times, moments, np.sqrt(power[inside].sum(axis=0))))
+        in_band = (frequency >= limits[0]) & (frequency < limits[1])
+        return np.asarray(np.interp(times, moments, np.sqrt(power[in_band].sum(axis=0))))
 
     voice, hiss = band(_VOICE) + 1e-9, band(_HISS)
     return {

@@ -10,16 +10,16 @@ from generators.interface import (
     OnPart,
     SpeechSegment,
     StudyClips,
+    ignore_progress,
     provenance_of,
     seeded_stream,
-    unheard,
 )
 from generators.rule_based.body_pose import pose_body
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.face_motion import move_face
 from generators.rule_based.gesture_plan import HANDS, plan_gestures
 from generators.rule_based.hand_tracks import hand_track
-from generators.rule_based.posture import on_accents, stand
+from generators.rule_based.posture import move_trunk, on_accents
 from generators.rule_based.resting import idle, plan_rests
 from motion.clip import MotionClip
 from motion.prosody import prosody
@@ -39,26 +39,26 @@ class RuleBased:
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`."""
         frames = speech.frame_count(frame_rate)
         times = np.arange(frames) / frame_rate
         style = STYLES[speech.segment.emotion]
-        heard = prosody(speech.audio, frame_rate)
+        speech_prosody = prosody(speech.audio, frame_rate)
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
-        gestures = plan_gestures(heard, style.gestures, rng)
+        gestures = plan_gestures(speech_prosody, style.gestures, rng)
         rests = plan_rests(style.gestures, gestures, frames / frame_rate, rng)
-        beats = on_accents(heard, times, rise=0.2, fall=0.35) * style.gestures.amplitude
+        beats = on_accents(speech_prosody, times, rise=0.2, fall=0.35) * style.gestures.amplitude
         idling = idle(times, beats, style.liveliness.restlessness, rng)
         hands = {
             hand: hand_track(hand, gestures, rests, style.gestures, times, idling, rng)
             for hand in HANDS
         }
-        trunk = stand(style, heard, hands, times, rng)
+        trunk = move_trunk(style, speech_prosody, hands, times, rng)
         poses, trans = pose_body(trunk, hands)
         head_in_world = trunk.pelvis + trunk.spine + trunk.head
-        arkit = move_face(style, speech.audio, heard, head_in_world, times, rng)
+        arkit = move_face(style, speech.audio, speech_prosody, head_in_world, times, rng)
         return MotionClip(
             poses=poses.astype(np.float32),
             trans=trans.astype(np.float32),

@@ -27,7 +27,7 @@ from generators.rule_based.hand_pose import (
     HandShape,
 )
 
-_KIN: Final[Mapping[HandShape, Sequence[HandShape]]] = {
+_RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
     OPEN: (RELAXED, FLAT, WIDE),
     RELAXED: (OPEN, PINCH, FLAT),
     FLAT: (OPEN, RELAXED),
@@ -38,7 +38,7 @@ _KIN: Final[Mapping[HandShape, Sequence[HandShape]]] = {
 }
 """Shapes that a hand may come near to instead, by that of the form."""
 
-_MOST_OF_KIN: Final = 0.5
+_LARGEST_BLEND: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +69,9 @@ class GestureForm:
     def fingers(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """Return how one stroke ends, shape (6,): curls and spread, part way to a shape of kin."""
         shape = self.apex.shape
-        kin = _KIN[shape][int(rng.integers(len(_KIN[shape])))]
-        part = rng.uniform(0, _MOST_OF_KIN)
-        return (1 - part) * np.array(astuple(shape)) + part * np.array(astuple(kin))
+        related = _RELATED_SHAPES[shape][int(rng.integers(len(_RELATED_SHAPES[shape])))]
+        blend = rng.uniform(0, _LARGEST_BLEND)
+        return (1 - blend) * np.array(astuple(shape)) + blend * np.array(astuple(related))
 
 
 def _apex(

@@ -110,13 +110,13 @@ def plan_gestures(
         last = gestures[-1].form if gestures else None
         form = _choose_form(manner, rng, unlike=last)
         hands = _choose_hands(form, manner, strong_hand, rng)
-        for place, accent in enumerate(unit):
+        for position, accent in enumerate(unit):
             apex = accent - _AHEAD_OF_PEAK
-            if place and rng.random() < _FORM_CHANGES:
+            if position and rng.random() < _FORM_CHANGES:
                 form = _choose_form(manner, rng, unlike=form, hand_count=len(hands))
             earlier = _latest_of(gestures, hands)
             free = 0.0 if earlier is None else earlier.apex + _SHORTEST_HOLD
-            begin, stroke = _approach(apex, free, bool(place), manner.tempo, rng)
+            begin, stroke = _approach(apex, free, bool(position), manner.tempo, rng)
             stroke = _on_syllable(stroke, begin, apex, prosody.syllables)
             gestures.append(
                 Gesture(
@@ -154,16 +154,18 @@ def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
     tempo : float
         Speed of the retraction against an unmoved speaker's.
     """
-    found: list[Ending] = []
+    endings_in_order: list[Ending] = []
     for number, gesture in enumerate(gestures):
         release = gesture.apex + gesture.hold
         following = gestures[number + 1].begin if number + 1 < len(gestures) else np.inf
         room = following - release
         if room < _WORTH_RETRACTING:
-            found.append(Ending(release=following, rest=None))
+            endings_in_order.append(Ending(release=following, rest=None))
         else:
-            found.append(Ending(release=release, rest=release + min(_RETRACTION / tempo, room)))
-    return tuple(found)
+            endings_in_order.append(
+                Ending(release=release, rest=release + min(_RETRACTION / tempo, room))
+            )
+    return tuple(endings_in_order)
 
 
 def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
@@ -171,8 +173,8 @@ def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
     picked: list[int] = []
     for accent in np.argsort(-prosody.prominence, kind="stable"):
         time = prosody.accents[accent]
-        apart = all(abs(time - prosody.accents[other]) >= least_gap for other in picked)
-        if apart and time >= _QUICKEST_START:
+        far_enough = all(abs(time - prosody.accents[other]) >= least_gap for other in picked)
+        if far_enough and time >= _QUICKEST_START:
             picked.append(int(accent))
     return np.array(sorted(picked), dtype=np.intp)
 
@@ -202,9 +204,9 @@ def _choose_form(
         if hand_count is None
         or (FORMS[name].both_hands if hand_count == 2 else FORMS[name].one_hand)
     ]
-    others = [(form, liking) for form, liking in usable if form is not unlike] or usable
-    liking = np.array([weight for _, weight in others])
-    return others[int(rng.choice(len(others), p=liking / liking.sum()))][0]
+    candidates = [(form, liking) for form, liking in usable if form is not unlike] or usable
+    liking = np.array([weight for _, weight in candidates])
+    return candidates[int(rng.choice(len(candidates), p=liking / liking.sum()))][0]
 
 
 def _choose_hands(
@@ -224,10 +226,10 @@ def _latest_of(gestures: Sequence[Gesture], hands: tuple[str, ...]) -> Gesture |
 
 
 def _approach(
-    apex: float, free: float, again: bool, tempo: float, rng: np.random.Generator
+    apex: float, free: float, repeated: bool, tempo: float, rng: np.random.Generator
 ) -> tuple[float, float]:
     """Return when preparation and stroke begin, squeezed where the hand is free late."""
     stroke = _STROKE / tempo * rng.uniform(0.85, 1.2)
-    preparation = (_RECOIL if again else _PREPARATION) / tempo * rng.uniform(0.85, 1.2)
+    preparation = (_RECOIL if repeated else _PREPARATION) / tempo * rng.uniform(0.85, 1.2)
     squeeze = min(1.0, (apex - free) / (stroke + preparation))
     return apex - squeeze * (stroke + preparation), apex - squeeze * stroke

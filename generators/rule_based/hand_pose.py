@@ -70,23 +70,23 @@ MOST_FLEXION: Final = 70.0
 MOST_DEVIATION: Final = 20.0
 
 
-def within_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
+def clip_to_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return hand channels, shape (T, 13), kept within what wrists and fingers can do."""
-    kept = course.copy()
-    for channel, most in (
+    limited = course.copy()
+    for channel, limit in (
         (PRONATION, MOST_PRONATION),
         (FLEXION, MOST_FLEXION),
         (DEVIATION, MOST_DEVIATION),
     ):
-        kept[:, channel] = np.clip(kept[:, channel], -most, most)
-    kept[:, CURLS] = np.clip(kept[:, CURLS], 0, 1)
-    kept[:, SPREAD] = np.clip(kept[:, SPREAD], -0.6, 1)
-    return kept
+        limited[:, channel] = np.clip(limited[:, channel], -limit, limit)
+    limited[:, CURLS] = np.clip(limited[:, CURLS], 0, 1)
+    limited[:, SPREAD] = np.clip(limited[:, SPREAD], -0.6, 1)
+    return limited
 
 
 RELAXED: Final = HandShape(thumb=0.25, index=0.24, middle=0.32, ring=0.38, pinky=0.42, spread=0.1)
 SOFT: Final = HandShape(thumb=0.28, index=0.2, middle=0.26, ring=0.31, pinky=0.34, spread=-0.4)
-LAID: Final = HandShape(thumb=0.2, index=0.2, middle=0.24, ring=0.28, pinky=0.3, spread=-0.6)
+LYING: Final = HandShape(thumb=0.2, index=0.2, middle=0.24, ring=0.28, pinky=0.3, spread=-0.6)
 OPEN: Final = HandShape(thumb=0.05, index=0.08, middle=0.1, ring=0.13, pinky=0.14, spread=0.4)
 FLAT: Final = HandShape(thumb=0.2, index=0.05, middle=0.06, ring=0.08, pinky=0.1, spread=0.0)
 WIDE: Final = HandShape(thumb=0.0, index=0.03, middle=0.04, ring=0.06, pinky=0.05, spread=0.9)
@@ -121,11 +121,11 @@ FISTS_BY_THE_SIDE: Final = HandPose(
 )  # fmt: skip
 CLASPED_UNDER: Final = HandPose(
     outward=-0.184, up=-0.724, forward=0.50, elbow_out=0, pronation=6.5, flexion=27, deviation=-1,
-    shape=LAID,
+    shape=LYING,
 )  # fmt: skip
 CLASPED_OVER: Final = HandPose(
     outward=-0.216, up=-0.703, forward=0.646, elbow_out=-2, pronation=19, flexion=26, deviation=0,
-    shape=LAID,
+    shape=LYING,
 )  # fmt: skip
 
 

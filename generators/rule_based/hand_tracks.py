@@ -19,14 +19,14 @@ from generators.rule_based.hand_pose import (
     PLACE,
     PRONATION,
     SPREAD,
-    within_joint_range,
+    clip_to_joint_range,
 )
 from generators.rule_based.resting import SETTLING, Idling, Rest
 from generators.rule_based.time_courses import Movement, follow
 
 FloatArray = NDArray[np.float64]
 
-_CENTRE: Final = np.array([-0.10, -0.48, 0.52])
+_GESTURE_CENTRE: Final = np.array([-0.10, -0.48, 0.52])
 _PLACE_VARIETY: Final = np.array([0.05, 0.045, 0.04])
 _TURN_VARIETY: Final = 7.0
 _SECOND_HAND: Final = 0.9
@@ -36,10 +36,10 @@ _OVERLAP: Final = 0.2
 _REBOUND: Final = 0.14
 _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
-_ALONE: Final = CHANNELS
-_RESTS: Final = CHANNELS + 1
-_ON_TOP: Final = CHANNELS + 2
-_ROUND: Final = (0.0, 0.0, 0.5)
+_IS_ALONE: Final = CHANNELS
+_IS_RESTING: Final = CHANNELS + 1
+_IS_ON_TOP: Final = CHANNELS + 2
+_DETOUR: Final = (0.0, 0.0, 0.5)
 
 
 def hand_track(
@@ -76,12 +76,14 @@ def hand_track(
     habit = _variety(rng) * 0.5
     habit[ELBOW_OUT] += manner.elbows_out
     poses = [(rest.begin, _rest_pose(rest, hand, habit + _variety(rng) * 0.1)) for rest in rests]
-    own = [gesture for gesture in gestures if hand in gesture.hands]
+    own_gestures = [gesture for gesture in gestures if hand in gesture.hands]
     start = poses[0][1]
-    movements = _settling(poses, 0.0, own[0].begin if own else np.inf, manner.tempo)
-    following = [*(gesture.begin for gesture in own[1:]), np.inf]
+    movements = _settling(
+        poses, 0.0, own_gestures[0].begin if own_gestures else np.inf, manner.tempo
+    )
+    following = [*(gesture.begin for gesture in own_gestures[1:]), np.inf]
     for gesture, ending, free_until in zip(
-        own, endings(own, manner.tempo), following, strict=False
+        own_gestures, endings(own_gestures, manner.tempo), following, strict=False
     ):
         size = manner.amplitude * (0.75 + 0.35 * gesture.strength) * rng.uniform(0.9, 1.1)
         if len(gesture.hands) == 2 and hand == "left":
@@ -114,10 +116,12 @@ def hand_track(
     for channels in (CURLS, SPREAD, FLEXION):
         course[:, channels] = trailing[:, channels]
     # A hand goes round the one that it comes to lie on.
-    on_top = course[:, _ON_TOP, None]
-    course[:, PLACE] += on_top * (1 - on_top) * _ROUND
-    return within_joint_range(
-        idling.added(hand, course[:, :CHANNELS], alone=course[:, _ALONE], rests=course[:, _RESTS])
+    on_top = course[:, _IS_ON_TOP, None]
+    course[:, PLACE] += on_top * (1 - on_top) * _DETOUR
+    return clip_to_joint_range(
+        idling.add_to(
+            hand, course[:, :CHANNELS], alone=course[:, _IS_ALONE], resting=course[:, _IS_RESTING]
+        )
     )
 
 
@@ -130,14 +134,14 @@ def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
 
 
 def _settling(
-    poses: Sequence[tuple[float, FloatArray]], free: float, until: float, tempo: float
+    poses: Sequence[tuple[float, FloatArray]], free: float, next_gesture: float, tempo: float
 ) -> list[Movement]:
     """Return the changes of pose of a hand that is `free` until its next gesture."""
-    lasts = SETTLING / tempo
+    duration = SETTLING / tempo
     return [
-        Movement(start=begin, end=begin + lasts, target=pose)
+        Movement(start=begin, end=begin + duration, target=pose)
         for begin, pose in poses
-        if begin > free and begin + lasts < until
+        if begin > free and begin + duration < next_gesture
     ]
 
 
@@ -146,7 +150,7 @@ def _key_poses(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the hand at the end and at the beginning of the gesture's stroke."""
     apex = gesture.form.apex.channels()
-    apex[PLACE] = _CENTRE + (apex[PLACE] - _CENTRE) * (0.4 + 0.6 * size)
+    apex[PLACE] = _GESTURE_CENTRE + (apex[PLACE] - _GESTURE_CENTRE) * (0.4 + 0.6 * size)
     apex[ELBOW_OUT] += manner.elbows_out
     apex[CURLS.start :] = gesture.form.fingers(rng)
     apex += _variety(rng)

@@ -31,7 +31,7 @@ _BEAT_OF_TRUNK: Final = 1.4
 _HEAD_STAYS: Final = 0.85
 
 
-def stand(
+def move_trunk(
     style: EmotionStyle,
     prosody: Prosody,
     hands: Mapping[str, FloatArray],
@@ -56,7 +56,7 @@ def stand(
     drift = smooth_noise(times, 12, slow, quick, rng)
     breath = np.sin(2 * np.pi * life.breaths / 60 * times + rng.uniform(0, 2 * np.pi))
     beat = on_accents(prosody, times, rise=0.22, fall=0.4)
-    follow = _following(hands, prosody.frame_rate)
+    follow = _trunk_following(hands, prosody.frame_rate)
 
     pelvis = drift[:, 0:3] * _PELVIS_SWAY * life.sway
     pelvis[:, 0] += posture.lean
@@ -111,15 +111,15 @@ def on_accents(prosody: Prosody, times: FloatArray, *, rise: float, fall: float)
     return beats
 
 
-def _following(hands: Mapping[str, FloatArray], frame_rate: float) -> FloatArray:
+def _trunk_following(hands: Mapping[str, FloatArray], frame_rate: float) -> FloatArray:
     """Return the spine's turn, shape (T, 3), that goes with reaching and raising the hands."""
     places = {side: hand[:, PLACE] for side, hand in hands.items()}
     reach = {side: place[:, 2] + 0.6 * place[:, 0] for side, place in places.items()}
     turn = -_TURN_WITH_REACH * (reach["left"] - reach["right"])
     tilt = _TILT_WITH_LIFT * (places["left"][:, 1] - places["right"][:, 1])
     lean = _LEAN_WITH_REACH * ((places["left"] + places["right"])[:, 2] / 2 - 0.4)
-    together = np.column_stack([lean, turn, tilt])
+    turns = np.column_stack([lean, turn, tilt])
     smooth: FloatArray = gaussian_filter1d(
-        together, _FOLLOW_SMOOTHING * frame_rate, axis=0, mode="nearest"
+        turns, _FOLLOW_SMOOTHING * frame_rate, axis=0, mode="nearest"
     )
     return smooth

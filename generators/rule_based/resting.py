@@ -32,17 +32,17 @@ FloatArray = NDArray[np.float64]
 SETTLING: Final = 1.2
 """Seconds that an unmoved speaker takes from one rest pose to the next."""
 
-_LASTS: Final = (1.8, 4.0)
+_REST_SECONDS: Final = (1.8, 4.0)
 """Seconds that a rest pose lasts, at least and at most."""
 
-_OWN: Final = 0.3
+_KEEPS_REST_POSE: Final = 0.3
 """Probability that both hands are as the emotion holds them."""
 
 _CLASPED: Final = (CLASPED_OVER, CLASPED_UNDER)
 _AT_THE_SIDES: Final = (HELD_OFF, HELD_OFF)
 _ONE_HANGS: Final = (BEFORE_THE_WAIST, HELD_OFF)
 
-_OTHERS: Final[Mapping[HandPose, Sequence[tuple[HandPose, HandPose]]]] = {
+_ALTERNATIVES: Final[Mapping[HandPose, Sequence[tuple[HandPose, HandPose]]]] = {
     BEFORE_THE_WAIST: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
     HELD_OFF: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
     HANGING_SLACK: (_CLASPED,),
@@ -102,44 +102,44 @@ def plan_rests(
     tuple of Rest
         In time order, the first from 0 on.
     """
-    own = dict.fromkeys(HANDS, manner.rest)
+    rest_poses = dict.fromkeys(HANDS, manner.rest)
     rests: list[Rest] = []
-    for start, end, leaving in _both_free(manner, gestures, seconds):
+    for start, end, leaving in _free_intervals(manner, gestures, seconds):
         begin = start
         while not rests or end - begin > SETTLING / manner.tempo:
-            rests.append(Rest(begin=begin, poses=_poses(own, str(rng.choice(leaving)), rng)))
-            begin += rng.uniform(*_LASTS)
+            rests.append(Rest(begin=begin, poses=_poses(rest_poses, str(rng.choice(leaving)), rng)))
+            begin += rng.uniform(*_REST_SECONDS)
         if rests[-1].clasped:
-            rests.append(Rest(begin=end, poses=own))
+            rests.append(Rest(begin=end, poses=rest_poses))
     return tuple(rests)
 
 
-def _both_free(
+def _free_intervals(
     manner: GestureManner, gestures: Sequence[Gesture], seconds: float
 ) -> Iterator[tuple[float, float, Sequence[str]]]:
     """Yield from when to when no hand gestures, the first time from 0 on, and which do next."""
     released = 0.0
-    ends = {
+    release_times = {
         (gesture.begin, hand): ending.release
         for hand in HANDS
-        for own in [[gesture for gesture in gestures if hand in gesture.hands]]
-        for gesture, ending in zip(own, endings(own, manner.tempo), strict=True)
+        for hand_gestures in [[gesture for gesture in gestures if hand in gesture.hands]]
+        for gesture, ending in zip(hand_gestures, endings(hand_gestures, manner.tempo), strict=True)
     }
     for gesture in gestures:
         yield released, gesture.begin, gesture.hands
-        released = max(released, *(ends[gesture.begin, hand] for hand in gesture.hands))
+        released = max(released, *(release_times[gesture.begin, hand] for hand in gesture.hands))
     yield released, seconds, HANDS
 
 
 def _poses(
-    own: Mapping[str, HandPose], leaving: str, rng: np.random.Generator
+    rest_poses: Mapping[str, HandPose], leaving: str, rng: np.random.Generator
 ) -> Mapping[str, HandPose]:
     """Return how both hands rest; the one that leaves first lies on the other."""
-    others = _OTHERS.get(own[leaving], ())
-    if not others or rng.random() < _OWN:
-        return own
-    leads, stays = others[int(rng.integers(len(others)))]
-    return {hand: leads if hand == leaving else stays for hand in HANDS}
+    alternatives = _ALTERNATIVES.get(rest_poses[leaving], ())
+    if not alternatives or rng.random() < _KEEPS_REST_POSE:
+        return rest_poses
+    leading_pose, other_pose = alternatives[int(rng.integers(len(alternatives)))]
+    return {hand: leading_pose if hand == leaving else other_pose for hand in HANDS}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -160,8 +160,8 @@ class Idling:
     together: Mapping[str, FloatArray]
     on_accents: FloatArray
 
-    def added(
-        self, hand: str, course: FloatArray, *, alone: FloatArray, rests: FloatArray
+    def add_to(
+        self, hand: str, course: FloatArray, *, alone: FloatArray, resting: FloatArray
     ) -> FloatArray:
         """Return the course of `hand` with what it does beside.
 
@@ -171,12 +171,12 @@ class Idling:
         course : ndarray, shape (T, 13)
         alone : ndarray, shape (T,)
             1 where it moves by itself, 0 where it lies on the other.
-        rests : ndarray, shape (T,)
+        resting : ndarray, shape (T,)
             1 where it rests, 0 where it gestures.
         """
         free = np.repeat(alone[:, None], CHANNELS, axis=1)
         free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)
-        beat = rests[:, None] * self.on_accents
+        beat = resting[:, None] * self.on_accents
         beat[:, PLACE.stop :] *= free[:, PLACE.stop :]
         return course + beat + free * self.own[hand] + (1 - free) * self.together[hand]
 

@@ -80,10 +80,10 @@ class NetworkConfig:
 
     def __post_init__(self) -> None:
         sizes = ("speakers", "words", "sound", "bands", "seeds", "hidden", "hops")
-        wrong = next((name for name in sizes if getattr(self, name) < 1), None)
-        if wrong is not None or self.seeds >= self.frames or not (self.faces or self.poses):
+        invalid = next((name for name in sizes if getattr(self, name) < 1), None)
+        if invalid is not None or self.seeds >= self.frames or not (self.faces or self.poses):
             raise InputError(
-                f"a network with {wrong or 'seeds'} of {getattr(self, wrong or 'seeds')} in "
+                f"a network with {invalid or 'seeds'} of {getattr(self, invalid or 'seeds')} in "
                 f"{self.frames} frames tells nothing",
                 remedy="Give sizes from 1, fewer seeds than frames, and faces or poses",
             )
@@ -91,10 +91,8 @@ class NetworkConfig:
     @property
     def modalities(self) -> tuple[tuple[str, ...], ...]:
         """What is told together: of each network the modalities."""
-        told = tuple(
-            name for name, wanted in (("face", self.faces), ("pose", self.poses)) if wanted
-        )
-        return (told,) if self.synchronous else tuple((name,) for name in told)
+        names = tuple(name for name, used in (("face", self.faces), ("pose", self.poses)) if used)
+        return (names,) if self.synchronous else tuple((name,) for name in names)
 
     @property
     def latents(self) -> tuple[int, int]:

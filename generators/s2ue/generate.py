@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.interface import OnPart, SpeechSegment, seeded_stream
-from generators.learned import NetworkGenerator, check_finite, joined, network_facts
-from generators.learned_settings import ANYBODY, S2ueSettings
+from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
+from generators.learned_settings import MIXED_SPEAKER, S2ueSettings
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from motion.body.face_landmarks import FaceLandmarks
@@ -31,13 +31,13 @@ from training.hearing.word_vectors import (
 )
 from training.spaces.bones_and_landmarks import bone_and_landmark_clip, with_units
 
-FADES: Final = 0.4
+TRANSITION_SHARE: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
 
-_HELD: Final = 0.3
+_WEIGHT_DECAY: Final = 0.3
 """By how much less each shared frame is held where the window before has it than the one before."""
 
-_BENT: Final = 0.01
+_BENDING_COST: Final = 0.01
 """What bending costs of the way from one window to the next, beside being off at the first frame
 that they share."""
 
@@ -48,7 +48,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
     name = "s2ue"
     version = "3"
 
-    def made(
+    def make_motion(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion and its facts.
@@ -59,12 +59,12 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         rate = self._network.network.config.frame_rate
         frames = max(1, round(speech.audio.duration * rate))
         segment, folder = speech.segment, self._settings.transcripts
-        said = find_transcript(folder, segment.name, segment.transcript, speech.audio)
-        words = word_rows(said, self._vectors, frames, rate) if said else None
+        transcript = find_transcript(folder, segment.name, segment.transcript, speech.audio)
+        words = word_rows(transcript, self._vectors, frames, rate) if transcript else None
         sound = at_speech_rate(speech.audio)
-        moved = self.stream([sound], seed=seed, words=words, speaking=segment.speaker)
-        facts = self._facts(segment.speaker, said)
-        return self.clip_of(joined(moved, frames, on_part)), facts
+        motion = self.stream([sound], seed=seed, words=words, segment_speaker=segment.speaker)
+        facts = self._facts(segment.speaker, transcript)
+        return self.clip_of(concatenate_parts(motion, frames, on_part)), facts
 
     def stream(
         self,
@@ -72,7 +72,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         *,
         seed: int,
         words: NDArray[np.float32] | None = None,
-        speaking: str | None = None,
+        segment_speaker: str | None = None,
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion while somebody still speaks, as soon as it is settled.
 
@@ -87,7 +87,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
             Not negative.
         words : ndarray, shape (frames, width), optional
             See `training.hearing.word_vectors.word_rows`; by default nobody knows what is said.
-        speaking : str, optional
+        segment_speaker : str, optional
             Who speaks, and so moves unless the settings say who does.
 
         Yields
@@ -99,40 +99,44 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         config = network.config
         chance = np.random.default_rng(seeded_stream(seed))
         noise = self._settings.variation * chance.standard_normal(config.latents)
-        name = self._name(speaking)
+        name = self._name(segment_speaker)
         person = (
             speakers.one_hot([name])[0]
             if name in speakers.names
             else chance.dirichlet(np.ones(len(speakers.names)))
         )
-        heard = stream_windows(pieces, config.frame_rate, config.frames, config.seeds)
-        told = (torch.from_numpy(one.astype(np.float32)) for one in (person, noise))
-        return move(heard, words, network, *(one.to(self._device) for one in told))
+        windows = stream_windows(pieces, config.frame_rate, config.frames, config.seeds)
+        tensors = (torch.from_numpy(values.astype(np.float32)) for values in (person, noise))
+        return synthesise_windows(
+            windows, words, network, *(values.to(self._device) for values in tensors)
+        )
 
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
         return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
 
-    def _name(self, speaking: str | None) -> str:
+    def _name(self, segment_speaker: str | None) -> str:
         """Return whom it moves as: one whom it learned from, or somebody between all of them."""
-        speakers, wanted = self._network.speakers, self._settings.speaker
-        if wanted == ANYBODY:
-            return ANYBODY
-        return speakers.names[speakers.resolve(wanted, speaking, self._settings.checkpoint) - 1]
+        speakers, requested = self._network.speakers, self._settings.speaker
+        if requested == MIXED_SPEAKER:
+            return MIXED_SPEAKER
+        return speakers.names[
+            speakers.resolve(requested, segment_speaker, self._settings.checkpoint) - 1
+        ]
 
-    def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
-        config, name = self._network.network.config, self._name(speaking)
-        stand_ins = ["silence for the words, which nobody told"] if not said else []
-        if said and isinstance(self._vectors, StandIn):
+    def _facts(self, segment_speaker: str, transcript: tuple[Word, ...]) -> dict[str, str]:
+        config, name = self._network.network.config, self._name(segment_speaker)
+        stand_ins = ["silence for the words, which nobody told"] if not transcript else []
+        if transcript and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
-        if self._settings.speaker is None and name != speaking:
+        if self._settings.speaker is None and name != segment_speaker:
             stand_ins.append(f"speaker {name} for who is heard")
         return {
             "speaker": name,
             "variation": f"{self._settings.variation:g}",
             "vectors": self._vectors.description,
-            **network_facts(
+            **network_provenance(
                 self._settings,
                 self._device,
                 frames=config.frames,
@@ -153,13 +157,13 @@ class S2ue(NetworkGenerator[S2ueSettings]):
 
     @cached_property
     def _vectors(self) -> WordVectors:
-        learned, named = self._network, self._settings.vectors
+        loaded, path = self._network, self._settings.vectors
         return matching_vectors(
-            named, learned.vectors, learned.network.config.words, self._settings.checkpoint
+            path, loaded.vectors, loaded.network.config.words, self._settings.checkpoint
         )
 
 
-def move(
+def synthesise_windows(
     windows: Iterable[SpeechWindow],
     words: NDArray[np.float32] | None,
     network: Network,
@@ -184,26 +188,26 @@ def move(
     """
     config = network.config
     seeds, new = config.seeds, config.frames - config.seeds
-    told = network.rest.expand(seeds, -1)
-    way = torch.from_numpy(_way_over(config.frames, seeds)).to(told)
+    seed_motion = network.rest.expand(seeds, -1)
+    transition = torch.from_numpy(_transition_matrix(config.frames, seeds)).to(seed_motion)
     for window in windows:
-        said = slice_rows(words, window.first, config.frames, config.words)
+        word_vectors = slice_rows(words, window.first, config.frames, config.words)
         with torch.inference_mode():
-            found, _ = network.synthesise(
-                window.sound[None].to(told.device),
-                torch.from_numpy(said)[None].to(told.device),
+            synthesised, _ = network.synthesise(
+                window.sound[None].to(seed_motion.device),
+                torch.from_numpy(word_vectors)[None].to(seed_motion.device),
                 person[None],
                 noise[None],
-                told[None],
+                seed_motion[None],
             )
-            values = network.with_lips(found, window.spectrum[None].to(told.device))[0]
-            values = with_units(values + way @ (told - values[:seeds]))
-        whole = window.count == config.frames
-        told = values[new:]
-        yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
+            values = network.with_lips(synthesised, window.spectrum[None].to(seed_motion.device))[0]
+            values = with_units(values + transition @ (seed_motion - values[:seeds]))
+        is_full = window.count == config.frames
+        seed_motion = values[new:]
+        yield values[: new if is_full else window.count].cpu().numpy().astype(np.float64)
 
 
-def _way_over(frames: int, seeds: int) -> NDArray[np.float64]:
+def _transition_matrix(frames: int, seeds: int) -> NDArray[np.float64]:
     """Return what tells from how far two windows are apart where to go in between.
 
     The way from one to the other is the curve of least squares that begins near the first, ends
@@ -214,8 +218,12 @@ def _way_over(frames: int, seeds: int) -> NDArray[np.float64]:
     ndarray, shape (frames, seeds)
         Times the distances of the shared frames, what is added to the second window.
     """
-    lasts = seeds + round(FADES * (frames - seeds))
-    held = np.diag(np.append(_HELD ** np.arange(seeds), np.zeros(lasts - seeds)))
-    bends = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :lasts]
-    way = np.linalg.solve(held + _BENT * bends.T @ bends, held[:, :seeds])
-    return np.pad(way, ((0, frames - lasts), (0, 0)))
+    transition_frames = seeds + round(TRANSITION_SHARE * (frames - seeds))
+    anchors = np.diag(
+        np.append(_WEIGHT_DECAY ** np.arange(seeds), np.zeros(transition_frames - seeds))
+    )
+    second_differences = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :transition_frames]
+    transition = np.linalg.solve(
+        anchors + _BENDING_COST * second_differences.T @ second_differences, anchors[:, :seeds]
+    )
+    return np.pad(transition, ((0, frames - transition_frames), (0, 0)))

@@ -11,26 +11,32 @@ from generators.s2ue.model import Network
 from training.spaces.bones_and_landmarks import joint_tensors, split_motion
 
 
-def phoneme_loss(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
+def phoneme_loss(predicted: Tensor, target: Tensor, spread: Tensor) -> Tensor:
     """Return equation 16 of lips (B, T, lips, 3): their places and their steps."""
-    return _distance(found, true, spread) + _distance(_steps(found), _steps(true), spread)
+    return _distance(predicted, target, spread) + _distance(
+        _steps(predicted), _steps(target), spread
+    )
 
 
 def reconstruction_losses(
-    network: Network, found: Tensor, true: Tensor, weights: LossWeights
+    network: Network, predicted: Tensor, target: Tensor, weights: LossWeights
 ) -> dict[str, Tensor]:
     """Return equation 17 of values (B, T, 27 + 3 L), ``reconstruction``, and its parts.
 
     Landmarks are the neutral face and their shifts (equation 1), so that places of landmarks and
     shifts are equally far apart. What the network does not tell does not count.
     """
-    one, two = split_motion(found), split_motion(true)
+    predicted_parts, target_parts = split_motion(predicted), split_motion(target)
     spread = dict(zip(("face", "pose", "joints"), network.spread, strict=True))
-    parts = dict.fromkeys(("place", "velocity", "acceleration"), found.new_zeros(()))
-    for name in (told for together in network.config.modalities for told in together):
-        motion = _distance(one[name], two[name], spread[name])
-        steps = _distance(_steps(one[name]), _steps(two[name]), spread[name])
-        joints = (joint_tensors(one[name]), joint_tensors(two[name])) if name == "pose" else None
+    parts = dict.fromkeys(("place", "velocity", "acceleration"), predicted.new_zeros(()))
+    for name in (modality for modalities in network.config.modalities for modality in modalities):
+        motion = _distance(predicted_parts[name], target_parts[name], spread[name])
+        steps = _distance(_steps(predicted_parts[name]), _steps(target_parts[name]), spread[name])
+        joints = (
+            (joint_tensors(predicted_parts[name]), joint_tensors(target_parts[name]))
+            if name == "pose"
+            else None
+        )
         parts["place"] = parts["place"] + (
             _distance(*joints, spread["joints"]) if joints else motion
         )
@@ -42,22 +48,22 @@ def reconstruction_losses(
 
 
 def diversity_loss(
-    network: Network, own: Tensor, other: Tensor, true: Tensor, margin: float
+    network: Network, own_motion: Tensor, other_motion: Tensor, target: Tensor, margin: float
 ) -> Tensor:
     """Return the cross-speaker ranking loss of section 5.2.2.
 
     Motion as the recorded speaker lies nearer to the recording than motion as another one, by a
     margin, each window for itself.
     """
-    far = [
-        (network.normalised(one) - network.normalised(true)).abs().mean(dim=(1, 2))
-        for one in (own, other)
+    distances = [
+        (network.normalised(motion) - network.normalised(target)).abs().mean(dim=(1, 2))
+        for motion in (own_motion, other_motion)
     ]
-    return functional.relu(far[0] - far[1] + margin).mean()
+    return functional.relu(distances[0] - distances[1] + margin).mean()
 
 
-def _distance(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
-    return (found - true).abs().mean() / spread
+def _distance(predicted: Tensor, target: Tensor, spread: Tensor) -> Tensor:
+    return (predicted - target).abs().mean() / spread
 
 
 def _steps(values: Tensor) -> Tensor:

@@ -105,8 +105,8 @@ class Synthesis(nn.Module):
             ],
             dim=-1,
         )
-        found = {name: as_points(decode(embedding)) for name, decode in self.decoders.items()}
-        return found, (mean, variance)
+        motion = {name: as_points(decode(embedding)) for name, decode in self.decoders.items()}
+        return motion, (mean, variance)
 
 
 class Discriminator(nn.Module):
@@ -128,8 +128,8 @@ class Discriminator(nn.Module):
     def forward(self, motion: Motion) -> Tensor:
         """Return logits of being recorded, (B, 1), of normalised motion."""
         latents = [encode(motion[name]) for name, encode in self.encoders.items()]
-        found: Tensor = self.classes(torch.cat(latents, dim=-1))
-        return found
+        logits: Tensor = self.classes(torch.cat(latents, dim=-1))
+        return logits
 
 
 class PhonemePredictor(nn.Module):
@@ -148,8 +148,8 @@ class PhonemePredictor(nn.Module):
 
     def forward(self, spectrogram: Tensor) -> Tensor:
         """Return normalised landmarks of the lips, (B, T, lips, 3), of (B, T, bands)."""
-        heard = self.backbone(spectrogram.transpose(1, 2)).transpose(1, 2)
-        return as_points(self.full(heard))
+        features = self.backbone(spectrogram.transpose(1, 2)).transpose(1, 2)
+        return as_points(self.full(features))
 
 
 class Network(nn.Module):
@@ -182,9 +182,13 @@ class Network(nn.Module):
         super().__init__()
         self.config = config
         self.lips = list(lips_of(face.actions))
-        told = config.modalities
-        self.generator = nn.ModuleList(Synthesis(config, face, one) for one in told)
-        self.discriminator = nn.ModuleList(Discriminator(config, face, one) for one in told)
+        modality_groups = config.modalities
+        self.generator = nn.ModuleList(
+            Synthesis(config, face, modalities) for modalities in modality_groups
+        )
+        self.discriminator = nn.ModuleList(
+            Discriminator(config, face, modalities) for modalities in modality_groups
+        )
         self.phonemes = PhonemePredictor(config, len(self.lips))
         values = BONE_VALUES + 3 * face.count
         self.register_buffer("neutral", torch.from_numpy(face.neutral))
@@ -219,31 +223,32 @@ class Network(nn.Module):
         """
         sound = (sound - self.sound[0]) / self.sound[1]
         motion = split_motion(sound.new_zeros(*sound.shape[:2], len(self.mean)))
-        begun, latents = split_motion(self.normalised(seeds)), []
-        for network, drawn in zip(self.generator, noise.unbind(dim=1), strict=True):
-            found, latent = network(sound, words, person, drawn, begun)
-            motion |= found
+        seed_motion, latents = split_motion(self.normalised(seeds)), []
+        for network, latent_noise in zip(self.generator, noise.unbind(dim=1), strict=True):
+            synthesised, latent = network(sound, words, person, latent_noise, seed_motion)
+            motion |= synthesised
             latents.append(latent)
         values = torch.cat([motion["pose"].flatten(-2), motion["face"].flatten(-2)], dim=-1)
         return self.mean + self.deviation * values, latents
 
-    def lips_heard(self, spectrogram: Tensor) -> Tensor:
+    def predict_lips(self, spectrogram: Tensor) -> Tensor:
         """Return shifts of the lips' landmarks, (B, T, lips, 3), metres."""
-        found: Tensor = self.phonemes((spectrogram - self.spectrum[0]) / self.spectrum[1])
+        lips: Tensor = self.phonemes((spectrogram - self.spectrum[0]) / self.spectrum[1])
         mean, deviation = (
-            as_points(one[BONE_VALUES:])[self.lips] for one in (self.mean, self.deviation)
+            as_points(statistic[BONE_VALUES:])[self.lips]
+            for statistic in (self.mean, self.deviation)
         )
-        return mean + deviation * found
+        return mean + deviation * lips
 
     def with_lips(self, values: Tensor, spectrogram: Tensor) -> Tensor:
         """Return motion whose lips, but for the corners, are those of the phoneme predictor."""
         if not self.config.faces:
             return values
         face = as_points(values[..., BONE_VALUES:]).clone()
-        face[..., self.lips, :] = self.lips_heard(spectrogram)
+        face[..., self.lips, :] = self.predict_lips(spectrogram)
         return torch.cat([values[..., :BONE_VALUES], face.flatten(-2)], dim=-1)
 
-    def judged(self, values: Tensor) -> Tensor:
+    def discriminate(self, values: Tensor) -> Tensor:
         """Return the discriminator's logits of values of motion, (B, networks)."""
         motion = split_motion(self.normalised(values))
         return torch.cat([network(motion) for network in self.discriminator], dim=1)

@@ -67,8 +67,8 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
     """
     with _NETWORK.reading(path) as file:
         config = NetworkConfig(**file.facts["config"])
-        neutral, ours = file.tensors["network.neutral"], torch.from_numpy(face.neutral)
-        if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
+        neutral, expected = file.tensors["network.neutral"], torch.from_numpy(face.neutral)
+        if neutral.shape != expected.shape or not torch.allclose(neutral, expected, atol=1e-5):
             raise ValueError("landmarks of another face")
         return S2ueNetwork(
             network=file.loaded(Network(config, face), "network"),

@@ -14,9 +14,9 @@ from torch import Tensor
 
 from generators.learned import (
     cut_windows,
-    learn,
-    learned_from,
-    outcome,
+    describe_training,
+    describe_training_data,
+    run_training,
 )
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfig
@@ -43,10 +43,10 @@ from training.speakers import Speakers, latent_loss
 STRIDE: Final = 10
 """Frames from one window of a take to the next, as the TED Gesture data is cut."""
 
-HELD_OUT: Final = 256
+MOST_HELD_OUT: Final = 256
 """At most so many windows tell how well held-out takes are known."""
 
-_SEEN: Final = 4_000
+_MOST_STATISTICS_WINDOWS: Final = 4_000
 """At most so many windows tell how the values of recordings spread."""
 
 _Settings = TypeVar("_Settings", NetworkConfig, LossWeights)
@@ -80,7 +80,7 @@ class S2ueTask(WindowTask):
     def network(self) -> Network:
         """Return fresh networks, which know how the values of the recordings spread."""
         network = Network(self.config, self.face)
-        for name, values in self._spreads.items():
+        for name, values in self._statistics.items():
             network.get_buffer(name).copy_(torch.from_numpy(values.astype(np.float32)))
         return network.to(self.device)
 
@@ -88,80 +88,83 @@ class S2ueTask(WindowTask):
         self, name: str, network: Network, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
         """Return the losses of discriminator, phoneme predictor or, by default, generator."""
-        batch, counted = self._batch(self.training, rows), self.weights
+        batch, weights = self._batch(self.training, rows), self.weights
         if name == "phonemes":
             return {"loss": self._phonemes(network, batch)}
         noise = torch.randn(len(rows), *self.config.latents).to(self.device)
         if name == "discriminator":
             with torch.no_grad():
-                found, _ = self._told(network, batch, noise)
-            judged = network.judged(batch["motion"])
-            return {"loss": discriminator_loss(judged, network.judged(found))}
-        found, latents = self._told(network, batch, noise)
-        parts = reconstruction_losses(network, found, batch["motion"], counted)
-        if counted.latent:
+                motion, _ = self._synthesise(network, batch, noise)
+            recorded_logits = network.discriminate(batch["motion"])
+            return {"loss": discriminator_loss(recorded_logits, network.discriminate(motion))}
+        motion, latents = self._synthesise(network, batch, noise)
+        parts = reconstruction_losses(network, motion, batch["motion"], weights)
+        if weights.latent:
             parts["latent"] = latent_loss(latents)
-        if counted.diversity and len(self.speakers.names) > 1:
-            others = {**batch, "person": self._others(batch["person"])}
-            other, _ = self._told(network, others, noise)
+        if weights.diversity and len(self.speakers.names) > 1:
+            other_batch = {**batch, "person": self._other_speakers(batch["person"])}
+            other_motion, _ = self._synthesise(network, other_batch, noise)
             parts["diversity"] = diversity_loss(
-                network, found, other, batch["motion"], counted.margin
+                network, motion, other_motion, batch["motion"], weights.margin
             )
-        if counted.adversarial:
-            parts["adversarial"] = generator_loss(network.judged(found))
-        further = [
-            getattr(counted, part) * parts[part]
+        if weights.adversarial:
+            parts["adversarial"] = generator_loss(network.discriminate(motion))
+        weighted = [
+            getattr(weights, part) * parts[part]
             for part in ("latent", "diversity", "adversarial")
             if part in parts
         ]
-        return {"loss": sum(further, start=parts["reconstruction"]), **parts}
+        return {"loss": sum(weighted, start=parts["reconstruction"]), **parts}
 
     def validation(self, network: Network) -> Mapping[str, float]:
         """Return equations 17 and 16 of held-out windows, as their speakers on the average.
 
         All of equation 17 counts, whatever is learned by, so that ablations are measured alike.
         """
-        rows = evenly_spaced(len(self.held_out), HELD_OUT)
+        rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
         batch = self._batch(self.held_out, rows)
         noise = batch["motion"].new_zeros(len(rows), *self.config.latents)
-        found, _ = self._told(network, batch, noise)
-        measured = reconstruction_losses(network, found, batch["motion"], LossWeights())
+        motion, _ = self._synthesise(network, batch, noise)
+        measured = reconstruction_losses(network, motion, batch["motion"], LossWeights())
         if self.config.faces:
             measured["phonemes"] = self._phonemes(network, batch)
             measured = {"missed": measured["reconstruction"] + measured["phonemes"], **measured}
         return {name: float(value) for name, value in measured.items()}
 
-    def _told(self, network: Network, batch: _Batch, noise: Tensor) -> tuple[Tensor, Latents]:
+    def _synthesise(self, network: Network, batch: _Batch, noise: Tensor) -> tuple[Tensor, Latents]:
         seeds = batch["motion"][:, : self.config.seeds]
         return network.synthesise(batch["sound"], batch["words"], batch["person"], noise, seeds)
 
     def _phonemes(self, network: Network, batch: _Batch) -> Tensor:
-        true = split_motion(batch["motion"])["face"][:, :, network.lips]
-        return phoneme_loss(network.lips_heard(batch["spectrum"]), true, network.spread[0])
+        target = split_motion(batch["motion"])["face"][:, :, network.lips]
+        return phoneme_loss(network.predict_lips(batch["spectrum"]), target, network.spread[0])
 
-    def _others(self, person: Tensor) -> Tensor:
+    def _other_speakers(self, person: Tensor) -> Tensor:
         """Return one-hot vectors of speakers other than those."""
         count = len(self.speakers.names)
-        further = torch.randint(1, count, (len(person),)).to(self.device)
-        others = (person.argmax(dim=1) + further) % count
-        return torch.eye(self.config.speakers, device=person.device)[others]
+        offsets = torch.randint(1, count, (len(person),)).to(self.device)
+        other_speakers = (person.argmax(dim=1) + offsets) % count
+        return torch.eye(self.config.speakers, device=person.device)[other_speakers]
 
     def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
         people = torch.from_numpy(self.speakers.one_hot(windows.speakers(rows)))
         return {**self.tensors(windows, rows), "person": people.to(self.device)}
 
     @cached_property
-    def _spreads(self) -> Mapping[str, NDArray[np.floating[Any]]]:
+    def _statistics(self) -> Mapping[str, NDArray[np.floating[Any]]]:
         """The buffers of a network: means and deviations over windows, evenly among all."""
-        seen = self.training.batch(evenly_spaced(self.examples, _SEEN))
-        flat = {name: one.reshape(-1, one.shape[-1]).astype(float) for name, one in seen.items()}
+        windows = self.training.batch(evenly_spaced(self.examples, _MOST_STATISTICS_WINDOWS))
+        flat = {
+            name: values.reshape(-1, values.shape[-1]).astype(float)
+            for name, values in windows.items()
+        }
         pose, face = np.split(flat["motion"], [BONE_VALUES], axis=1)
         joints = joints_from_directions(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
         mean, deviation = mean_and_deviation(flat["motion"])
         return {
             "mean": mean,
             "deviation": deviation,
-            "spread": np.array([spread(one) for one in (face, pose, joints)]),
+            "spread": np.array([spread(values) for values in (face, pose, joints)]),
             "rest": self.training.prepared.mean_first("motion"),
             **{name: np.stack(mean_and_deviation(flat[name])) for name in ("sound", "spectrum")},
         }
@@ -174,7 +177,7 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     vectors = load_word_vectors(request.choices.get("vectors"))
     face = FaceLandmarks.of_default_body()
     sizes = NetworkConfig(speakers=1, words=vectors.width, **preset.sizes)
-    config, weights = _changed(sizes, changes), _changed(LossWeights(), changes)
+    config, weights = _with_changes(sizes, changes), _with_changes(LossWeights(), changes)
     features = bone_features(kind, face, vectors, config.frame_rate, faces=config.faces)
     windows = cut_windows(request, features, config.frame_rate, config.frames, STRIDE)
     names = windows["training"].prepared.training_speakers(request.takes.speakers)
@@ -188,8 +191,8 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     )
     training = preset.config_for(task.examples, request.changes)
     used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
-    passes = tuple(one for one in training.passes if used[one.name])
-    trained, facts = learn(request, task, replace(training, passes=passes))
+    passes = tuple(update_pass for update_pass in training.passes if used[update_pass.name])
+    trained, facts = run_training(request, task, replace(training, passes=passes))
     network = S2ueNetwork(
         network=trained.network.cpu(),
         speakers=task.speakers,
@@ -197,28 +200,28 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
         training={**facts, "losses": asdict(weights)},
     )
     write_network(request.out, network)
-    return _said(task, vectors, trained)
+    return _describe(task, vectors, trained)
 
 
-def _changed(settings: _Settings, changes: Mapping[str, Any]) -> _Settings:
+def _with_changes(settings: _Settings, changes: Mapping[str, Any]) -> _Settings:
     """Return settings with those of an ablation's changes that are theirs."""
-    own = {name: value for name, value in changes.items() if hasattr(settings, name)}
-    return replace(settings, **own)
+    applicable = {name: value for name, value in changes.items() if hasattr(settings, name)}
+    return replace(settings, **applicable)
 
 
-def _said(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -> TrainedGenerator:
+def _describe(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -> TrainedGenerator:
     prepared = task.training.prepared
-    learned = [take for take in prepared.takes if take.split == "train"]
-    told = sum(take.transcript is not None for take in learned)
+    training_takes = [take for take in prepared.takes if take.split == "train"]
+    transcribed = sum(take.transcript is not None for take in training_takes)
     sentences = (
-        learned_from(task.training, task.speakers),
-        f"Of its takes {told} have a transcript.",
+        describe_training_data(task.training, task.speakers),
+        f"Of its takes {transcribed} have a transcript.",
         f"In {len(task.held_out)} held-out windows its motion is off by "
         f"{trained.best.measured['reconstruction']:.3f} of how far motion spreads (equation 17).",
     )
     warnings = []
     if isinstance(vectors, StandIn):
         warnings.append(f"Words had a {vectors.description}; name FastText's with --vectors.")
-    if not told:
+    if not transcribed:
         warnings.append("It learned from sound alone: no recording has a transcript beside it.")
-    return outcome(task, trained, *sentences, warnings=warnings)
+    return describe_training(task, trained, *sentences, warnings=warnings)

@@ -180,7 +180,7 @@ def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Setting
         If one of its files is not there.
     """
     try:
-        return condition.settings.within(folder.root)
+        return condition.settings.resolved_in(folder.root)
     except InputError as error:
         raise InputError(
             f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy

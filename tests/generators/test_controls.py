@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from generators.controls import Broken, Mismatched, Static, partners
+from generators.controls import Broken, Mismatched, Static, assign_partners
 from generators.interface import SpeechSegment, StudyClips
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -52,19 +52,19 @@ def of_length(*seconds: float) -> list[Segment]:
 def test_nobody_keeps_their_own_motion_and_no_two_get_the_same(
     lengths: list[float], seed: int
 ) -> None:
-    chosen = partners(of_length(*lengths), seed)
+    chosen = assign_partners(of_length(*lengths), seed)
     assert all(taker != giver for taker, giver in chosen.items())
     assert sorted(chosen.values()) == sorted(chosen)
 
 
 @given(st.permutations(of_length(4, 5, 6, 7)), st.integers(0, 100))
 def test_the_order_of_the_segments_does_not_matter(order: list[Segment], seed: int) -> None:
-    assert partners(order, seed) == partners(of_length(4, 5, 6, 7), seed)
+    assert assign_partners(order, seed) == assign_partners(of_length(4, 5, 6, 7), seed)
 
 
 def test_partners_long_enough_are_preferred() -> None:
     for seed in range(20):
-        chosen = partners(of_length(10, 10, 4, 4), seed)
+        chosen = assign_partners(of_length(10, 10, 4, 4), seed)
         assert {chosen["s0"], chosen["s1"]} == {"s0", "s1"}
 
 
@@ -88,7 +88,7 @@ def test_a_short_partner_goes_on_backwards_without_a_jump(study: StudyClips, spe
 
 def test_a_study_of_one_segment_is_refused(speak: Speak) -> None:
     with pytest.raises(InputError, match="another segment"):
-        partners(of_length(5), 0)
+        assign_partners(of_length(5), 0)
 
 
 def test_a_segment_that_is_not_of_the_study_is_refused(study: StudyClips, speak: Speak) -> None:

@@ -15,7 +15,7 @@ from generators import registry
 from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
 from generators.diffsheg import config as diffsheg
 from generators.learned_settings import ModelSettings
-from generators.registry import TRAINABLE, load_generator, needs_model, trainable_of
+from generators.registry import TRAINABLE, find_trainable, load_generator, needs_model
 from generators.s2ue import config as s2ue
 from motion.errors import InputError
 
@@ -93,7 +93,7 @@ def _check_known(told: object, found: object) -> None:
 def test_the_configs_and_ablations_that_can_be_chosen_are_those_there_are(
     name: str, presets: Mapping[str, object], ablations: Mapping[str, object] | None
 ) -> None:
-    trainable = trainable_of(name)
+    trainable = find_trainable(name)
     assert set(trainable.configs) == set(presets)
     (choice,) = (choice for choice in trainable.choices if choice.name == "ablation")
     assert ablations is None or choice.values == tuple(ablations)

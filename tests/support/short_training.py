@@ -24,5 +24,5 @@ def short_training() -> Iterator[None]:
         yield
 
 
-def _write_lines(lines: Sequence[LogLine], path: Path, *, kept: int | None) -> None:
-    path.write_text(json.dumps([list(lines), kept]), encoding="utf-8")
+def _write_lines(lines: Sequence[LogLine], path: Path, *, kept_step: int | None) -> None:
+    path.write_text(json.dumps([list(lines), kept_step]), encoding="utf-8")

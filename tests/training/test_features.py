@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generators.diffsheg.train import features_of
+from generators.diffsheg.train import training_features
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats.ted_npz import AXES
@@ -61,7 +61,7 @@ def hubert() -> Hubert:
 
 
 def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, Feature]:
-    return {one.name: one for one in features_of(dataset, hubert, frame_rate)}
+    return {one.name: one for one in training_features(dataset, hubert, frame_rate)}
 
 
 def test_beats_features_are_as_wide_and_long_as_the_network_wants(
@@ -106,7 +106,7 @@ def test_features_that_come_out_otherwise_have_another_version(
 
 def test_motion_of_nobody_is_refused(hubert: Hubert) -> None:
     with pytest.raises(InputError, match=r"'ted'.*Use 'beat' or 'show'"):
-        features_of("ted", hubert, 15)
+        training_features("ted", hubert, 15)
 
 
 def test_frames_that_were_recorded_are_told_as_they_were(take: Take) -> None:

@@ -147,7 +147,7 @@ def command(
                 speech,
                 out,
                 generator=generator,
-                settings=condition.settings.within(Path()),
+                settings=condition.settings.resolved_in(Path()),
                 device=device,
                 seed=seed,
                 frame_rate=fps,

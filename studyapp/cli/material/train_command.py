@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from generators.registry import run_of, trainable_names
+from generators.registry import run_folder, trainable_names
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.material.train_generator_command import generator_command, run_into
@@ -143,7 +143,7 @@ def evaluator(
     )
     name = f"{kind}-{channels}" if channels else kind
     target = out or recordings.networks / f"{name}.safetensors"
-    folder = RunFolder(run_of(target))
+    folder = RunFolder(run_folder(target))
     with (
         run_into(target),
         progress("read", "clip") as read,

@@ -15,8 +15,8 @@ from generators.registry import (
     Trainable,
     TrainingChoice,
     TrainingRequest,
-    run_of,
-    trainable_of,
+    find_trainable,
+    run_folder,
 )
 from motion.errors import InputError
 from studyapp.cli.output import echo_skipped, progress
@@ -36,7 +36,7 @@ def run_into(out: Path) -> Iterator[None]:
     # Imported here: torch takes seconds to load, which --help need not wait for.
     from training.run.loop import TrainingStopped
 
-    run = run_of(out)
+    run = run_folder(out)
     if out.exists() and not (run / "checkpoint.safetensors").exists():
         raise InputError(
             "there is a file already, and not the run that would go on to make it",
@@ -61,7 +61,7 @@ _file = click.Path(dir_okay=False, path_type=Path)
 
 def generator_command(name: str) -> click.Command:
     """Return the command that trains generator `name`."""
-    trainable = trainable_of(name)
+    trainable = find_trainable(name)
 
     def callback(**given: Any) -> None:
         _train(name, trainable, given)

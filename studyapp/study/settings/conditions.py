@@ -42,7 +42,7 @@ class Condition(Section, extra="allow"):
     def settings(self) -> Settings:
         """What it tells its generator besides speech, with paths from the study's folder."""
         kind = Settings if self.generator is None else settings_type(self.generator)
-        reader = Reader(generator=self.generator or "", beside=tuple(type(self).model_fields))
+        reader = Reader(generator=self.generator or "", sibling_keys=tuple(type(self).model_fields))
         return kind.model_validate(self.model_extra or {}, context=reader)
 
     @model_validator(mode="after")

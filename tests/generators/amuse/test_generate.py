@@ -104,7 +104,7 @@ def test_motion_goes_from_the_speechs_own_or_what_is_named_to_what_is_named(
     _recording(tmp_path, 520)
 
     def moved(**changes: object) -> MotionClip:
-        return _clip(settings.model_copy(update=changes).within(tmp_path), _speech(3.0))
+        return _clip(settings.model_copy(update=changes).resolved_in(tmp_path), _speech(3.0))
 
     first, last = (moved(**named).poses for named in (begin, end))
     clips = [moved(**end, **left, strength=share) for share in (0.0, 0.5, 1.0)]
@@ -171,11 +171,13 @@ def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
 
 def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_path: Path) -> None:
     _recording(tmp_path, 520)
-    edited = settings.model_copy(update={"emotion": "520.wav", "style": "anna"}).within(tmp_path)
+    edited = settings.model_copy(update={"emotion": "520.wav", "style": "anna"}).resolved_in(
+        tmp_path
+    )
     assert edited.emotion == tmp_path / "520.wav"
     assert edited.style == "anna"
     with pytest.raises(InputError, match="no such recording of emotion"):
-        settings.model_copy(update={"emotion": "missing.wav"}).within(tmp_path)
+        settings.model_copy(update={"emotion": "missing.wav"}).resolved_in(tmp_path)
 
 
 def test_without_a_prior_the_denoiser_tells_the_frames_themselves(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS
 from generators.amuse.model import MotionPrior
-from generators.amuse.train import set_out
+from generators.amuse.train import initialise_prior
 
 CONFIG = MOTION_PRESETS["tiny"].network
 
@@ -31,7 +31,7 @@ def _motion() -> Tensor:
 
 def test_the_linear_layers_take_frames_apart_and_put_them_together(motion: Tensor) -> None:
     prior = MotionPrior(CONFIG)
-    set_out(prior, motion)
+    initialise_prior(prior, motion)
     apart = prior.skel_embedding(motion)
     assert (prior.final_layer(apart) - motion).abs().max() < 1e-3
     assert (apart.std(dim=(0, 1))[:12] - 1).abs().max() < 0.05
@@ -40,6 +40,6 @@ def test_the_linear_layers_take_frames_apart_and_put_them_together(motion: Tenso
 def test_a_prior_of_one_token_sets_out_from_the_mean(motion: Tensor) -> None:
     prior = MotionPrior(replace(CONFIG, tokens=1))
     before = prior.skel_embedding.weight.clone()
-    set_out(prior, motion)
+    initialise_prior(prior, motion)
     assert torch.equal(prior.skel_embedding.weight, before)
     assert torch.allclose(prior.final_layer.bias, motion.mean(dim=(0, 1)))

@@ -20,7 +20,7 @@ from generators.amuse.config import MOTION_PRESETS
 from generators.amuse.losses import MOTION_LOSSES
 from generators.amuse.network_file import load_motion, load_speech
 from generators.amuse.train import MotionTask, speech_latents, train_amuse
-from generators.registry import TrainedGenerator, TrainingRequest, unseen
+from generators.registry import TrainedGenerator, TrainingRequest, show_nothing
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
@@ -66,7 +66,10 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
 
     def train(
-        steps: int, out: Path, show: Callable[[int, int, str], None] = unseen, **choices: str | None
+        steps: int,
+        out: Path,
+        show: Callable[[int, int, str], None] = show_nothing,
+        **choices: str | None,
     ) -> TrainedGenerator:
         named = {"speech_model": str(settings.speech_model), **choices}
         request = TrainingRequest(

@@ -67,11 +67,13 @@ def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
     assert found["emotion accuracy"] == found["emotion F1"] == 1
     assert found["style accuracy"] == found["style F1"] == 1
     assert "2 speakers in 2 emotions" in said.sentences[0]
-    assert "Of 16 held-out windows it tells the emotion of 100% (chance 50%)" in said.sentences[1]
+    assert (
+        "In 16 held-out windows it recognises the emotion of 100% (chance 50%)" in said.sentences[1]
+    )
     # Emotion and style are the same in both recordings of a pair, so swapping them costs little.
     for name in ("xcon", "xemo", "xsty"):
         assert found[name] == pytest.approx(found["self of fours"], rel=0.3)
-    assert "Those of 4 held-out fours miss theirs by" in said.sentences[1]
+    assert "In 4 held-out quadruples it is" in said.sentences[1]
     assert set(network.latents["emotion"]) == {"anger", "happiness"}
     assert set(network.latents["style"]) == {"ann", "bob"}
     happy, angry = (network.labelled("emotion", name) for name in ("happiness", "anger"))
@@ -142,7 +144,7 @@ def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path
         said = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
         missed.append(load_speech(out.with_stem(str(steps))).training["held_out"]["loss"])
     assert missed[1] < 0.9 * missed[0]
-    assert "misses the coefficients of 8 held-out windows" in said.sentences[1]
+    assert "reconstruction error in 8 held-out windows" in said.sentences[1]
 
 
 def test_recordings_without_a_known_speaker_for_validation_are_refused(

@@ -34,14 +34,14 @@ def changed(model: DiffShegSettings, **values: Any) -> DiffShegSettings:
 def test_what_is_not_there_is_named(model: DiffShegSettings, tmp_path: Path, what: str) -> None:
     absent = tmp_path / "absent"
     with pytest.raises(InputError, match=re.escape(str(absent))):
-        changed(model, **{what: Path("absent")}).within(tmp_path)
+        changed(model, **{what: Path("absent")}).resolved_in(tmp_path)
 
 
 def test_a_file_is_no_folder_and_a_folder_no_file(model: DiffShegSettings, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such checkpoint"):
-        changed(model, checkpoint=tmp_path / "stats").within(tmp_path)
+        changed(model, checkpoint=tmp_path / "stats").resolved_in(tmp_path)
     with pytest.raises(InputError, match="no such folder of stats"):
-        changed(model, stats=tmp_path / "weights.pt").within(tmp_path)
+        changed(model, stats=tmp_path / "weights.pt").resolved_in(tmp_path)
 
 
 def test_values_out_of_range_are_refused(model: DiffShegSettings) -> None:

@@ -11,11 +11,16 @@ import numpy as np
 import pytest
 import torch
 
-from generators.diffsheg.config import ABLATIONS, PRESETS, preset_of
+from generators.diffsheg.config import ABLATIONS, PRESETS, find_preset
 from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import MotionNetwork, load_network
-from generators.diffsheg.train import CHOSEN_BY, DiffShegTask, normalisation_of, train_diffsheg
-from generators.registry import TrainedGenerator, TrainingRequest, unseen
+from generators.diffsheg.train import (
+    SELECTION_METRIC,
+    DiffShegTask,
+    normalisation_of,
+    train_diffsheg,
+)
+from generators.registry import TrainedGenerator, TrainingRequest, show_nothing
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import smaller
 from tests.generators.one_device import require_one_device
@@ -37,7 +42,7 @@ def takes() -> PreparedTakes:
 
 @pytest.fixture(autouse=True)
 def _few_are_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("generators.diffsheg.train.HELD_OUT", 128)
+    monkeypatch.setattr("generators.diffsheg.train.VALIDATION_WINDOWS", 128)
 
 
 @pytest.fixture
@@ -49,7 +54,7 @@ def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
 
     def train(
-        steps: int, out: Path, show: Callable[[int, int, str], None] = unseen, **changes: Any
+        steps: int, out: Path, show: Callable[[int, int, str], None] = show_nothing, **changes: Any
     ) -> TrainedGenerator:
         request = TrainingRequest(
             takes=toy_folder(takes),
@@ -139,15 +144,17 @@ def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: Prepare
         with torch.no_grad():
             measured.append(task.validation(network))
     assert measured[0] == measured[1]
-    assert set(measured[0]) == {CHOSEN_BY, "loss", "noise", "velocity", "reconstruction"}
+    assert set(measured[0]) == {SELECTION_METRIC, "loss", "noise", "velocity", "reconstruction"}
 
 
 def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: PreparedTakes) -> None:
     task = task_of(takes, weights=LossWeights(noise=2, velocity=10, reconstruction=3))
     with torch.no_grad():
         found = task.validation(task.network().eval())
-    assert next(iter(found)) == CHOSEN_BY
-    assert found[CHOSEN_BY] == pytest.approx(2 * found["noise"] + 3 * found["reconstruction"])
+    assert next(iter(found)) == SELECTION_METRIC
+    assert found[SELECTION_METRIC] == pytest.approx(
+        2 * found["noise"] + 3 * found["reconstruction"]
+    )
 
 
 def test_the_network_is_told_who_speaks(takes: PreparedTakes) -> None:
@@ -179,7 +186,7 @@ def test_every_ablation_learns(name: str, takes: PreparedTakes) -> None:
 def test_a_config_of_the_other_data_set_is_refused(dataset: str) -> None:
     other = {"beat": "show", "show": "beat"}[dataset]
     with pytest.raises(InputError, match=f"config {other} does not tell.*--config") as refused:
-        preset_of(other, dataset)
+        find_preset(other, dataset)
     assert dataset in str(refused.value.remedy)
 
 

@@ -80,7 +80,7 @@ def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
     network = small_network()
     values = told(network)
     heard = torch.randn(2, 34, 128)
-    assert network.lips_heard(heard).shape == (2, 34, len(network.lips), 3)
+    assert network.predict_lips(heard).shape == (2, 34, len(network.lips), 3)
     whole = network.with_lips(values, heard)
     changed = (whole - values).abs().amax(dim=(0, 1))[27:].reshape(-1, 3).amax(dim=1) > 0
     assert changed.nonzero().ravel().tolist() == network.lips
@@ -89,8 +89,8 @@ def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
 def test_every_weight_learns_from_some_loss() -> None:
     network = small_network().train().requires_grad_(True)
     found = told(network)
-    loss = found.square().sum() + network.judged(found).sum()
-    loss = loss + network.lips_heard(torch.randn(2, 34, 128)).square().sum()
+    loss = found.square().sum() + network.discriminate(found).sum()
+    loss = loss + network.predict_lips(torch.randn(2, 34, 128)).square().sum()
     torch.autograd.backward(loss)
     idle = [name for name, one in network.named_parameters() if one.grad is None]
     assert idle == []

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from pydantic import Field
 
-from generators.interface import OnPart, SpeechSegment, StudyClips, unheard
+from generators.interface import OnPart, SpeechSegment, StudyClips, ignore_progress
 from generators.learned_settings import ModelSettings
 from generators.registry import GENERATORS, Entry
 from generators.settings import File
@@ -60,7 +60,7 @@ class Sway:
         seed: int,
         frame_rate: float,
         source: StudyClips | None = None,
-        on_part: OnPart = unheard,
+        on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         frames = speech.frame_count(frame_rate)
         poses = np.zeros((frames, 55, 3), np.float32)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generators.registry import generator_names, trainable_names, trainable_of
+from generators.registry import find_trainable, generator_names, trainable_names
 from motion.errors import InputError
 from motion.formats import read_clip
 from tests.support.command_line import run
@@ -25,7 +25,7 @@ def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> 
     shown = run("train", "--help")
     assert "evaluator" in shown
     for name in trainable_names():
-        assert trainable_of(name).summary[:40] in shown
+        assert find_trainable(name).summary[:40] in shown
         run("train", name, "--help")
 
 
@@ -33,7 +33,7 @@ def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
     assert "static" in generator_names()
     run("train", "static", status=2)
     with pytest.raises(InputError, match=r"static does not learn.*Train one of diffsheg"):
-        trainable_of("static")
+        find_trainable("static")
 
 
 def test_a_file_that_no_run_would_go_on_with_is_not_written_over(tmp_path: Path) -> None:
