@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
-from analysis.results.grouping import codes, compared, parts
+from analysis.results.grouping import codes, split_by_key, split_by_question
 from analysis.results.net_preference import (
     net_preference,
     sided,
@@ -64,8 +64,8 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
         If no model of the answers has an estimate.
     """
     with threadpool_limits(limits=1, user_api="blas"):
-        found = list(_spreads(table, analysed))
-    total = sum(one.answers for one in found)
+        spreads = list(_spreads(table, analysed))
+    total = sum(each.answers for each in spreads)
     if not total:
         raise InputError(
             "the pilot's answers do not tell how much opinions differ",
@@ -74,13 +74,13 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
             "rehearsal.participants_differ and rehearsal.segments_differ in study.toml",
         )
     opinions = Opinions(
-        participant_sd=_pooled([(one.participant_sd, one.answers) for one in found]),
-        item_sd=_pooled([(one.item_sd, one.answers) for one in found]),
+        participant_sd=_pooled([(each.participant_sd, each.answers) for each in spreads]),
+        item_sd=_pooled([(each.item_sd, each.answers) for each in spreads]),
     )
-    told = [(one.thresholds, one.answers) for one in found if one.thresholds is not None]
-    if told:
-        weights = [answers for _, answers in told]
-        slight, clear = np.average([both for both, _ in told], axis=0, weights=weights).tolist()
+    graded = [(each.thresholds, each.answers) for each in spreads if each.thresholds is not None]
+    if graded:
+        thresholds, weights = zip(*graded, strict=True)
+        slight, clear = np.average(thresholds, axis=0, weights=weights).tolist()
         opinions = replace(opinions, slight=slight, clear=clear)
     return opinions, total
 
@@ -92,39 +92,33 @@ def _pooled(deviations: Sequence[tuple[float, int]]) -> float:
 
 
 def _spreads(table: AnswerTable, analysed: pd.DataFrame) -> Iterator[Spreads]:
-    of = {
-        "pairwise": _of_preferences,
-        "mismatch": _of_preferences,
-        "rating": _of_ratings,
-        "ranking": _of_rankings,
-    }[table.protocol]
-    for _, _, answers in parts(table, analysed):
-        yield from of(answers)
-
-
-def _of_preferences(answers: pd.DataFrame) -> Iterator[Spreads]:
-    for _, rows in compared(answers):
-        yield from _of_comparison(answers[rows])
+    if table.protocol in ("pairwise", "mismatch"):
+        for _, answers in split_by_key(table, analysed):
+            yield from _of_comparison(answers)
+        return
+    of_question = _of_ratings if table.protocol == "rating" else _of_rankings
+    for _, _, answers in split_by_question(table, analysed):
+        yield from of_question(answers)
 
 
 def _of_comparison(answers: pd.DataFrame) -> Iterator[Spreads]:
-    found = net_preference(sided(answers))
-    if found.reason:
+    net = net_preference(sided(answers))
+    if net.reason:
         return
     thresholds = None
-    if found.answers_given == (1, 2, 3, 4, 5):
-        lowest, low, high, highest = found.thresholds
+    if net.answers_given == (1, 2, 3, 4, 5):
+        lowest, low, high, highest = net.thresholds
         thresholds = ((high - low) / 2, (highest - lowest) / 2)
     yield Spreads(
-        participant_sd=found.sd_participant,
-        item_sd=found.sd_segment,
+        participant_sd=net.sd_participant,
+        item_sd=net.sd_segment,
         thresholds=thresholds,
-        answers=found.n,
+        answers=net.n,
     )
 
 
 def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
-    """Fit conditions, and for participants and segments a level and a taste for each condition."""
+    """Fit conditions, and of participants and segments a mean and a taste for each condition."""
     values = answers["value"].to_numpy(np.float64)
     given = np.unique(values)
     if len(given) > MANY:
@@ -139,50 +133,48 @@ def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
             RandomEffect(name=name, groups=groups),
             RandomEffect(name=f"{name}'s taste", groups=taste),
         ]
-    covariates = {str(one): (condition == one).astype(float) for one in shown[1:]}
-    found = _fitted(np.asarray(values, np.int64), covariates, random)
-    if found is not None:
+    covariates = {str(code): (condition == code).astype(float) for code in shown[1:]}
+    model = _converged_fit(np.asarray(values, np.int64), covariates, random)
+    if model is not None:
         yield Spreads(
-            participant_sd=math.sqrt(2) * found.deviations["participant's taste"],
-            item_sd=math.sqrt(2) * found.deviations["segment's taste"],
+            participant_sd=math.sqrt(2) * model.deviations["participant's taste"],
+            item_sd=math.sqrt(2) * model.deviations["segment's taste"],
             thresholds=None,
             answers=len(answers),
         )
 
 
 def _of_rankings(answers: pd.DataFrame) -> Iterator[Spreads]:
-    """Fit who of every two conditions is placed before the other; ties tell nothing."""
+    """Fit which of every two conditions is placed first; ties tell nothing."""
     ranks = answers.pivot_table(
         index=["participant", "segment"], columns="condition", values="value", observed=True
     )
     for a, b in combinations(ranks.columns, 2):
         both = ranks[[a, b]].dropna()
         both = both[both[a] != both[b]]
-        who, what = (both.index.get_level_values(n).to_numpy(object) for n in (0, 1))
         random = [
-            RandomEffect(name="participant", groups=who.astype(str)),
-            RandomEffect(name="segment", groups=what.astype(str)),
+            RandomEffect(name=name, groups=both.index.get_level_values(name).to_numpy(str))
+            for name in ("participant", "segment")
         ]
-        found = _fitted((both[a] < both[b]).to_numpy().astype(np.int64), {}, random)
-        if found is not None:
+        model = _converged_fit((both[a] < both[b]).to_numpy().astype(np.int64), {}, random)
+        if model is not None:
             yield Spreads(
-                participant_sd=found.deviations["participant"],
-                item_sd=found.deviations["segment"],
+                participant_sd=model.deviations["participant"],
+                item_sd=model.deviations["segment"],
                 thresholds=None,
                 answers=len(both),
             )
 
 
-def _fitted(
+def _converged_fit(
     values: NDArray[np.int64],
     covariates: dict[str, NDArray[np.float64]],
     random: Sequence[RandomEffect],
 ) -> OrdinalFit | None:
-    """Return a model that converged; None where there is none."""
     if any(len(np.unique(effect.groups)) < 2 for effect in random):
         return None
     try:
-        found = fit(values, covariates, random)
+        model = fit(values, covariates, random)
     except InputError:
         return None
-    return found if found.converged else None
+    return model if model.converged else None

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from types import MappingProxyType
 from typing import Final
 
-from analysis.results.grouping import Place
+from analysis.results.grouping import ResultKey
 from analysis.results.headline import Measure
 from analysis.results.strengths import ConditionStrength
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
@@ -163,7 +163,7 @@ INTERVAL: Final = f"{LEVEL:.0%} interval"
 HOLM: Final = f"p{NO_BREAK}(Holm)"
 
 
-def place_of(one: Place) -> str:
+def place_of(one: ResultKey) -> str:
     """Return what a note calls a result: its question, and its condition or conditions."""
     return f"{heading(one.question)}, {' against '.join(map(condition, one.names))}"
 

@@ -1,4 +1,4 @@
-"""Every metric beside the answers to every question."""
+"""Every metric against people's answers to every question."""
 
 from __future__ import annotations
 
@@ -13,19 +13,11 @@ import pandas as pd
 from analysis.answers.table import AnswerTable
 from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.drawn_preferences import (
-    PREFERENCE,
-    RESAMPLES,
-    DrawnPreferences,
-    Tallies,
-    drawn_preferences,
-    tallies,
-)
 from analysis.results.grouping import ByQuestion, by_question
 from analysis.results.metric_scores import (
-    MetricSide,
+    OrientedMetric,
     WithinCorrelation,
-    metric_sides,
+    oriented_metrics,
     within_conditions,
 )
 from analysis.results.rank_correlations import (
@@ -35,20 +27,29 @@ from analysis.results.rank_correlations import (
     over_conditions,
     sampling_range,
 )
+from analysis.results.resampled_preferences import (
+    PREFERENCE,
+    RESAMPLES,
+    ResampledPreferences,
+    Tallies,
+    resample_preferences,
+    tally,
+)
+from analysis.stats.samples import percentile_interval
 
 SEED: Final = 0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where a condition stands in the metric and in people's preference.
+class ScoredCondition:
+    """The metric's score of a condition, and people's preference.
 
     Attributes
     ----------
     condition : str
-        Which one.
+        Its name.
     score : float
-        What the metric says of it, as in the table of metrics, over the segments shown.
+        The metric's score, as in the table of metrics, over the segments shown.
     preference, low, high : float
         How much people prefer it, and the ends between which 95% of resamples lie.
     """
@@ -69,7 +70,7 @@ class MetricAgainstPeople:
     metric, unit : str
         What was measured.
     better : {'lower', 'higher', 'near the reference'}
-        Which scores speak for a condition; it gives the correlations their sign.
+        Which scores are better; it gives the correlations their sign.
     recorded : float
         The score of recorded motion where nearness to it is what counts; NaN otherwise.
     conditions : int
@@ -78,7 +79,7 @@ class MetricAgainstPeople:
         Kendall's tau-b and Spearman's rho over the conditions.
     within : WithinCorrelation
         Over clips within conditions.
-    places : tuple of Place
+    places : tuple of ScoredCondition
         The conditions that are correlated.
     left_out : mapping of str to str
         Conditions that are not, and why.
@@ -92,7 +93,7 @@ class MetricAgainstPeople:
     kendall: RankCorrelation
     spearman: RankCorrelation
     within: WithinCorrelation
-    places: tuple[Place, ...]
+    places: tuple[ScoredCondition, ...]
     left_out: Mapping[str, str]
 
 
@@ -103,15 +104,15 @@ class AgainstPeople:
     Attributes
     ----------
     preference : str
-        What stands for people's preference of a condition, in words.
+        The measure of people's preference of a condition, in words.
     conditions, participants, segments : int
         Conditions that people judged, and what the judgement rests on.
     resamples : int
-        How many intervals rest on.
+        Of each interval.
     sampling_range : SamplingRange or None
-        What so many conditions can show at all; None for fewer than three.
+        What a study with so many conditions can find; None for fewer than three.
     metrics : tuple of MetricAgainstPeople
-        In the order of the table of metrics; those that call no direction better are left out.
+        In the order of the table of metrics; those without a better direction are left out.
     method : str
         How intervals were found.
     reason : str
@@ -172,67 +173,73 @@ def against_people(
     seed: int = SEED,
 ) -> AgainstPeople:
     """Set all metrics beside the answers to one question; see `metrics_against_people`."""
-    found = tallies(protocol, answers)
-    preferences = drawn_preferences(found, resamples=resamples, seed=seed)
-    sides = metric_sides(metrics, found.conditions, found.segments, recorded)
-    too_few = _too_few(found)
-    count = len(found.conditions)
+    tallies = tally(protocol, answers)
+    preferences = resample_preferences(tallies, resamples=resamples, seed=seed)
+    metrics_of = oriented_metrics(metrics, tallies.conditions, tallies.segments, recorded)
+    too_few = _too_few(tallies)
+    count = len(tallies.conditions)
     return AgainstPeople(
         preference=PREFERENCE[protocol],
         conditions=count,
-        participants=found.participants,
-        segments=len(found.segments),
+        participants=tallies.participants,
+        segments=len(tallies.segments),
         resamples=resamples,
         sampling_range=sampling_range(count) if count > 2 else None,
-        metrics=tuple(_beside(found, preferences, side, too_few, seed) for side in sides),
+        metrics=tuple(
+            _correlate(tallies, preferences, metric, too_few, seed) for metric in metrics_of
+        ),
         method=METHOD,
-        reason="" if sides else "no metric says which of its scores speak for a condition",
+        reason="" if metrics_of else "no metric says which of its scores speak for a condition",
     )
 
 
-def _too_few(found: Tallies) -> str:
-    if found.participants < 2:
+def _too_few(tallies: Tallies) -> str:
+    if tallies.participants < 2:
         return "one participant: nothing tells how people differ"
-    if len(found.segments) < 2:
+    if len(tallies.segments) < 2:
         return "one segment: nothing tells how segments differ"
     return ""
 
 
-def _beside(
-    found: Tallies, preferences: DrawnPreferences, side: MetricSide, too_few: str, seed: int
+def _correlate(
+    tallies: Tallies,
+    preferences: ResampledPreferences,
+    metric: OrientedMetric,
+    too_few: str,
+    seed: int,
 ) -> MetricAgainstPeople:
-    names = found.conditions
+    names = tallies.conditions
     # Other resamples of conditions than those of people and segments.
-    tau, rho = over_conditions(preferences, side, too_few=too_few, seed=seed + 1)
+    tau, rho = over_conditions(preferences, metric, too_few=too_few, seed=seed + 1)
     return MetricAgainstPeople(
-        metric=side.name,
-        unit=side.unit,
-        better=side.better,
-        recorded=side.recorded,
-        conditions=len(side.present),
+        metric=metric.name,
+        unit=metric.unit,
+        better=metric.better,
+        recorded=metric.recorded,
+        conditions=len(metric.present),
         kendall=tau,
         spearman=rho,
-        within=within_conditions(found, side),
+        within=within_conditions(tallies, metric),
         places=tuple(
-            _place(names[place], float(side.whole[place]), place, preferences, too_few)
-            for place in side.present.tolist()
+            _scored(names[number], float(metric.whole[number]), number, preferences, too_few)
+            for number in metric.present.tolist()
         ),
-        left_out={names[place]: why for place, why in side.left_out.items()},
+        left_out={names[number]: why for number, why in metric.left_out.items()},
     )
 
 
-def _place(
-    name: str, score: float, place: int, preferences: DrawnPreferences, too_few: str
-) -> Place:
-    draws = preferences.draws[:, place]
+def _scored(
+    name: str, score: float, number: int, preferences: ResampledPreferences, too_few: str
+) -> ScoredCondition:
+    draws = preferences.draws[:, number]
     draws = draws[~np.isnan(draws)]
     low, high = math.nan, math.nan
     if len(draws) and not too_few:
-        low, high = map(float, np.quantile(draws, [0.025, 0.975]))
-    return Place(
+        low, high = percentile_interval(draws)
+    return ScoredCondition(
         condition=name,
         score=score,
-        preference=float(preferences.estimates[place]),
+        preference=float(preferences.estimates[number]),
         low=low,
         high=high,
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
-from analysis.results.grouping import codes, parts, set_name, shown
+from analysis.results.grouping import codes, shown_codes, split_by_question
 from analysis.results.net_preference import sided
 from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import Alpha, Retest, krippendorff_alpha, retest_agreement
@@ -22,12 +22,12 @@ from analysis.stats.intraclass import Intraclass, intraclass_correlation
 
 @dataclass(frozen=True, kw_only=True)
 class Agreement(Alpha):
-    """Krippendorff's alpha for ordered answers; not a condition for anything.
+    """Krippendorff's alpha for ordered answers, and the intraclass correlation.
 
     Attributes
     ----------
     icc : Intraclass
-        The same question asked of variances, of numbers equally far apart.
+        The intraclass correlation of the answers as equally spaced numbers.
     """
 
     icc: Intraclass
@@ -64,15 +64,14 @@ def agreement_of(answers: pd.DataFrame) -> Agreement:
 
     Of several answers of a participant about an item, the first counts.
     """
-    things = [*shown(answers).values(), codes(answers, "segment")]
-    items = np.unique(np.stack(things), axis=1, return_inverse=True)[1].ravel()
+    item_codes = [*shown_codes(answers).values(), codes(answers, "segment")]
+    items = np.unique(np.stack(item_codes), axis=1, return_inverse=True)[1].ravel()
     participants = codes(answers, "participant")
     # A key of both, so that one pass finds who answered twice.
     key = participants.astype(np.int64) * (int(items.max(initial=0)) + 1) + items
     first = np.sort(np.unique(key, return_index=True)[1])
-    own = _counted(answers)[first], participants[first], items[first]
-    alpha = krippendorff_alpha(*own)
-    return Agreement(**vars(alpha), icc=intraclass_correlation(*own))
+    ratings = _signed_values(answers)[first], participants[first], items[first]
+    return Agreement(**vars(krippendorff_alpha(*ratings)), icc=intraclass_correlation(*ratings))
 
 
 def retest_of(answers: pd.DataFrame) -> Retest:
@@ -85,17 +84,17 @@ def retest_of(answers: pd.DataFrame) -> Retest:
     answers : DataFrame
         Of one question, practice trials included, of those whom every rule kept.
     """
-    about = shown(answers)
+    shown = shown_codes(answers)
     rows = pd.DataFrame(
         {
             "participant": codes(answers, "participant"),
             "segment": codes(answers, "segment"),
             "kind": answers["kind"].to_numpy(object),
-            "value": _counted(answers),
-            **about,
+            "value": _signed_values(answers),
+            **shown,
         }
     )
-    keys = ["participant", "segment", *about]
+    keys = ["participant", "segment", *shown]
     first = rows[rows["kind"] == "practice"].drop_duplicates(keys, keep="last")
     again = rows[rows["kind"] == "repeat"].drop_duplicates(keys, keep="first")
     pairs = first.merge(again, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
@@ -106,41 +105,44 @@ def retest_of(answers: pd.DataFrame) -> Retest:
     )
 
 
-def _counted(answers: pd.DataFrame) -> NDArray[np.int64]:
-    """Return ratings, or preferences counted towards a condition and not towards a side."""
+def _signed_values(answers: pd.DataFrame) -> NDArray[np.int64]:
+    """Return ratings, or preferences for the first side instead of for the left."""
     if {"left", "right_speech"} & set(answers):
-        return sided(answers).towards
+        return sided(answers).signed
     return answers["value"].to_numpy().astype(np.int64)
 
 
 def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, ...]:
-    """Return how far the participants agree whom no rule leaves out, question by question.
+    """Return how far the analysed participants agree, question by question.
 
-    It does not tell what they prefer: opposite answers of everybody give the same.
+    It does not reveal what they prefer: if everybody answered the opposite, it would be the same.
     """
-    kept = {(name, question): part for name, question, part in parts(table, left_out.kept)}
-    found = []
-    for name, question, answers in parts(table, left_out.analysed):
-        whole: Agreement | Concordance
+    kept = {
+        (set_name, question): part
+        for set_name, question, part in split_by_question(table, left_out.kept)
+    }
+    agreements = []
+    for set_name, question, answers in split_by_question(table, left_out.analysed):
+        agreement: Agreement | Concordance
         if table.protocol == "ranking":
-            given = placements_of(answers)
-            whole, retest = concordance(given), None
-            n, participants = len(given.ranks), len(np.unique(given.participants))
+            rankings = placements_of(answers)
+            agreement, retest = concordance(rankings), None
+            n, participants = len(rankings.ranks), len(np.unique(rankings.participants))
         else:
-            whole, retest = agreement_of(answers), retest_of(kept[name, question])
-            n, participants = whole.n, whole.participants
-        found.append(
+            agreement, retest = agreement_of(answers), retest_of(kept[set_name, question])
+            n, participants = agreement.n, agreement.participants
+        agreements.append(
             AgreedSoFar(
-                set=set_name(table, name),
+                set=set_name,
                 question=question,
                 measure="alpha" if retest else "w",
-                estimate=whole.estimate,
-                low=whole.low,
-                high=whole.high,
+                estimate=agreement.estimate,
+                low=agreement.low,
+                high=agreement.high,
                 n=n,
                 participants=participants,
-                reason="" if whole.has_interval else whole.reason,
+                reason="" if agreement.has_interval else agreement.reason,
                 retest=retest,
             )
         )
-    return tuple(found)
+    return tuple(agreements)

@@ -1,4 +1,4 @@
-"""What results are about: sets, questions, conditions and pairs, and families of their tests."""
+"""Answers by set, question and condition or pair, and the families of their tests."""
 
 from __future__ import annotations
 
@@ -38,23 +38,27 @@ class ByQuestion(Generic[ResultT]):
 
     Attributes
     ----------
-    found : mapping of (set or None, question) to result
-        None where the table has no sets.
+    results : mapping of (set or None, question) to result
+        The set is None where the table has no sets.
     sets : tuple of str
         All of them, those without results too.
     """
 
-    found: Mapping[tuple[str | None, str], ResultT] = field(default_factory=dict)
+    results: Mapping[tuple[str | None, str], ResultT] = field(default_factory=dict)
     sets: tuple[str, ...] = ()
 
     def rows(self) -> Iterator[Row[ResultT]]:
-        """Give every result with its place, in their order."""
-        for (name, question), one in self.found.items():
-            yield Row(name or "", question, one)
+        """Yield every result with its set and question, in order."""
+        for (set_name, question), result in self.results.items():
+            yield Row(set_name or "", question, result)
 
     def of_set(self, name: str | None) -> dict[str, ResultT]:
         """Return the results of a set by question; of a table without sets, all of them."""
-        return {question: one for (of, question), one in self.found.items() if of == name}
+        return {
+            question: result
+            for (set_name, question), result in self.results.items()
+            if set_name == name
+        }
 
     def nested(self) -> Mapping[str, object]:
         """Return results by question, and by set before that where there are sets."""
@@ -64,15 +68,15 @@ class ByQuestion(Generic[ResultT]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConditionPlace:
-    """One condition and one question.
+class ConditionKey:
+    """What a result is about: one condition and one question.
 
     Attributes
     ----------
     set : str or None
         None where the table has no sets.
     condition, question : str
-        What it is about.
+        Their names.
     """
 
     set: str | None
@@ -86,15 +90,15 @@ class ConditionPlace:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PairPlace:
-    """Two conditions and one question: a against b, a being the one that appeared first.
+class PairKey:
+    """What a result is about: two conditions, of which a appeared first, and one question.
 
     Attributes
     ----------
     set : str or None
         None where the table has no sets.
     a, b, question : str
-        What it is about.
+        Their names.
     """
 
     set: str | None
@@ -108,41 +112,57 @@ class PairPlace:
         return self.a, self.b
 
 
-Place = ConditionPlace | PairPlace
+ResultKey = ConditionKey | PairKey
 
-Tested = TypeVar("Tested", bound="ConditionPlace | PairPlace")
+Tested = TypeVar("Tested", bound="ConditionKey | PairKey")
 
 
-def parts(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """Give set, question and their answers, in the order of appearance; none without answers."""
+def split_by_question(
+    table: AnswerTable, answers: pd.DataFrame
+) -> Iterator[tuple[str | None, str, pd.DataFrame]]:
+    """Yield set, question and answers, in the order of the table; the set is None without sets."""
     sets, questions = answers["set"].to_numpy(object), answers["question"].to_numpy(object)
     for name in table.sets:
-        inside = sets == name
         for question in table.questions:
-            chosen = inside & (questions == question)
-            if chosen.any():
-                yield name, question, answers[chosen]
+            rows = (sets == name) & (questions == question)
+            if rows.any():
+                yield name if table.has_sets else None, question, answers[rows]
 
 
 def by_question(
     table: AnswerTable, answers: pd.DataFrame, result: Callable[[pd.DataFrame], Result]
 ) -> ByQuestion[Result]:
     """Return a result for each question, and for each set where there are sets."""
-    found = {(name, question): result(part) for name, question, part in parts(table, answers)}
-    return of_parts(table, found)
+    parts = split_by_question(table, answers)
+    return as_by_question(table, {(name, question): result(part) for name, question, part in parts})
 
 
-def of_parts(table: AnswerTable, found: Mapping[tuple[str, str], Result]) -> ByQuestion[Result]:
-    """Return the results of each part of a table's answers; see `parts`."""
-    return ByQuestion(
-        {(set_name(table, name), question): one for (name, question), one in found.items()},
-        table.sets if table.has_sets else (),
-    )
+def as_by_question(
+    table: AnswerTable, results: Mapping[tuple[str | None, str], Result]
+) -> ByQuestion[Result]:
+    """Return results by set and question together with the table's sets."""
+    return ByQuestion(results, table.sets if table.has_sets else ())
 
 
-def set_name(table: AnswerTable, name: str) -> str | None:
-    """Return the name of a set, None where the table has none."""
-    return name if table.has_sets else None
+def split_by_key(
+    table: AnswerTable, answers: pd.DataFrame
+) -> Iterator[tuple[ResultKey, pd.DataFrame]]:
+    """Yield every condition, or pair of them, with the answers about it, question by question."""
+    for set_name, question, part in split_by_question(table, answers):
+        shown = np.stack(list(shown_codes(part).values()))
+        for codes_of_key in np.unique(shown, axis=1).T:
+            if codes_of_key.min() < 0:
+                continue
+            names = [table.conditions[code] for code in codes_of_key]
+            rows = (shown == codes_of_key[:, None]).all(axis=0)
+            yield (
+                (
+                    PairKey(set=set_name, a=names[0], b=names[1], question=question)
+                    if len(names) == 2
+                    else ConditionKey(set=set_name, condition=names[0], question=question)
+                ),
+                part[rows],
+            )
 
 
 def codes(answers: pd.DataFrame, column: str) -> Codes:
@@ -150,41 +170,22 @@ def codes(answers: pd.DataFrame, column: str) -> Codes:
     return np.asarray(answers[column].cat.codes, np.intp)
 
 
-def shown(answers: pd.DataFrame) -> dict[str, Codes]:
-    """Return which conditions each answer is about, by number: a pair of them, a before b, or one.
-
-    Of a pair, a is the one that appeared first.
-    """
+def shown_codes(answers: pd.DataFrame) -> dict[str, Codes]:
+    """Return the code of the condition that each answer is about, or of a pair, a before b."""
     if "left" not in answers:
         return {"condition": codes(answers, "condition")}
     left, right = codes(answers, "left"), codes(answers, "right")
     return {"a": np.minimum(left, right), "b": np.maximum(left, right)}
 
 
-def compared(answers: pd.DataFrame) -> Iterator[tuple[tuple[int, ...], NDArray[np.bool_]]]:
-    """Give every condition, or pair of them, that answers are about, and which answers are."""
-    found = np.stack(list(shown(answers).values()))
-    for numbers in np.unique(found, axis=1).T:
-        if numbers.min() >= 0:
-            yield tuple(numbers.tolist()), np.asarray((found == numbers[:, None]).all(axis=0), bool)
-
-
-def place_of(table: AnswerTable, of: str, question: str, numbers: tuple[int, ...]) -> Place:
-    """Return what a result about a condition, or a pair of them, is about."""
-    names = [table.conditions[number] for number in numbers]
-    if len(names) == 2:
-        return PairPlace(set=set_name(table, of), a=names[0], b=names[1], question=question)
-    return ConditionPlace(set=set_name(table, of), condition=names[0], question=question)
-
-
-def on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
-    """Tell where a, or of one motion with two speeches the video with its own, was on the right."""
+def is_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
+    """Tell which answers saw a, or of a mismatch task the own speech, on the right."""
     if "left" in answers:
         return np.asarray(codes(answers, "right") < codes(answers, "left"))
     return np.asarray(answers["right_speech"] == "own", bool)
 
 
-def people(answers: pd.DataFrame) -> int:
+def count_participants(answers: pd.DataFrame) -> int:
     """Return how many participants gave the answers."""
     return len(np.unique(codes(answers, "participant")))
 
@@ -192,7 +193,7 @@ def people(answers: pd.DataFrame) -> int:
 def shown_conditions(answers: pd.DataFrame) -> tuple[str, ...]:
     """Return the conditions that the answers are about, in the order of the table."""
     names = answers["condition"].cat.categories
-    return tuple(str(names[place]) for place in np.unique(codes(answers, "condition")))
+    return tuple(str(names[code]) for code in np.unique(codes(answers, "condition")))
 
 
 FORMS = "all, by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]"
@@ -204,8 +205,6 @@ class Family:
 
     Attributes
     ----------
-    text : str
-        As it was declared.
     conditions : tuple of str
         Only tests about all of these decide: one for comparisons with a reference, two for a
         primary comparison; none for every test.
@@ -215,40 +214,49 @@ class Family:
         Whether the tests of each question are corrected by themselves.
     """
 
-    text: str = "all"
     conditions: tuple[str, ...] = ()
     question: str = ""
     by_question: bool = False
 
-    def holds(self, place: Place) -> bool:
+    def contains(self, key: ResultKey) -> bool:
         """Tell whether a test of this is a member."""
-        return set(self.conditions) <= set(place.names) and self.question in ("", place.question)
+        return set(self.conditions) <= set(key.names) and self.question in ("", key.question)
 
-    def corrected(self, places: Sequence[Place], p_values: Sequence[float]) -> tuple[float, ...]:
+    def adjust(self, keys: Sequence[ResultKey], p_values: Sequence[float]) -> list[float]:
         """Return p values corrected by Holm's method; NaN of tests that are no members.
 
         Parameters
         ----------
-        places : sequence of Place
+        keys : sequence of ResultKey
             What each test is about.
         p_values : sequence of float
             Of the tests.
         """
-        corrected = np.full(len(places), np.nan)
-        inside = [number for number, place in enumerate(places) if self.holds(place)]
-        for question in dict.fromkeys(places[number].question for number in inside):
-            own = [n for n in inside if not self.by_question or places[n].question == question]
-            corrected[own] = holm([p_values[number] for number in own])
-        return tuple(corrected.tolist())
+        adjusted = np.full(len(keys), np.nan)
+        members = [number for number, key in enumerate(keys) if self.contains(key)]
+        for question in dict.fromkeys(keys[number].question for number in members):
+            together = [n for n in members if not self.by_question or keys[n].question == question]
+            adjusted[together] = holm([p_values[number] for number in together])
+        return adjusted.tolist()
 
-    def decide(self, found: Sequence[Tested], by: str = "") -> tuple[Tested, ...]:
-        """Return what was tested with its p corrected as `p_holm`; `by` names what of it tests."""
-        tests: list[Any] = [getattr(one, by) if by else one for one in found]
-        corrected = self.corrected(found, [test.p_value for test in tests])
-        decided = [replace(test, p_holm=p) for test, p in zip(tests, corrected, strict=True)]
+    def decide(self, results: Sequence[Tested], test_field: str = "") -> tuple[Tested, ...]:
+        """Return results with the corrected p of their test as `p_holm`.
+
+        Parameters
+        ----------
+        results : sequence
+            What was tested.
+        test_field : str
+            The field of a result that holds its test; empty where the result is the test.
+        """
+        tests: list[Any] = [
+            getattr(result, test_field) if test_field else result for result in results
+        ]
+        adjusted = self.adjust(results, [test.p_value for test in tests])
+        decided = [replace(test, p_holm=p) for test, p in zip(tests, adjusted, strict=True)]
         return tuple(
-            replace(one, **{by: test}) if by else test
-            for one, test in zip(found, decided, strict=True)
+            replace(result, **{test_field: test}) if test_field else test
+            for result, test in zip(results, decided, strict=True)
         )
 
 
@@ -265,21 +273,21 @@ def read_family(text: str, conditions: Sequence[str], questions: Sequence[str]) 
     """
     words = text.strip()
     if words in ("all", "by question"):
-        return Family(text=words, by_question=words == "by question")
-    form, _, names = words.partition("=")
-    parts = tuple(part.strip() for part in names.split(","))
-    wanted = {"against": (1,), "primary": (2, 3)}.get(form.strip(), ())
-    if len(parts) not in wanted or not all(parts):
+        return Family(by_question=words == "by question")
+    form, _, listed = words.partition("=")
+    names = tuple(name.strip() for name in listed.split(","))
+    counts = {"against": (1,), "primary": (2, 3)}.get(form.strip(), ())
+    if len(names) not in counts or not all(names):
         raise InputError(
             f"{text!r} is not a family of tests", where="family", remedy=f"Write one of: {FORMS}"
         )
-    about, question = parts[:2] if form.strip() == "primary" else parts, "".join(parts[2:])
-    for name, known in ((about, conditions), ((question,) if question else (), questions)):
-        unknown = [one for one in name if one not in known]
+    family = Family(conditions=names[:2], question="".join(names[2:]))
+    for named, known in ((family.conditions, conditions), (names[2:], questions)):
+        unknown = [name for name in named if name not in known]
         if unknown:
             raise InputError(
                 f"the family names {unknown[0]}, which is not among {', '.join(known)}",
                 where="family",
                 remedy="Write the name as the study does",
             )
-    return Family(text=words, conditions=about, question=question)
+    return family

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -13,7 +13,13 @@ import pandas as pd
 
 from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
-from analysis.results.grouping import codes, compared, parts, set_name
+from analysis.results.grouping import (
+    ConditionKey,
+    ResultKey,
+    codes,
+    split_by_key,
+    split_by_question,
+)
 from analysis.results.net_preference import sided
 from analysis.results.preference import win_share
 from analysis.results.ranking import placements_of
@@ -49,7 +55,7 @@ class HeadlineNumber(Estimate):
 
 @dataclass(frozen=True, kw_only=True)
 class Sensitivity:
-    """How far one headline number depends on who is left out.
+    """How much one headline number depends on who is left out.
 
     Attributes
     ----------
@@ -60,7 +66,7 @@ class Sensitivity:
     analysed : Estimate
         As reported.
     as_planned : Estimate
-        By the rules alone that were settled beforehand.
+        With the rules alone that were settled beforehand.
     everyone : Estimate
         When nobody is excluded.
     """
@@ -81,9 +87,9 @@ class Sensitivity:
 
 
 def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> tuple[HeadlineNumber, ...]:
-    """Return the headline numbers of a part of a table's answers.
+    """Return the headline numbers of some of a table's answers.
 
-    Who looks before the end of a study is to see sizes and how wide open they are, and no p.
+    Pages show them before the end of a study: estimates and intervals, without p.
 
     Returns
     -------
@@ -92,14 +98,14 @@ def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> tuple[Headlin
     """
     return tuple(
         HeadlineNumber(
-            **vars(found),
-            set=of,
-            question=question,
-            a=conditions[0],
-            b="".join(conditions[1:]),
-            measure=_HEADLINES[table.protocol][0],
+            **vars(estimate),
+            set=key.set,
+            question=key.question,
+            a=key.names[0],
+            b="".join(key.names[1:]),
+            measure=MEASURES[table.protocol],
         )
-        for (of, question, conditions), found in _numbers(table, answers)
+        for key, estimate in _estimates(table, answers)
     )
 
 
@@ -123,69 +129,56 @@ def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...
         return ()
 
     everyone, analysed = (
-        dict(_numbers(table, answers)) for answers in (left_out.everyone, left_out.analysed)
+        dict(_estimates(table, answers)) for answers in (left_out.everyone, left_out.analysed)
     )
-    planned = analysed if left_out.is_as_planned else dict(_numbers(table, left_out.as_planned))
+    planned = analysed if left_out.is_as_planned else dict(_estimates(table, left_out.as_planned))
     return tuple(
         Sensitivity(
-            set=key[0],
-            question=key[1],
-            conditions=key[2],
-            measure=_HEADLINES[table.protocol][0],
+            set=key.set,
+            question=key.question,
+            conditions=key.names,
+            measure=MEASURES[table.protocol],
             analysed=analysed.get(key, NOBODY),
             as_planned=planned.get(key, NOBODY),
-            everyone=number,
+            everyone=estimate,
         )
-        for key, number in everyone.items()
+        for key, estimate in everyone.items()
     )
 
 
 NOBODY: Final = Estimate(reason="nobody who answered this is analysed")
 
-Key = tuple[str | None, str, tuple[str, ...]]
-"""Set, question and conditions."""
-
-Estimates = Iterator[tuple[tuple[str, ...], Estimate]]
-"""Conditions, and their number."""
-
-
-def _numbers(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[Key, Estimate]]:
-    for name, question, part in parts(table, answers):
-        for conditions, found in _HEADLINES[table.protocol][1](table, part):
-            yield (set_name(table, name), question, conditions), found
-
-
-def _shares(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
-    """Give the win shares of a in every pair, or of each condition's own speech."""
-    for numbers, rows in compared(answers):
-        yield _names(table, numbers), win_share(sided(answers[rows]))
-
-
-def _ratings(table: AnswerTable, answers: pd.DataFrame) -> Estimates:
-    limits = limits_of(table, str(answers["question"].iloc[0]))
-    for numbers, rows in compared(answers):
-        own = answers[rows]
-        values, who = own["value"].to_numpy(np.float64), codes(own, "participant")
-        mean = clustered_mean(values, who, codes(own, "segment"), null=math.nan, limits=limits)
-        yield _names(table, numbers), mean
-
-
-def _ranks(_table: AnswerTable, answers: pd.DataFrame) -> Estimates:
-    for one in rank_summaries(placements_of(answers)):
-        yield (one.condition,), one.mean_rank
-
-
-def _names(table: AnswerTable, numbers: tuple[int, ...]) -> tuple[str, ...]:
-    return tuple(table.conditions[number] for number in numbers)
-
-
-_HEADLINES: Final = MappingProxyType[
-    str, tuple[Measure, Callable[[AnswerTable, pd.DataFrame], Estimates]]
-](
+MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
     {
-        "pairwise": ("win_share", _shares),
-        "mismatch": ("own_speech", _shares),
-        "rating": ("mean_rating", _ratings),
-        "ranking": ("mean_rank", _ranks),
+        "pairwise": "win_share",
+        "mismatch": "own_speech",
+        "rating": "mean_rating",
+        "ranking": "mean_rank",
     }
 )
+"""What the headline numbers of each protocol are."""
+
+
+def _estimates(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[ResultKey, Estimate]]:
+    if table.protocol == "ranking":
+        for set_name, question, part in split_by_question(table, answers):
+            for summary in rank_summaries(placements_of(part)):
+                yield (
+                    ConditionKey(set=set_name, condition=summary.condition, question=question),
+                    summary.mean_rank,
+                )
+        return
+    for key, part in split_by_key(table, answers):
+        if table.protocol == "rating":
+            yield (
+                key,
+                clustered_mean(
+                    part["value"].to_numpy(np.float64),
+                    codes(part, "participant"),
+                    codes(part, "segment"),
+                    null=math.nan,
+                    limits=limits_of(table, key.question),
+                ),
+            )
+        else:
+            yield key, win_share(sided(part))

@@ -5,22 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal, TypeVar
+from typing import Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
-from analysis.results.grouping import (
-    ConditionPlace,
-    PairPlace,
-    Place,
-    codes,
-    compared,
-    parts,
-    place_of,
-)
+from analysis.results.grouping import ConditionKey, PairKey, ResultKey, codes, split_by_key
 from analysis.results.net_preference import sided
 from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 from analysis.stats.f_tests import FTest, between_groups, between_segments
@@ -90,10 +82,10 @@ def cells(
         In the order of `names`.
     """
     order = np.argsort(levels, kind="stable")
-    found, starts = np.unique(levels[order], return_index=True)
+    present, starts = np.unique(levels[order], return_index=True)
     return tuple(
-        _cell(names[level], values[own], participants[own], segments[own], null, limits)
-        for level, own in zip(found, np.split(order, starts[1:]), strict=True)
+        _cell(names[level], values[rows], participants[rows], segments[rows], null, limits)
+        for level, rows in zip(present, np.split(order, starts[1:]), strict=True)
     )
 
 
@@ -128,7 +120,7 @@ class Heterogeneity:
     Attributes
     ----------
     by : {'emotion', 'speaker', 'segment'}
-        What tells the levels apart.
+        Factor of the levels.
     measure : {'win_share', 'difference', 'mean_rank'}
         The effect: share of wins, difference of paired ratings in scores, or mean rank.
     null : float
@@ -147,12 +139,12 @@ class Heterogeneity:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PairHeterogeneity(Heterogeneity, PairPlace):
+class PairHeterogeneity(Heterogeneity, PairKey):
     """Of two conditions."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConditionHeterogeneity(Heterogeneity, ConditionPlace):
+class ConditionHeterogeneity(Heterogeneity, ConditionKey):
     """Of one condition."""
 
 
@@ -160,20 +152,23 @@ AnyHeterogeneity = TypeVar("AnyHeterogeneity", bound=Heterogeneity)
 
 
 def heterogeneity(
-    place: Place,
+    kind: type[AnyHeterogeneity],
+    key: ResultKey,
     answers: pd.DataFrame,
     values: Floats,
     *,
     measure: str,
     null: float,
     limits: tuple[float, float] = (-math.inf, math.inf),
-) -> Iterator[Any]:
-    """Take an effect apart by emotion, speaker and segment, where there are several of them.
+) -> Iterator[AnyHeterogeneity]:
+    """Estimate an effect by emotion, speaker and segment, where there are several of them.
 
     Parameters
     ----------
-    place : ConditionPlace or PairPlace
-        What the effect is about; the results are of its kind.
+    kind : type
+        `PairHeterogeneity` or `ConditionHeterogeneity`.
+    key : ResultKey
+        What the effect is about.
     answers : DataFrame
         Main and repeated trials of one question, one row a value.
     values : ndarray, shape (N,)
@@ -183,28 +178,22 @@ def heterogeneity(
     limits : (float, float)
         Where values can lie.
     """
-    kind = PairHeterogeneity if isinstance(place, PairPlace) else ConditionHeterogeneity
-    who, what = codes(answers, "participant"), codes(answers, "segment")
     for by in KINDS:
-        level = codes(answers, by)
-        known = level >= 0
-        if len(np.unique(level[known])) < 2:
+        known = codes(answers, by) >= 0
+        part, effects = answers[known], values[known]
+        levels = codes(part, by)
+        if len(np.unique(levels)) < 2:
             continue
-        part = values[known], level[known], who[known], what[known]
-        found = cells(
-            *part[:2],
-            [str(name) for name in answers[by].cat.categories],
-            *part[2:],
-            null=null,
-            limits=limits,
-        )
+        participants, segments = codes(part, "participant"), codes(part, "segment")
+        names = [str(name) for name in part[by].cat.categories]
+        found = cells(effects, levels, names, participants, segments, null=null, limits=limits)
         test = (
-            between_segments(part[0], part[2], part[3])
+            between_segments(effects, participants, segments)
             if by == "segment"
-            else between_groups(*part)
+            else between_groups(effects, levels, participants, segments)
         )
         yield kind(
-            **vars(place),
+            **vars(key),
             by=by,
             measure=measure,
             null=null,
@@ -213,16 +202,18 @@ def heterogeneity(
         )
 
 
-def preference_heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Any]:
-    """Take every win share apart: of a pair's a, or of a condition's own speech."""
+def preference_heterogeneity(
+    kind: type[AnyHeterogeneity], table: AnswerTable, analysed: pd.DataFrame
+) -> list[AnyHeterogeneity]:
+    """Estimate every win share, of a or of the own speech, by emotion, speaker and segment."""
     return [
-        one
-        for of, question, answers in parts(table, analysed)
-        for numbers, rows in compared(answers)
-        for one in heterogeneity(
-            place_of(table, of, question, numbers),
-            answers[rows],
-            sided(answers[rows]).wins,
+        result
+        for key, answers in split_by_key(table, analysed)
+        for result in heterogeneity(
+            kind,
+            key,
+            answers,
+            sided(answers).wins,
             measure="win_share",
             null=0.5,
             limits=(0.0, 1.0),
@@ -230,16 +221,21 @@ def preference_heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list
     ]
 
 
-def corrected_tests(found: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity, ...]:
-    """Return the results of a report, with Holm's correction of both kinds of tests."""
-    tests = holm([one.test.p_value for one in found])
-    # A cell that is only described is no member of the family.
-    own = iter(holm([w.p_value for one in found for w in one.levels if not w.descriptive]))
+def correct_tests(results: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity, ...]:
+    """Return the results of a report with Holm's correction, of tests and of levels."""
+    tests = holm([result.test.p_value for result in results])
+    # A level that is only described is no member of the family.
+    of_levels = iter(
+        holm([cell.p_value for result in results for cell in result.levels if not cell.descriptive])
+    )
     return tuple(
         replace(
-            one,
-            levels=tuple(w if w.descriptive else replace(w, p_holm=next(own)) for w in one.levels),
-            test=replace(one.test, p_holm=p),
+            result,
+            levels=tuple(
+                cell if cell.descriptive else replace(cell, p_holm=next(of_levels))
+                for cell in result.levels
+            ),
+            test=replace(result.test, p_holm=p_holm),
         )
-        for one, p in zip(found, tests, strict=True)
+        for result, p_holm in zip(results, tests, strict=True)
     )

@@ -1,4 +1,4 @@
-"""Estimates beside values that are known: what an analysis finds of true values."""
+"""Estimates of a report beside the true values of a simulation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from analysis.results.grouping import Place
+from analysis.results.grouping import ResultKey
 from analysis.results.headline import Measure
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
@@ -55,7 +55,7 @@ class KnownValue:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownDifference:
-    """Which of two is the better one, by the true values and as the analysis says.
+    """Which of two is better, by the true values and by the analysis.
 
     Attributes
     ----------
@@ -103,50 +103,47 @@ def found_values(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[tuple[KnownValue, Estimate], ...]:
     """Return each known value that was estimated, with its estimate."""
-    return tuple(
-        (value, found)
-        for report in reports
-        for estimates in ({_key(*one[:2]): one[2] for one in _estimates(report)},)
-        for value in known
-        if (found := estimates.get(_key_of(value, value.part if report.sets else ""))) is not None
-    )
+    pairs = []
+    for report in reports:
+        estimates = {_key(measure, key): estimate for measure, key, estimate in _estimates(report)}
+        for value in known:
+            key = value.measure, value.part if report.sets else "", value.question, value.about
+            if key in estimates:
+                pairs.append((value, estimates[key]))
+    return tuple(pairs)
 
 
 def found_differences(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[KnownDifference, ...]:
     """Return, of any two that were compared, whether the better one is found."""
-    truths = {_key_of(value, value.part): value.value for value in known}
-    return tuple(
-        difference
+    truths: dict[_Key, float] = {(v.measure, v.part, v.question, v.about): v.value for v in known}
+    differences = (
+        _difference(report, truths, measure, key, estimate, decided)
         for report in reports
-        for one in _compared(report)
-        if not math.isnan((difference := _difference(report, truths, *one)).truth)
+        for measure, key, estimate, decided in _compared(report)
     )
+    return tuple(each for each in differences if not math.isnan(each.truth))
 
 
 _Key = tuple[str, str, str, str]
 """Measure, part, question, and what it is about."""
 
 
-def _key(measure: Measure, place: Place) -> _Key:
-    return measure, place.set or "", place.question, "-".join(place.names)
+def _key(measure: Measure, key: ResultKey) -> _Key:
+    return measure, key.set or "", key.question, "-".join(key.names)
 
 
-def _key_of(value: KnownValue, part: str) -> _Key:
-    return value.measure, part, value.question, value.about
-
-
-def _estimates(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate]]:
-    """Give every headline number of a report, both ways round for pairs."""
+def _estimates(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimate]]:
+    """Yield every headline number of a report, both ways round for pairs."""
     match report.results:
         case PairwiseResults(comparisons=comparisons):
-            for pair in comparisons:
-                for one in (pair, pair.mirrored()):
-                    yield "win_share", one, one.win_share
+            for comparison in comparisons:
+                for either in (comparison, comparison.mirrored()):
+                    yield "win_share", either, either.win_share
         case MismatchResults(conditions=matched):
-            for own in matched:
-                yield "own_speech", own, own.win_share
+            for condition in matched:
+                yield "own_speech", condition, condition.win_share
         case RatingResults(conditions=rated):
             for rating in rated:
                 yield "mean_rating", rating, rating
@@ -155,47 +152,55 @@ def _estimates(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate]]
                 yield "mean_rank", rank, rank.mean_rank
 
 
-def _compared(report: TableReport) -> Iterator[tuple[Measure, Place, Estimate, bool]]:
-    """Give what the analysis says of every two: shares as differences from one half."""
+def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimate, bool]]:
+    """Yield the difference of every two, of shares from one half, and whether it is significant."""
     match report.results:
         case RatingResults(contrasts=contrasts):
-            for one in contrasts:
-                found = one.difference
-                yield "mean_rating", one, found, found.has_interval and not found.covers(0.0)
+            for contrast in contrasts:
+                difference = contrast.difference
+                decided = difference.has_interval and not difference.covers(0.0)
+                yield "mean_rating", contrast, difference, decided
         case RankingResults(posthoc=posthoc):
             for pair in posthoc:
                 reason = pair.reason or NO_RANK_INTERVAL
                 ahead = Estimate(estimate=-pair.difference, participants=pair.n, reason=reason)
                 yield "mean_rank", pair, ahead, pair.conover_holm < SIGNIFICANT
         case _:
-            for measure, place, share in _estimates(report):
+            for measure, key, share in _estimates(report):
                 moved = {name: getattr(share, name) - 0.5 for name in ("estimate", "low", "high")}
                 decided = share.has_interval and not share.covers(0.5)
-                yield measure, place, replace(share, **moved), decided
+                yield measure, key, replace(share, **moved), decided
 
 
 def _difference(
     report: TableReport,
     truths: Mapping[_Key, float],
     measure: Measure,
-    place: Place,
+    key: ResultKey,
     found: Estimate,
     decided: bool,
 ) -> KnownDifference:
     # A table without sets may be one part of a study that has several.
-    parts = [place.set or ""] if report.sets else sorted({key[1] for key in truths})
+    parts = [key.set or ""] if report.sets else sorted({part for _, part, _, _ in truths})
     is_share = measure in ("win_share", "own_speech")
-    keys = [
-        next((k for part in parts if (k := (measure, part, place.question, name)) in truths), None)
-        for name in (["-".join(place.names)] if is_share else place.names)
+    values = [
+        next(
+            (
+                truths[measure, part, key.question, about]
+                for part in parts
+                if (measure, part, key.question, about) in truths
+            ),
+            math.nan,
+        )
+        for about in (["-".join(key.names)] if is_share else key.names)
     ]
-    first, second = [*(truths[key] if key else math.nan for key in keys), 0.5][:2]
+    first, second = [*values, 0.5][:2]
     return KnownDifference(
-        part=place.set or "",
-        question=place.question,
+        part=key.set or "",
+        question=key.question,
         measure=measure,
-        first=place.names[0],
-        second="".join(place.names[1:]) or "other speech",
+        first=key.names[0],
+        second="".join(key.names[1:]) or "other speech",
         # The smaller a rank, the better.
         truth=second - first if measure == "mean_rank" else first - second,
         found=found,

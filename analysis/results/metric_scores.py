@@ -1,13 +1,13 @@
-"""What a metric says of conditions and of clips, and whether clips that it praises are preferred.
+"""Scores of a metric by condition and clip, and their correlation with answers within conditions.
 
-It is turned so that more of it always speaks for what is measured.
+Scores are oriented: the higher, the better.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -16,7 +16,7 @@ from scipy import stats
 
 from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.drawn_preferences import Tallies
+from analysis.results.resampled_preferences import Tallies
 from analysis.stats.clustered_mean import LEVEL, Interval
 
 Floats = NDArray[np.float64]
@@ -27,15 +27,15 @@ NOTHING_RECORDED = "recorded motion, which nearness is measured to, has no score
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MetricSide:
-    """One metric of the conditions that people judged.
+class OrientedMetric:
+    """One metric of the conditions that people judged, whose scores can be oriented.
 
     Attributes
     ----------
     name, unit : str
         What was measured.
     better : {'lower', 'higher', 'near the reference'}
-        Which scores speak for a condition.
+        Which scores are better.
     clips : ndarray, shape (conditions, segments), or None
         Score of each clip, NaN where there is none; None where only whole conditions have one.
     whole : ndarray, shape (conditions,)
@@ -60,8 +60,8 @@ class MetricSide:
         """The conditions that have a score."""
         return np.array([c for c in range(len(self.whole)) if c not in self.left_out], np.intp)
 
-    def speaking(self, scores: Floats, recorded: Floats | float) -> Floats:
-        """Turn scores round where less is better; take their distance where nearness counts."""
+    def orient(self, scores: Floats, recorded: Floats | float) -> Floats:
+        """Return scores of which higher ones are better."""
         match self.better:
             case "higher":
                 return scores
@@ -70,8 +70,8 @@ class MetricSide:
             case _:
                 return -np.abs(scores - recorded)
 
-    def drawn(self, segments: Floats) -> Floats:
-        """Return what speaks for the conditions that are present, in resamples of segments.
+    def resampled(self, segments: Floats) -> Floats:
+        """Return the oriented scores of the conditions that have one, in resamples of segments.
 
         Parameters
         ----------
@@ -84,22 +84,22 @@ class MetricSide:
             NaN where no clip with a score was drawn. Scores of whole conditions stay as they are.
         """
         if self.clips is None:
-            spoken = self.speaking(self.whole[self.present], self.recorded)
-            return np.broadcast_to(spoken, (len(segments), len(spoken)))
+            oriented = self.orient(self.whole[self.present], self.recorded)
+            return np.broadcast_to(oriented, (len(segments), len(oriented)))
         means = _drawn_means(self.clips[self.present], segments)
         recorded: Floats | float = math.nan
         if self.better == "near the reference":
             recorded = _drawn_means(self.recorded_clips[None], segments)
-        return self.speaking(means, recorded)
+        return self.orient(means, recorded)
 
 
-def metric_sides(
+def oriented_metrics(
     metrics: StudyMetrics,
     conditions: Sequence[str],
     segments: Sequence[str],
     recorded: str | None,
-) -> tuple[MetricSide, ...]:
-    """Return every metric that calls a direction better, in the order of its first score.
+) -> tuple[OrientedMetric, ...]:
+    """Return every metric that has a better direction, in the order of its first score.
 
     Parameters
     ----------
@@ -111,44 +111,44 @@ def metric_sides(
         The condition that is recorded motion.
     """
     by_clip: dict[str, dict[tuple[str, str], float]] = {}
-    for one in metrics.clips:
-        by_clip.setdefault(one.result.name, {})[one.condition, one.segment] = one.result.value
-    found: dict[str, MetricSide] = {}
+    for clip in metrics.clips:
+        by_clip.setdefault(clip.result.name, {})[clip.condition, clip.segment] = clip.result.value
+    oriented: dict[str, OrientedMetric] = {}
     scores = {(score.name, score.condition): score for score in metrics.conditions}
     for score in metrics.conditions:
-        if score.name in found or score.better == "unsaid":
+        if score.name in oriented or score.better == "unsaid":
             continue
-        own = by_clip.get(score.name)
-        if own is not None:
-            clips = _table(own, conditions, segments)
-            recorded_clips = _table(own, [recorded or ""], segments)[0]
-            whole, known = _means(clips), float(_means(recorded_clips[None])[0])
+        clip_values = by_clip.get(score.name)
+        if clip_values is not None:
+            clips = _table(clip_values, conditions, segments)
+            recorded_clips = _table(clip_values, [recorded or ""], segments)[0]
+            whole, reference = _means(clips), float(_means(recorded_clips[None])[0])
         else:
             clips, recorded_clips = None, np.full(len(segments), math.nan)
             values = {c: s.value for (name, c), s in scores.items() if name == score.name}
             whole = np.array([values.get(c, math.nan) for c in conditions])
-            known = values.get(recorded or "", math.nan)
+            reference = values.get(recorded or "", math.nan)
         near = score.better == "near the reference"
         left_out = {}
-        for place, condition in enumerate(conditions):
+        for number, condition in enumerate(conditions):
             if near and condition == recorded:
-                left_out[place] = ITSELF
-            elif near and math.isnan(known):
-                left_out[place] = NOTHING_RECORDED
-            elif math.isnan(whole[place]):
-                its = scores.get((score.name, condition))
-                left_out[place] = (its.reason if its else "") or NOT_MEASURED
-        found[score.name] = MetricSide(
+                left_out[number] = ITSELF
+            elif near and math.isnan(reference):
+                left_out[number] = NOTHING_RECORDED
+            elif math.isnan(whole[number]):
+                unscored = scores.get((score.name, condition))
+                left_out[number] = (unscored.reason if unscored else "") or NOT_MEASURED
+        oriented[score.name] = OrientedMetric(
             name=score.name,
             unit=score.unit,
             better=score.better,
             clips=clips,
             whole=whole,
             recorded_clips=recorded_clips,
-            recorded=known if near else math.nan,
+            recorded=reference if near else math.nan,
             left_out=left_out,
         )
-    return tuple(found.values())
+    return tuple(oriented.values())
 
 
 def _table(
@@ -174,7 +174,7 @@ def _drawn_means(clips: Floats, segments: Floats) -> Floats:
 
 
 FEWEST_SEGMENTS: Final = 6
-"""With fewer, nothing tells how much the correlation varies between segments."""
+"""With fewer, it is not known how much the correlation varies between segments."""
 
 _ROUNDING: Final = 1e-9
 
@@ -196,75 +196,71 @@ class WithinCorrelation(Interval):
     answers: int
 
 
-def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
+def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrelation:
     """Correlate scores with mean answers over clips, both measured from their group's mean.
 
     A group is a condition, or of pairwise comparisons a pair of conditions: there the difference
-    of two scores is set beside the win share. Every clip weighs as much as it has answers. The
-    interval leaves out one segment after the other (jackknife on Fisher's scale, t with
-    segments - 1 degrees of freedom), since the clips of one segment share its speech.
+    of two scores is correlated with the win share. Every clip weighs as much as it has answers.
+    The interval is a jackknife over segments, whose clips share one speech (on Fisher's scale, t
+    with segments - 1 degrees of freedom).
 
     Parameters
     ----------
-    found : Tallies
+    tallies : Tallies
         The answers.
-    metric : MetricSide
+    metric : OrientedMetric
         One metric of the same conditions and segments.
     """
+    unknown = WithinCorrelation(cells=0, segments=0, answers=0)
     if metric.clips is None:
-        return _none("the metric scores whole conditions, not clips")
+        return replace(unknown, reason="the metric scores whole conditions, not clips")
     if not len(metric.present):
-        return _none("no condition has a usable score")
-    sums, answers = found.cells
-    scores = _scores_of_groups(found, metric, metric.clips)
+        return replace(unknown, reason="no condition has a usable score")
+    sums, answers = tallies.cells
+    scores = _scores_of_groups(tallies, metric, metric.clips)
     usable = (answers > 0) & ~np.isnan(scores)
-    # A group with one clip has nothing to be measured from.
+    # A group with one clip does not vary.
     usable &= (usable.sum(axis=1) > 1)[:, None]
     weights = np.where(usable, answers, 0)
-    cells, segments = int(usable.sum()), int(usable.any(axis=0).sum())
-    if segments < 2:
-        return _none("fewer than two segments have scores and answers", cells, segments, weights)
+    counted = WithinCorrelation(
+        cells=int(usable.sum()),
+        segments=int(usable.any(axis=0).sum()),
+        answers=int(weights.sum()),
+    )
+    if counted.segments < 2:
+        return replace(counted, reason="fewer than two segments have scores and answers")
     scores = np.where(usable, scores, 0)
     means = np.where(usable, sums / np.where(answers, answers, 1), 0)
-    for values, what in ((scores, "scores"), (means, "answers")):
+    for values, name in ((scores, "scores"), (means, "answers")):
         if not _differ(values, weights):
-            return _none(f"the {what} do not differ within conditions", cells, segments, weights)
-    products = np.stack([weights * one for one in _products(scores, means)])
+            return replace(counted, reason=f"the {name} do not differ within conditions")
+    products = np.stack([weights * product for product in _products(scores, means)])
     estimate = float(_correlation(products.sum(axis=2)[..., None])[0])
-    # Every segment in turn is left out.
-    others = (products.sum(axis=2)[..., None] - products)[:, :, usable.any(axis=0)]
-    low, high, reason = _interval(estimate, _correlation(others))
-    return WithinCorrelation(
-        estimate=estimate,
-        low=low,
-        high=high,
-        cells=cells,
-        segments=segments,
-        answers=int(weights.sum()),
-        reason=reason,
-    )
+    without_each = (products.sum(axis=2)[..., None] - products)[:, :, usable.any(axis=0)]
+    low, high, reason = _interval(estimate, _correlation(without_each))
+    return replace(counted, estimate=estimate, low=low, high=high, reason=reason)
 
 
-def _scores_of_groups(found: Tallies, metric: MetricSide, clips: Floats) -> Floats:
-    """Return what speaks for each group's clip, shape (G, segments); NaN where it is not known."""
-    spoken = metric.speaking(clips, metric.recorded_clips).copy()
-    spoken[list(metric.left_out)] = math.nan
-    if found.groups.shape[1] == 1:
-        return spoken[found.groups[:, 0]]
-    return np.asarray(spoken[found.groups[:, 0]] - spoken[found.groups[:, 1]])
+def _scores_of_groups(tallies: Tallies, metric: OrientedMetric, clips: Floats) -> Floats:
+    """Return the oriented score of each group's clip, shape (G, segments); NaN where unknown."""
+    oriented = metric.orient(clips, metric.recorded_clips).copy()
+    oriented[list(metric.left_out)] = math.nan
+    if tallies.groups.shape[1] == 1:
+        return oriented[tallies.groups[:, 0]]
+    return np.asarray(oriented[tallies.groups[:, 0]] - oriented[tallies.groups[:, 1]])
 
 
 def _differ(values: Floats, weights: Floats) -> bool:
     """Tell whether values differ within any group by more than rounding errors."""
-    total = weights.sum(axis=1, keepdims=True)
-    means = (weights * values).sum(axis=1, keepdims=True) / np.where(total, total, 1)
-    apart = np.abs(np.where(weights > 0, values - means, 0)).max()
-    return bool(apart > _ROUNDING * np.abs(values).max())
+    totals = weights.sum(axis=1, keepdims=True)
+    means = (weights * values).sum(axis=1, keepdims=True) / np.where(totals, totals, 1)
+    deviation = np.abs(np.where(weights > 0, values - means, 0)).max()
+    return bool(deviation > _ROUNDING * np.abs(values).max())
 
 
 def _products(first: Floats, second: Floats) -> tuple[Floats, ...]:
-    """Return what sums must be known of: one, both values, their squares and their product."""
-    # From the mean of all, so that the squares lose no digits.
+    """Return the terms of a correlation: one, both values, their squares and their product."""
+    # Centred, so that the squares lose no digits.
     first, second = first - first.mean(), second - second.mean()
     return np.ones_like(first), first, second, first**2, second**2, first * second
 
@@ -274,28 +270,23 @@ def _correlation(sums: Floats) -> Floats:
     count, first, second, first_squares, second_squares, products = sums
     count = np.where(count > 0, count, 1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shared = (products - first * second / count).sum(axis=0)
-        spread = (first_squares - first**2 / count).sum(axis=0)
-        other_spread = (second_squares - second**2 / count).sum(axis=0)
-        found = shared / np.sqrt(np.maximum(spread, 0) * np.maximum(other_spread, 0))
-    return np.asarray(np.clip(found, -1, 1))
+        covariance = (products - first * second / count).sum(axis=0)
+        first_variance = (first_squares - first**2 / count).sum(axis=0)
+        second_variance = (second_squares - second**2 / count).sum(axis=0)
+        correlation = covariance / np.sqrt(
+            np.maximum(first_variance, 0) * np.maximum(second_variance, 0)
+        )
+    return np.asarray(np.clip(correlation, -1, 1))
 
 
-def _interval(estimate: float, without: Floats) -> tuple[float, float, str]:
-    count = len(without)
+def _interval(estimate: float, without_each: Floats) -> tuple[float, float, str]:
+    count = len(without_each)
     if count < FEWEST_SEGMENTS:
         return math.nan, math.nan, f"{count} segments are too few for an interval"
-    if np.isnan(without).any() or np.abs([estimate, *without]).max() > 1 - _ROUNDING:
+    if np.isnan(without_each).any() or np.abs([estimate, *without_each]).max() > 1 - _ROUNDING:
         return math.nan, math.nan, "but for one segment, scores and answers lie on a line"
-    apart = np.arctanh(without) - np.arctanh(without).mean()
-    error = math.sqrt((count - 1) / count * float(apart @ apart))
+    z = np.arctanh(without_each)
+    error = math.sqrt((count - 1) / count * float(np.square(z - z.mean()).sum()))
     margin = float(stats.t(count - 1).ppf((1 + LEVEL) / 2)) * error
-    middle = math.atanh(estimate)
-    return math.tanh(middle - margin), math.tanh(middle + margin), ""
-
-
-def _none(
-    reason: str, cells: int = 0, segments: int = 0, weights: Floats | None = None
-) -> WithinCorrelation:
-    answers = 0 if weights is None else int(weights.sum())
-    return WithinCorrelation(cells=cells, segments=segments, answers=answers, reason=reason)
+    centre = math.atanh(estimate)
+    return math.tanh(centre - margin), math.tanh(centre + margin), ""

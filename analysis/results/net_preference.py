@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes, on_right
+from analysis.results.grouping import codes, is_on_right
 from analysis.stats.ordinal.maximum import Beginning
 from analysis.stats.ordinal.mixed_model import (
     OrdinalFit,
@@ -29,7 +29,7 @@ SEPARATED: Final = (
     "estimate"
 )
 
-UNTOLD_SIDE: Final = (
+ONE_SIDE: Final = (
     "always shown on the same side: a preference for it cannot be told from one for the side"
 )
 
@@ -43,7 +43,7 @@ class SidedAnswers:
     responses : ndarray of int, shape (N,)
         1 (strongly left) … 5 (strongly right).
     on_right : ndarray of bool, shape (N,)
-        Whether what is asked about was shown on the right.
+        Whether the first side, of which the preference is, was shown on the right.
     participants, segments : ndarray of int, shape (N,)
         Who answered about what.
     """
@@ -54,21 +54,21 @@ class SidedAnswers:
     segments: Codes
 
     @property
-    def towards(self) -> NDArray[np.int64]:
-        """-2 (strongly against) … 2 (strongly for)."""
+    def signed(self) -> NDArray[np.int64]:
+        """-2 (strongly against) … 2 (strongly for the first side)."""
         return np.where(self.on_right, self.responses - 3, 3 - self.responses)
 
     @property
     def wins(self) -> Floats:
-        """1 for a preference for it, 0 for one against it, one half for a tie."""
-        return np.asarray((np.sign(self.towards) + 1) / 2, np.float64)
+        """1 for a preference for the first side, 0 for one against it, one half for a tie."""
+        return np.asarray((np.sign(self.signed) + 1) / 2, np.float64)
 
 
 def sided(answers: pd.DataFrame) -> SidedAnswers:
-    """Return answers about one comparison as arrays; see `on_right` for what they are for."""
+    """Return answers about one comparison as arrays; see `is_on_right` for what they favour."""
     return SidedAnswers(
         responses=answers["value"].to_numpy().astype(np.int64),
-        on_right=on_right(answers),
+        on_right=is_on_right(answers),
         participants=codes(answers, "participant"),
         segments=codes(answers, "segment"),
     )
@@ -81,7 +81,7 @@ class NetPreference:
     Attributes
     ----------
     estimate, standard_error : float
-        Above 0 in favour of what is asked about.
+        Above 0 in favour of the first side.
     p_value : float
         By the likelihood ratio.
     wald_p : float
@@ -118,7 +118,7 @@ class NetPreference:
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """Where the fits of answers begin that are drawn like others: of both models."""
+    """Starting values of both models, for answers that are drawn like others."""
 
     full: Beginning
     reduced: Beginning
@@ -216,14 +216,14 @@ def _why_not(answers: SidedAnswers) -> str:
         return "one participant"
     if len(np.unique(answers.segments)) < 2:
         return "one segment"
-    if not answers.towards.any():
+    if not answers.signed.any():
         return "all answers are ties"
-    if answers.towards.min() > 0 or answers.towards.max() < 0:
+    if answers.signed.min() > 0 or answers.signed.max() < 0:
         return SEPARATED
     if np.ptp(answers.responses) == 0:
         return "all answers alike"
     if answers.on_right.all() or not answers.on_right.any():
-        return UNTOLD_SIDE
+        return ONE_SIDE
     return ""
 
 

@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import pandas as pd
 
 from analysis.answers.participants import LeftOut
-from analysis.answers.table import ANALYSED_KINDS, AnswerTable
+from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
     EVERYTHING,
     ByQuestion,
     Family,
-    PairPlace,
+    PairKey,
+    as_by_question,
     by_question,
-    compared,
-    of_parts,
-    on_right,
-    parts,
-    place_of,
-    set_name,
+    is_on_right,
+    split_by_question,
 )
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
     PairHeterogeneity,
-    corrected_tests,
+    correct_tests,
     preference_heterogeneity,
 )
-from analysis.results.preference import (
-    Comparison,
-    MatchedCondition,
-    left_share,
-    preference,
-)
+from analysis.results.preference import Comparison, MatchedCondition, left_share, preferences
 from analysis.results.strengths import (
     BradleyTerryStrengths,
     StrengthDifference,
@@ -50,8 +42,8 @@ MOST_PAIRED: Final = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Equivalent(Equivalence, PairPlace):
-    """Whether a's win share is as near to one half as the margin."""
+class Equivalent(Equivalence, PairKey):
+    """Whether a's win share differs from one half by less than the margin."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,66 +114,61 @@ def pairwise_results(
         Which tests decide.
     """
     analysed = left_out.analysed
-    comparisons = family.decide(_comparisons(table, left_out.exclusions), "decision")
-    fitted = {
-        (name, question): fit_strengths(answers, set_name(table, name), question)
-        for name, question, answers in parts(table, analysed)
+
+    def order(result: PairKey) -> tuple[int, int, int, int]:
+        return (
+            table.sets.index(result.set or ""),
+            table.conditions.index(result.a),
+            table.conditions.index(result.b),
+            table.questions.index(result.question),
+        )
+
+    comparisons = family.decide(
+        sorted(preferences(Comparison, table, left_out.exclusions), key=order), "decision"
+    )
+    strengths = {
+        (set_name, question): fit_strengths(answers, set_name, question)
+        for set_name, question, answers in split_by_question(table, analysed)
     }
     return PairwiseResults(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),
         agreement=by_question(table, analysed, agreement_of),
         test_retest=by_question(table, left_out.kept, retest_of),
-        bradley_terry=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
-        contrasts=family.decide([one for _, own in fitted.values() for one in own]),
+        bradley_terry=as_by_question(table, {key: fit for key, (fit, _) in strengths.items()}),
+        contrasts=family.decide(
+            [each for _, differences in strengths.values() for each in differences]
+        ),
         decided_by=_decided_by(comparisons),
-        equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
-        heterogeneity=corrected_tests(
-            sorted(preference_heterogeneity(table, analysed), key=lambda one: _order(table, one))
+        equivalence=()
+        if margin is None
+        else tuple(_equivalent(comparison, margin) for comparison in comparisons),
+        heterogeneity=correct_tests(
+            sorted(preference_heterogeneity(PairHeterogeneity, table, analysed), key=order)
         ),
     )
 
 
 def _decided_by(comparisons: Sequence[Comparison]) -> Literal["comparisons", "strengths"]:
-    for name in dict.fromkeys(one.set for one in comparisons):
-        pairs = [{one.a, one.b} for one in comparisons if one.set == name]
+    for name in dict.fromkeys(comparison.set for comparison in comparisons):
+        pairs = [set(comparison.names) for comparison in comparisons if comparison.set == name]
         if len(set().union(*pairs)) > MOST_PAIRED and not set.intersection(*pairs):
             return "strengths"
     return "comparisons"
 
 
-def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Comparison]:
-    """Return every pair that was shown in a main or repeated trial, with every question."""
-    found = []
-    for of, question, part in parts(table, table.shown):
-        analysed = part["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
-        for numbers, rows in compared(part):
-            if analysed[rows].any():
-                place = place_of(table, of, question, numbers)
-                answers = preference(part[rows], excluded, ("a", "b"))
-                found.append(Comparison(**vars(place), **vars(answers)))
-    return sorted(found, key=lambda one: _order(table, one))
-
-
-def _order(table: AnswerTable, one: PairPlace) -> tuple[int, int, int, int]:
-    return (
-        table.sets.index(one.set or ""),
-        table.conditions.index(one.a),
-        table.conditions.index(one.b),
-        table.questions.index(one.question),
+def _equivalent(comparison: Comparison, margin: float) -> Equivalent:
+    return Equivalent(
+        set=comparison.set,
+        a=comparison.a,
+        b=comparison.b,
+        question=comparison.question,
+        **vars(equivalence_of(comparison.win_share, margin, null=0.5)),
     )
-
-
-def _equivalent(one: Comparison, margin: float) -> Equivalent:
-    found = equivalence_of(one.win_share, margin, null=0.5)
-    return Equivalent(set=one.set, a=one.a, b=one.b, question=one.question, **vars(found))
 
 
 def _side_bias(answers: pd.DataFrame) -> SideBias:
-    return SideBias(
-        left_share=left_share(answers),
-        on_left=float((~on_right(answers)).mean()),
-    )
+    return SideBias(left_share=left_share(answers), on_left=float((~is_on_right(answers)).mean()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,18 +206,14 @@ def mismatch_results(
     family : Family
         Which tests decide.
     """
-    found = [
-        MatchedCondition(
-            **vars(place_of(table, of, question, numbers)),
-            **vars(preference(part[rows], left_out.exclusions, ("own", "other"))),
-        )
-        for of, question, part in parts(table, table.shown)
-        for numbers, rows in compared(part)
-    ]
+    analysed = left_out.analysed
+    conditions = preferences(MatchedCondition, table, left_out.exclusions)
     return MismatchResults(
-        conditions=family.decide(found, "decision"),
-        side_bias=by_question(table, left_out.analysed, _side_bias),
-        agreement=by_question(table, left_out.analysed, agreement_of),
+        conditions=family.decide(conditions, "decision"),
+        side_bias=by_question(table, analysed, _side_bias),
+        agreement=by_question(table, analysed, agreement_of),
         test_retest=by_question(table, left_out.kept, retest_of),
-        heterogeneity=corrected_tests(preference_heterogeneity(table, left_out.analysed)),
+        heterogeneity=correct_tests(
+            preference_heterogeneity(ConditionHeterogeneity, table, analysed)
+        ),
     )

@@ -1,18 +1,24 @@
-"""What answers for one thing and against another say."""
+"""Preferences between two sides: two conditions, or a motion with its own and another's speech."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, ClassVar, Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 
-from analysis.answers.table import ANALYSED_KINDS
-from analysis.results.grouping import ConditionPlace, PairPlace, codes, people
+from analysis.answers.table import ANALYSED_KINDS, AnswerTable
+from analysis.results.grouping import (
+    ConditionKey,
+    PairKey,
+    codes,
+    count_participants,
+    split_by_key,
+)
 from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.f_tests import min_f
@@ -26,14 +32,14 @@ By = Literal["clmm", "win_share", "sign"]
 FEWEST: Final = 20
 """Participants and segments from which on the mixed model's likelihood ratio decides.
 
-It compares with a normal law what varies like t with one degree of freedom less than there are
-groups: with 20 it finds at most .065 where there is nothing, with fewer more.
+The test takes for normal what follows t with one degree of freedom less than there are groups.
+With 20 groups its false positives are at most .065 at the level .05; with fewer they are more.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Robustness:
-    """Tests that lean on fewer assumptions, to be read beside the headline.
+    """Tests that need fewer assumptions, to be read beside the headline.
 
     Attributes
     ----------
@@ -65,8 +71,8 @@ class Unexcluded:
 class Decision(Interval):
     """What the report decides by, and what it quotes.
 
-    The estimate is of what decides, for the one: log-odds, a win share, or the share of
-    participants who prefer it among those who prefer either.
+    The estimate is for the first side: log-odds, a win share, or the share of participants who
+    prefer it among those who prefer either.
 
     Attributes
     ----------
@@ -92,20 +98,22 @@ class Decision(Interval):
 
 @dataclass(frozen=True, kw_only=True)
 class Preference:
-    """What answers for one thing (`one`) and against another (`other`) say.
+    """What answers for one side and against another say.
 
     Attributes
     ----------
+    sides : (str, str)
+        How results call the first and the second side.
     n, recruited, attentive : int
         Answers; participants who took part, and those of them who are analysed.
     counts : mapping of str to int
-        `<one>_strong`, `<one>_weak`, `equal`, `<other>_weak`, `<other>_strong`.
+        `<first>_strong`, `<first>_weak`, `equal`, `<second>_weak`, `<second>_strong`.
     share : mapping of str to float
-        `<one>`, `<other>`, `equal`: percent of all answers.
+        `<first>`, `<second>`, `equal`: percent of all answers.
     win_share : Estimate
-        Of the one, ties counting one half, tested against one half.
+        Of the first side, ties counting one half, tested against one half.
     clmm : NetPreference
-        In favour of the one.
+        In favour of the first side.
     robustness : Robustness
         Secondary tests.
     as_published : Pooled
@@ -115,6 +123,8 @@ class Preference:
     decision : Decision
         What the report decides by.
     """
+
+    sides: ClassVar[tuple[str, str]]
 
     n: int
     recruited: int
@@ -130,8 +140,10 @@ class Preference:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison(Preference, PairPlace):
-    """What is preferred; `Preference`'s one is a, its other is b."""
+class Comparison(Preference, PairKey):
+    """How far condition a is preferred to condition b."""
+
+    sides = "a", "b"
 
     def mirrored(self) -> Comparison:
         """Return the same of b against a."""
@@ -156,43 +168,62 @@ def _swapped(share: Mapping[str, float]) -> dict[str, float]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MatchedCondition(Preference, ConditionPlace):
-    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other."""
+class MatchedCondition(Preference, ConditionKey):
+    """How far a condition is preferred with its own speech to itself with another's."""
+
+    sides = "own", "other"
 
 
-def preference(
-    answers: pd.DataFrame, excluded: Collection[str], names: tuple[str, str]
-) -> Preference:
-    """Analyse answers to one question about one thing against another.
+AnyPreference = TypeVar("AnyPreference", bound=Preference)
+
+
+def preferences(
+    kind: type[AnyPreference], table: AnswerTable, excluded: Collection[str]
+) -> list[AnyPreference]:
+    """Return the preference in everything that was shown in a main or repeated trial.
 
     Parameters
     ----------
-    answers : DataFrame
-        Of practice, main and repeated trials, excluded participants included.
+    kind : type
+        Of pairs, `Comparison`; of one motion with two speeches, `MatchedCondition`.
+    table : AnswerTable
+        All answers.
     excluded : collection of str
-        Who is left out.
-    names : (str, str)
-        How results call the one and the other.
+        Participants who are left out.
     """
-    analysed = answers["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
-    kept = ~answers["participant"].isin(list(excluded)).to_numpy(bool)
-    of_all, of_kept = sided(answers[analysed]), sided(answers[analysed & kept])
-    net, share = net_preference(of_kept), win_share(of_kept)
-    return Preference(
-        n=len(of_kept.responses),
-        recruited=people(answers),
-        attentive=people(answers[kept]),
-        counts=_counts(of_kept, names),
-        share=_shares(of_kept, names),
-        win_share=share,
-        clmm=net,
-        robustness=_robustness(of_kept),
-        as_published=pooled_tests(of_kept.towards),
-        without_exclusions=Unexcluded(
-            n=len(of_all.responses), share=_shares(of_all, names), win_share=win_share(of_all)
-        ),
-        decision=_decision(of_kept, net, share),
+    return [
+        kind(**vars(key), **_analyse(answers, excluded, kind.sides))
+        for key, answers in split_by_key(table, table.shown)
+        if answers["kind"].isin(ANALYSED_KINDS).any()
+    ]
+
+
+def _analyse(
+    answers: pd.DataFrame, excluded: Collection[str], sides: tuple[str, str]
+) -> dict[str, Any]:
+    """Return the fields of `Preference`."""
+    attentive = answers[~answers["participant"].isin(list(excluded))]
+    everyone, analysed = (
+        sided(part[part["kind"].isin(ANALYSED_KINDS)]) for part in (answers, attentive)
     )
+    net, share = net_preference(analysed), win_share(analysed)
+    return {
+        "n": len(analysed.responses),
+        "recruited": count_participants(answers),
+        "attentive": count_participants(attentive),
+        "counts": _counts(analysed, sides),
+        "share": _shares(analysed, sides),
+        "win_share": share,
+        "clmm": net,
+        "robustness": _robustness(analysed),
+        "as_published": pooled_tests(analysed.signed),
+        "without_exclusions": Unexcluded(
+            n=len(everyone.responses),
+            share=_shares(everyone, sides),
+            win_share=win_share(everyone),
+        ),
+        "decision": _decision(analysed, net, share),
+    }
 
 
 def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Decision:
@@ -204,15 +235,10 @@ def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Dec
             "ratio too often finds differences that are not there"
         )
     if not why:
-        reach = Z_95 * net.standard_error
-        return Decision(
-            by="clmm",
-            estimate=net.estimate,
-            low=net.estimate - reach,
-            high=net.estimate + reach,
-            p_value=net.p_value,
-        )
-    of_share = Decision(
+        margin = Z_95 * net.standard_error
+        low, high = net.estimate - margin, net.estimate + margin
+        return Decision(by="clmm", estimate=net.estimate, low=low, high=high, p_value=net.p_value)
+    by_share = Decision(
         by="win_share",
         estimate=share.estimate,
         low=share.low,
@@ -220,19 +246,13 @@ def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Dec
         p_value=share.p_value,
         why=why,
     )
-    signs = sign_test(group_means(answers.towards.astype(np.float64), answers.participants))
     if not math.isnan(share.p_value):
-        return of_share
+        return by_share
+    signs = sign_test(group_means(answers.signed.astype(np.float64), answers.participants))
     if share.participants < 2 or math.isnan(signs.p_value):
-        return replace(of_share, reason=net.reason or share.reason)
-    return Decision(
-        by="sign",
-        estimate=signs.estimate,
-        low=signs.low,
-        high=signs.high,
-        p_value=signs.p_value,
-        why=f"{why.rstrip('.')}; the win share has no interval: {share.reason}",
-    )
+        return replace(by_share, reason=net.reason or share.reason)
+    why = f"{why.rstrip('.')}; the win share has no interval: {share.reason}"
+    return Decision(by="sign", **vars(signs), why=why)
 
 
 def win_share(answers: SidedAnswers) -> Estimate:
@@ -247,10 +267,10 @@ def left_share(answers: pd.DataFrame) -> Estimate:
 
 
 def _robustness(answers: SidedAnswers) -> Robustness:
-    towards = answers.towards.astype(np.float64)
-    means = group_means(towards, answers.participants)
+    signed = answers.signed.astype(np.float64)
+    means = group_means(signed, answers.participants)
     signs, ranks = sign_test(means), signed_rank(means)
-    both = min_f(towards, answers.participants, answers.segments)
+    both = min_f(signed, answers.participants, answers.segments)
     return Robustness(
         sign_p=signs.p_value,
         wilcoxon_p=ranks.p_value,
@@ -259,16 +279,16 @@ def _robustness(answers: SidedAnswers) -> Robustness:
     )
 
 
-def _counts(answers: SidedAnswers, names: tuple[str, str]) -> dict[str, int]:
-    one, other = names
-    levels = (f"{one}_strong", f"{one}_weak", "equal", f"{other}_weak", f"{other}_strong")
-    counts = np.bincount(2 - answers.towards, minlength=5).tolist()
+def _counts(answers: SidedAnswers, sides: tuple[str, str]) -> dict[str, int]:
+    first, second = sides
+    levels = (f"{first}_strong", f"{first}_weak", "equal", f"{second}_weak", f"{second}_strong")
+    counts = np.bincount(2 - answers.signed, minlength=5).tolist()
     return dict(zip(levels, counts, strict=True))
 
 
-def _shares(answers: SidedAnswers, names: tuple[str, str]) -> dict[str, float]:
+def _shares(answers: SidedAnswers, sides: tuple[str, str]) -> dict[str, float]:
     """Return percent of all answers; NaN without any."""
     total = len(answers.responses)
-    signs = np.bincount(1 - np.sign(answers.towards), minlength=3).tolist()
-    first, equal, second = (100 * count / total if total else math.nan for count in signs)
-    return {names[0]: first, names[1]: second, "equal": equal}
+    counts = np.bincount(1 - np.sign(answers.signed), minlength=3).tolist()
+    first, equal, second = (100 * count / total if total else math.nan for count in counts)
+    return {sides[0]: first, sides[1]: second, "equal": equal}

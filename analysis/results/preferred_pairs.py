@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.table import AnswerTable
-from analysis.results.grouping import shown
+from analysis.results.grouping import shown_codes
 from analysis.results.net_preference import sided
 
 MOST_PAIRS: Final = 12
@@ -44,8 +44,8 @@ def preferred_pairs(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Preferr
     """Return, for every two conditions, the segments in which the first won most and least.
 
     They are sorted by the win share on the table's first question, the highest first. Of ratings
-    and rankings, the clip that a participant placed higher won. Nobody compares conditions in a
-    mismatch task, so that it has no pairs.
+    and rankings, the clip that a participant placed higher won. A mismatch task has no pairs,
+    since nobody compares conditions there.
 
     Parameters
     ----------
@@ -61,37 +61,37 @@ def preferred_pairs(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Preferr
         if table.protocol == "pairwise"
         else _placed_wins(table.protocol, analysed)
     )
-    found = wins.groupby([*_CELL, "question"], sort=False)["win"].agg(["mean", "size"])
-    found = found.reset_index()
-    asked = found[found["question"] == table.questions[0]]
-    ordered = asked.sort_values(["mean", *_CELL], ascending=[False, True, True, True])
-    of_two = ordered.groupby(["first", "second"])
-    ends = ordered[ordered.index.isin([*of_two.head(1).index, *of_two.tail(1).index])]
+    shares = wins.groupby([*_CELL, "question"], sort=False)["win"].agg(["mean", "size"])
+    shares = shares.reset_index()
+    first_question = shares[shares["question"] == table.questions[0]]
+    ordered = first_question.sort_values(["mean", *_CELL], ascending=[False, True, True, True])
+    by_pair = ordered.groupby(["first", "second"])
+    ends = ordered[ordered.index.isin([*by_pair.head(1).index, *by_pair.tail(1).index])]
     if len(ends) > MOST_PAIRS:
         ends = pd.concat([ends.head(MOST_PAIRS // 2), ends.tail(MOST_PAIRS // 2)])
-    return tuple(_pair(table, cell, found) for cell in ends[_CELL].itertuples(index=False))
+    return tuple(_pair(table, cell, shares) for cell in ends[_CELL].itertuples(index=False))
 
 
-def _pair(table: AnswerTable, cell: tuple[int, int, str], found: pd.DataFrame) -> PreferredPair:
+def _pair(table: AnswerTable, cell: tuple[int, int, str], shares: pd.DataFrame) -> PreferredPair:
     first, second, segment = cell
-    own = found[(found[_CELL] == list(cell)).all(axis=1)]
-    asked = own["question"].tolist()
+    rows = shares[(shares[_CELL] == list(cell)).all(axis=1)]
+    questions = rows["question"].tolist()
     return PreferredPair(
         segment=segment,
         first=table.conditions[first],
         second=table.conditions[second],
-        win_shares=dict(zip(asked, own["mean"].tolist(), strict=True)),
-        answers=dict(zip(asked, own["size"].tolist(), strict=True)),
+        win_shares=dict(zip(questions, rows["mean"].tolist(), strict=True)),
+        answers=dict(zip(questions, rows["size"].tolist(), strict=True)),
     )
 
 
 def _pair_wins(answers: pd.DataFrame) -> pd.DataFrame:
-    """Return who won of two videos that were shown together, a row for each answer."""
-    of_two = shown(answers)
+    """Return whether the first of two videos shown together won, a row for each answer."""
+    pair = shown_codes(answers)
     return pd.DataFrame(
         {
-            "first": of_two["a"],
-            "second": of_two["b"],
+            "first": pair["a"],
+            "second": pair["b"],
             "segment": answers["segment"].astype(str),
             "question": answers["question"].astype(str),
             "win": sided(answers).wins,
@@ -100,12 +100,12 @@ def _pair_wins(answers: pd.DataFrame) -> pd.DataFrame:
 
 
 def _placed_wins(protocol: str, answers: pd.DataFrame) -> pd.DataFrame:
-    """Return who won of every two clips that a participant placed on one scale or in one order."""
+    """Return whether the first won of every two clips that a participant rated or ranked."""
     together = ["participant", "set", "segment", "question"]
     placed = pd.DataFrame(
         {
             **{name: answers[name].astype(str) for name in together},
-            "condition": shown(answers)["condition"],
+            "condition": shown_codes(answers)["condition"],
             "value": answers["value"].to_numpy(float) * (-1 if protocol == "ranking" else 1),
         }
     )

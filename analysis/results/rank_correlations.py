@@ -12,10 +12,10 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.results.drawn_preferences import DrawnPreferences
-from analysis.results.metric_scores import MetricSide
+from analysis.results.metric_scores import OrientedMetric
+from analysis.results.resampled_preferences import ResampledPreferences
 from analysis.stats.clustered_mean import Interval
-from analysis.stats.samples import times_drawn
+from analysis.stats.samples import bootstrap_counts, percentile_interval
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ _STUDIES: Final = 20_000
 _STUDIES_ON_GRID: Final = 4_000
 
 _GRID: Final = np.tanh(np.linspace(0, 3.8, 39))
-"""Correlations of the normal law, from 0 to nearly 1."""
+"""Correlations of normal scores, from 0 to nearly 1."""
 
 _BLOCK: Final = 2_000_000
 """Comparisons simulated at a time: bounds the memory."""
@@ -67,7 +67,7 @@ class RankCorrelation(Interval):
 
 @dataclass(frozen=True, kw_only=True)
 class SamplingRange:
-    """What a study without any other error would show of a correlation of `tau`.
+    """The correlations that studies without any other error find where the true one is `tau`.
 
     Attributes
     ----------
@@ -99,9 +99,9 @@ def order_signs(values: Floats) -> Floats:
         1 where the value of the row is larger than that of the column, -1 where it is smaller,
         0 where they are equal but for rounding.
     """
-    apart = values[:, :, None] - values[:, None, :]
-    size = np.abs(values).max(axis=1, initial=0)[:, None, None]
-    return np.asarray(np.sign(apart) * (np.abs(apart) > _ROUNDING * size), np.float64)
+    gaps = values[:, :, None] - values[:, None, :]
+    largest = np.abs(values).max(axis=1, initial=0)[:, None, None]
+    return np.asarray(np.sign(gaps) * (np.abs(gaps) > _ROUNDING * largest), np.float64)
 
 
 def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
@@ -112,39 +112,40 @@ def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
     first, second : ndarray, shape (B, k, k)
         The order of k things in each, as `order_signs` gives it.
     weights : ndarray, shape (B, k)
-        How often each of them was drawn; one drawn twice is tied with itself.
+        How often each was drawn; one that was drawn twice is tied with itself.
 
     Returns
     -------
     ndarray, shape (B,)
         NaN where all that was drawn is tied in either.
     """
-    return _scaled(
-        *(
-            np.einsum("bi,bij,bij,bj->b", weights, one, other, weights, optimize=True)
-            for one, other in ((first, second), (first, first), (second, second))
-        )
+    products, first_squares, second_squares = (
+        np.einsum("bi,bij,bij,bj->b", weights, x, y, weights, optimize=True)
+        for x, y in ((first, second), (first, first), (second, second))
     )
+    return _scaled(products, first_squares, second_squares)
 
 
 def spearman(first: Floats, second: Floats, weights: Floats) -> Floats:
     """Return Spearman's rho, ties having the mean of their ranks; see `kendall`."""
-    ranks = [np.einsum("bij,bj->bi", signs, weights) for signs in (first, second)]
     total = weights.sum(axis=1, keepdims=True)
-    centred = [one - (weights * one).sum(axis=1, keepdims=True) / total for one in ranks]
-    return _scaled(
-        *(
-            (weights * centred[one] * centred[other]).sum(axis=1)
-            for one, other in ((0, 1), (0, 0), (1, 1))
-        )
+
+    def centred_ranks(signs: Floats) -> Floats:
+        ranks = np.einsum("bij,bj->bi", signs, weights)
+        return np.asarray(ranks - (weights * ranks).sum(axis=1, keepdims=True) / total)
+
+    x, y = centred_ranks(first), centred_ranks(second)
+    products, first_squares, second_squares = (
+        (weights * product).sum(axis=1) for product in (x * y, x * x, y * y)
     )
+    return _scaled(products, first_squares, second_squares)
 
 
 def _scaled(product: Floats, first: Floats, second: Floats) -> Floats:
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = product / np.sqrt(first * second)
-    found[(first < _ROUNDING) | (second < _ROUNDING)] = np.nan
-    return np.asarray(np.clip(found, -1, 1))
+        correlation = product / np.sqrt(first * second)
+    correlation[(first < _ROUNDING) | (second < _ROUNDING)] = np.nan
+    return np.asarray(np.clip(correlation, -1, 1))
 
 
 _CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = MappingProxyType(
@@ -153,7 +154,7 @@ _CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] 
 
 
 def over_conditions(
-    preferences: DrawnPreferences, metric: MetricSide, *, too_few: str, seed: int
+    preferences: ResampledPreferences, metric: OrientedMetric, *, too_few: str, seed: int
 ) -> tuple[RankCorrelation, RankCorrelation]:
     """Return Kendall's tau-b and Spearman's rho.
 
@@ -164,9 +165,9 @@ def over_conditions(
 
     Parameters
     ----------
-    preferences : DrawnPreferences
+    preferences : ResampledPreferences
         People's side.
-    metric : MetricSide
+    metric : OrientedMetric
         The metric, of the same conditions and segments.
     too_few : str
         Why there are no resamples of participants or segments; empty where there are.
@@ -174,28 +175,28 @@ def over_conditions(
         The same seed gives the same resamples.
     """
     present = metric.present
-    whole = np.ones((1, preferences.segments.shape[1]))
-    sides = [metric.drawn(whole), preferences.estimates[None, present]]
+    whole_study = np.ones((1, preferences.segments.shape[1]))
+    scores, liking = metric.resampled(whole_study), preferences.estimates[None, present]
     if len(present) < FEWEST:
         return _neither(f"{len(present)} conditions have scores and answers; it takes {FEWEST}")
-    if np.isnan(sides[1]).any():
+    if np.isnan(liking).any():
         return _neither("the conditions fall into groups that were never compared with each other")
-    drawn = [metric.drawn(preferences.segments), preferences.draws[:, present]]
-    usable = np.asarray(~np.isnan(np.concatenate(drawn, axis=1)).any(axis=1))
+    resampled = metric.resampled(preferences.segments), preferences.draws[:, present]
+    usable = np.asarray(~np.isnan(np.concatenate(resampled, axis=1)).any(axis=1))
     resamples = len(preferences.draws)
-    weights = times_drawn(np.random.default_rng(seed), resamples, len(present))[usable]
+    weights = bootstrap_counts(np.random.default_rng(seed), resamples, len(present))[usable]
     once = np.ones((1, len(present)))
-    metric_signs, people_signs = map(order_signs, sides)
-    metric_orders, people_orders = (order_signs(one[usable]) for one in drawn)
-    found = {}
-    for kind, correlation in _CORRELATIONS.items():
-        estimate = float(correlation(metric_signs, people_signs, once)[0])
+    signs = order_signs(scores), order_signs(liking)
+    resampled_signs = [order_signs(values[usable]) for values in resampled]
+    correlations = {}
+    for kind, correlate in _CORRELATIONS.items():
+        estimate = float(correlate(*signs, once)[0])
         if math.isnan(estimate):
             return _neither("all conditions are equal in the metric or in the answers")
-        draws = correlation(metric_orders, people_orders, weights)
+        draws = correlate(resampled_signs[0], resampled_signs[1], weights)
         draws = draws[~np.isnan(draws)]
-        found[kind] = _with_interval(estimate, draws, resamples, len(present), kind, too_few)
-    return found["kendall"], found["spearman"]
+        correlations[kind] = _with_interval(estimate, draws, resamples, len(present), kind, too_few)
+    return correlations["kendall"], correlations["spearman"]
 
 
 def _with_interval(
@@ -209,12 +210,12 @@ def _with_interval(
         reason = f"{degenerate} of {resamples} resamples have no correlation"
     if reason:
         return RankCorrelation(estimate=estimate, degenerate=degenerate, reason=reason)
-    low, high = np.quantile(draws, [0.025, 0.975])
+    low, high = percentile_interval(draws)
     least, most = compatible(estimate, conditions, kind)
     return RankCorrelation(
         estimate=estimate,
-        low=float(max(-1, min(low, 2 * estimate - high, least))),
-        high=float(min(1, max(high, 2 * estimate - low, most))),
+        low=max(-1.0, min(low, 2 * estimate - high, least)),
+        high=min(1.0, max(high, 2 * estimate - low, most)),
         degenerate=degenerate,
     )
 
@@ -224,7 +225,7 @@ def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
 
 
 def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
-    """Return between which values Kendall's tau lies in 95% of studies, if it is `tau` truly.
+    """Return between which values Kendall's tau lies in 95% of studies where it is truly `tau`.
 
     Parameters
     ----------
@@ -234,9 +235,9 @@ def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
         Among all conditions, in [-1, 1].
     """
     chance = np.random.default_rng(_SEED)
-    found = _simulated(chance, conditions, float(np.sin(np.pi * tau / 2)), _STUDIES)["kendall"]
-    low, high = np.quantile(found, [0.025, 0.975])
-    return SamplingRange(tau=tau, low=float(low), high=float(high), conditions=conditions)
+    taus = _simulated(chance, conditions, float(np.sin(np.pi * tau / 2)), _STUDIES)["kendall"]
+    low, high = percentile_interval(taus)
+    return SamplingRange(tau=tau, low=low, high=high, conditions=conditions)
 
 
 def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, float]:
@@ -257,21 +258,19 @@ def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, flo
     if estimate < 0:
         low, high = compatible(-estimate, conditions, kind)
         return -high, -low
-    law = _laws(conditions)[kind]
-    fits = (law.low <= estimate + 1e-9) & (estimate - 1e-9 <= law.high)
-    places = np.flatnonzero(fits)
-    if not len(places):
+    ranges = _sampling_ranges(conditions)[kind]
+    fits = (ranges.low <= estimate + 1e-9) & (estimate - 1e-9 <= ranges.high)
+    points = np.flatnonzero(fits)
+    if not len(points):
         return estimate, estimate
     # One step of the grid further on both sides, since the ends lie between its points.
-    low = law.true[max(places[0] - 1, 0)]
-    high = law.true[places[-1] + 1] if places[-1] + 1 < len(law.true) else 1.0
-    if fits[0]:
-        low = -1.0
+    low = -1.0 if fits[0] else ranges.true[points[0] - 1]
+    high = 1.0 if fits[-1] else ranges.true[points[-1] + 1]
     return float(low), float(high)
 
 
 @dataclass(frozen=True)
-class _Law:
+class _SamplingRanges:
     """Sampling ranges of true correlations, in ascending order."""
 
     true: Floats
@@ -280,7 +279,7 @@ class _Law:
 
 
 @lru_cache(maxsize=64)
-def _laws(conditions: int) -> dict[Kind, _Law]:
+def _sampling_ranges(conditions: int) -> dict[Kind, _SamplingRanges]:
     chance = np.random.default_rng(_SEED)
     upper = [_simulated(chance, conditions, float(rho), _STUDIES_ON_GRID) for rho in _GRID]
     signed = np.concatenate([-_GRID[:0:-1], _GRID])
@@ -288,30 +287,30 @@ def _laws(conditions: int) -> dict[Kind, _Law]:
         "kendall": 2 / np.pi * np.arcsin(signed),
         "spearman": 6 / np.pi * np.arcsin(signed / 2),
     }
-    laws: dict[Kind, _Law] = {}
+    ranges: dict[Kind, _SamplingRanges] = {}
     for kind, truth in true.items():
-        low, high = np.quantile([one[kind] for one in upper], [0.025, 0.975], axis=1)
-        laws[kind] = _Law(
+        low, high = np.quantile([each[kind] for each in upper], [0.025, 0.975], axis=1)
+        ranges[kind] = _SamplingRanges(
             truth, np.concatenate([-high[:0:-1], low]), np.concatenate([-low[:0:-1], high])
         )
-    return laws
+    return ranges
 
 
 def _simulated(
     chance: np.random.Generator, conditions: int, rho: float, studies: int
 ) -> dict[Kind, Floats]:
-    """Return what `studies` studies find where the normal law has the correlation `rho`."""
-    one, other = np.triu_indices(conditions, 1)
+    """Return what `studies` studies find where normal scores have the correlation `rho`."""
+    i, j = np.triu_indices(conditions, 1)
     taus, rhos = [], []
-    block = max(1, _BLOCK // len(one))
+    block = max(1, _BLOCK // len(i))
     for start in range(0, studies, block):
         shape = (min(block, studies - start), conditions)
         first = chance.standard_normal(shape)
         second = rho * first + np.sqrt(1 - rho**2) * chance.standard_normal(shape)
-        agree = (first[:, one] > first[:, other]) == (second[:, one] > second[:, other])
-        taus.append(2 * agree.mean(axis=1) - 1)
-        apart = _ranks(first) - _ranks(second)
-        rhos.append(1 - 6 * np.square(apart).sum(axis=1) / (conditions * (conditions**2 - 1)))
+        concordant = (first[:, i] > first[:, j]) == (second[:, i] > second[:, j])
+        taus.append(2 * concordant.mean(axis=1) - 1)
+        squares = np.square(_ranks(first) - _ranks(second)).sum(axis=1)
+        rhos.append(1 - 6 * squares / (conditions * (conditions**2 - 1)))
     return {"kendall": np.concatenate(taus), "spearman": np.concatenate(rhos)}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,17 +13,15 @@ from analysis.answers.table import AnswerTable
 from analysis.results.grouping import (
     EVERYTHING,
     ByQuestion,
-    ConditionPlace,
+    ConditionKey,
     Family,
-    PairPlace,
-    compared,
-    of_parts,
-    parts,
-    place_of,
-    set_name,
+    PairKey,
+    as_by_question,
     shown_conditions,
+    split_by_key,
+    split_by_question,
 )
-from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
+from analysis.results.heterogeneity import ConditionHeterogeneity, correct_tests, heterogeneity
 from analysis.results.strengths import (
     RANKING,
     PlackettLuceWorths,
@@ -47,13 +46,13 @@ from analysis.stats.placements import (
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankedCondition(RankSummary, ConditionPlace):
+class RankedCondition(RankSummary, ConditionKey):
     """Where a condition is placed."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankContrast(PairwiseRanks, PairPlace):
-    """Whether two conditions are placed otherwise, after Friedman's test; secondary.
+class RankContrast(PairwiseRanks, PairKey):
+    """Whether two conditions are placed differently, after Friedman's test; secondary.
 
     It rests on participants' mean ranks and takes the segments as the only ones of interest.
     """
@@ -100,51 +99,55 @@ def ranking_results(
     family : Family
         Which tests decide.
     """
-    analysed = left_out.analysed
-    fitted = {
-        (name, question): fit_worths(answers, set_name(table, name), question)
-        for name, question, answers in parts(table, analysed)
-    }
-    placed = {
-        (name, question): placements_of(answers)
-        for name, question, answers in parts(table, analysed)
-    }
+    fits: dict[tuple[str | None, str], PlackettLuceWorths] = {}
+    agreements: dict[tuple[str | None, str], Concordance] = {}
+    tests: dict[tuple[str | None, str], Friedman] = {}
+    conditions: list[RankedCondition] = []
+    contrasts: list[StrengthDifference] = []
+    posthoc: list[RankContrast] = []
+    effects: list[ConditionHeterogeneity] = []
+    for set_name, question, answers in split_by_question(table, left_out.analysed):
+        key = set_name, question
+        rankings = placements_of(answers)
+        blocks = blocks_of_rankings(rankings)
+        fits[key], differences = fit_worths(answers, set_name, question)
+        contrasts += differences
+        agreements[key] = concordance(rankings)
+        tests[key] = friedman(blocks)
+        conditions += [
+            RankedCondition(set=set_name, question=question, **vars(summary))
+            for summary in rank_summaries(rankings)
+        ]
+        posthoc += [
+            RankContrast(set=set_name, question=question, **vars(pair))
+            for pair in compare_pairs(blocks)
+        ]
+        effects += _heterogeneity(table, answers)
     return RankingResults(
-        conditions=tuple(
-            RankedCondition(set=set_name(table, name), question=question, **vars(one))
-            for (name, question), given in placed.items()
-            for one in rank_summaries(given)
-        ),
-        plackett_luce=of_parts(table, {place: one for place, (one, _) in fitted.items()}),
-        contrasts=family.decide([one for _, own in fitted.values() for one in own]),
-        kendall_w=of_parts(table, {place: concordance(given) for place, given in placed.items()}),
-        friedman=of_parts(
-            table, {place: friedman(blocks_of_rankings(given)) for place, given in placed.items()}
-        ),
-        posthoc=tuple(
-            RankContrast(set=set_name(table, name), question=question, **vars(pair))
-            for (name, question), given in placed.items()
-            for pair in compare_pairs(blocks_of_rankings(given))
-        ),
-        heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
+        conditions=tuple(conditions),
+        plackett_luce=as_by_question(table, fits),
+        kendall_w=as_by_question(table, agreements),
+        friedman=as_by_question(table, tests),
+        contrasts=family.decide(contrasts),
+        posthoc=tuple(posthoc),
+        heterogeneity=correct_tests(effects),
     )
 
 
-def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
-    found: list[ConditionHeterogeneity] = []
-    for of, question, answers in parts(table, analysed):
-        count = len(shown_conditions(answers))
-        ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
-        for numbers, rows in compared(answers):
-            found += heterogeneity(
-                place_of(table, of, question, numbers),
-                answers[rows],
-                ranks[rows].to_numpy(np.float64),
-                measure="mean_rank",
-                null=(count + 1) / 2,
-                limits=(1.0, count),
-            )
-    return found
+def _heterogeneity(table: AnswerTable, answers: pd.DataFrame) -> Iterator[ConditionHeterogeneity]:
+    """Yield the mean ranks of one question by emotion, speaker and segment."""
+    count = len(shown_conditions(answers))
+    ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
+    for key, part in split_by_key(table, answers.assign(rank=ranks)):
+        yield from heterogeneity(
+            ConditionHeterogeneity,
+            key,
+            part,
+            part["rank"].to_numpy(np.float64),
+            measure="mean_rank",
+            null=(count + 1) / 2,
+            limits=(1.0, count),
+        )
 
 
 def placements_of(answers: pd.DataFrame) -> Placements:
@@ -152,6 +155,6 @@ def placements_of(answers: pd.DataFrame) -> Placements:
     return placements(answers.rename(columns={"value": "rank"}), shown_conditions(answers))
 
 
-def concordance(given: Placements) -> Concordance:
-    """Return how far participants agree, of several rankings of a segment by their mean."""
-    return kendall_w(given.averaged())
+def concordance(rankings: Placements) -> Concordance:
+    """Return how far participants agree; several rankings of a segment count as their mean."""
+    return kendall_w(rankings.averaged())

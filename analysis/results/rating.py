@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
@@ -17,17 +17,16 @@ from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
     EVERYTHING,
     ByQuestion,
-    ConditionPlace,
+    ConditionKey,
     Family,
-    PairPlace,
+    PairKey,
+    as_by_question,
     by_question,
     codes,
-    of_parts,
-    parts,
-    set_name,
     shown_conditions,
+    split_by_question,
 )
-from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
+from analysis.results.heterogeneity import PairHeterogeneity, correct_tests, heterogeneity
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
@@ -36,7 +35,7 @@ from analysis.stats.ratings import (
     RatedCells,
     RatingSummary,
     cliffs_delta,
-    mean_differences,
+    mean_difference,
     rated_cells,
     rating_table,
 )
@@ -50,8 +49,8 @@ MOST_SCORES: Final = 21
 class RatingModel:
     """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
 
-    It takes conditions to differ alike for all participants and segments. Where they do not, its
-    errors are too small, so that it gives none: the differences of paired ratings test.
+    It assumes that conditions differ alike for all participants and segments. Where they do not,
+    its errors are too small, so it gives none; the differences of paired ratings are tested.
 
     Attributes
     ----------
@@ -82,16 +81,9 @@ class RatingModel:
     reason: str = ""
 
 
-def rating_model(answers: pd.DataFrame, shown: tuple[str, ...]) -> RatingModel:
-    """Fit the ratings of one question.
-
-    Parameters
-    ----------
-    answers : DataFrame
-        Main and repeated trials.
-    shown : tuple of str
-        Conditions that were rated; the first is the reference.
-    """
+def rating_model(answers: pd.DataFrame) -> RatingModel:
+    """Fit the ratings of one question, with the first condition as the reference."""
+    shown = shown_conditions(answers)
     ratings = answers["value"].to_numpy().astype(np.int64)
     scores = tuple(np.unique(ratings).tolist())
     names = answers["condition"].to_numpy(object)
@@ -108,19 +100,19 @@ def rating_model(answers: pd.DataFrame, shown: tuple[str, ...]) -> RatingModel:
         return replace(unknown, reason=reason)
     covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
     try:
-        found = fit(ratings, covariates, random)
+        model = fit(ratings, covariates, random)
     except InputError as error:
         return replace(unknown, reason=error.what)
-    if not found.converged:
-        return replace(unknown, reason=found.remark)
+    if not model.converged:
+        return replace(unknown, reason=model.remark)
     return replace(
         unknown,
-        estimates={shown[0]: 0.0, **found.estimates},
-        log_likelihood=found.log_likelihood,
-        sd_participant=found.deviations["participant"],
-        sd_segment=found.deviations["segment"],
-        thresholds=found.thresholds,
-        remark=found.remark,
+        estimates={shown[0]: 0.0, **model.estimates},
+        log_likelihood=model.log_likelihood,
+        sd_participant=model.deviations["participant"],
+        sd_segment=model.deviations["segment"],
+        thresholds=model.thresholds,
+        remark=model.remark,
     )
 
 
@@ -156,7 +148,7 @@ class RatedDifference(Estimate):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatingContrast(PairPlace):
+class RatingContrast(PairKey):
     """How much better a is rated than b.
 
     Attributes
@@ -166,7 +158,7 @@ class RatingContrast(PairPlace):
     log_odds, odds_ratio : float
         Of a better rating for a than for b in the mixed model, which describes and does not test.
     cliffs_delta : Estimate
-        How far the ratings lie apart.
+        How much the ratings of a dominate those of b.
     remark : str
         Why there are no log-odds, or what limits them.
     """
@@ -178,90 +170,56 @@ class RatingContrast(PairPlace):
     remark: str
 
 
-def rating_contrasts(
-    of: str | None,
+def _contrasts(
+    set_name: str | None,
     question: str,
     answers: pd.DataFrame,
-    shown: tuple[str, ...],
+    cells: RatedCells,
     model: RatingModel,
-) -> list[RatingContrast]:
-    """Compare every two conditions; where there is no model, by what can be said without it.
-
-    Parameters
-    ----------
-    of, question : str or None, str
-        The set and the question.
-    answers : DataFrame
-        Main and repeated trials.
-    shown : tuple of str
-        Conditions that were rated, in order.
-    model : RatingModel
-        Of the same ratings.
-    """
-    differences = _differences(answers, shown)
-    return [
-        RatingContrast(
-            set=of,
-            a=a,
-            b=b,
+) -> Iterator[RatingContrast]:
+    """Compare every two conditions; without a model by what can be said without it."""
+    names = answers["condition"].to_numpy(object)
+    shown = shown_conditions(answers)
+    for (a, first), (b, second) in combinations(enumerate(shown), 2):
+        pair = answers[(names == first) | (names == second)]
+        log_odds = model.estimates[first] - model.estimates[second]
+        yield RatingContrast(
+            set=set_name,
+            a=first,
+            b=second,
             question=question,
-            difference=differences[a, b],
-            log_odds=(log_odds := model.estimates[a] - model.estimates[b]),
+            difference=RatedDifference(**vars(mean_difference(cells, a, b))),
+            log_odds=log_odds,
             odds_ratio=math.exp(log_odds),
-            cliffs_delta=_dominance(answers, a, b),
+            cliffs_delta=cliffs_delta(
+                pair["value"].to_numpy(np.float64),
+                pair["condition"].to_numpy(object) == first,
+                codes(pair, "participant"),
+                codes(pair, "segment"),
+            ),
             remark=model.reason or model.remark,
         )
-        for a, b in combinations(shown, 2)
-    ]
 
 
-def rated_cells_of(answers: pd.DataFrame, count: int) -> RatedCells:
-    """Arrange the ratings of one question by participant and segment.
-
-    Parameters
-    ----------
-    answers : DataFrame
-        Main and repeated trials.
-    count : int
-        How many conditions were rated.
-    """
+def _rated_cells(answers: pd.DataFrame) -> RatedCells:
+    """Arrange the ratings of one question by participant and segment."""
+    present, conditions = np.unique(codes(answers, "condition"), return_inverse=True)
     return rated_cells(
         answers["value"].to_numpy(np.float64),
-        np.unique(codes(answers, "condition"), return_inverse=True)[1].astype(np.intp),
+        conditions,
         codes(answers, "participant"),
         codes(answers, "segment"),
-        count=count,
-    )
-
-
-def _differences(
-    answers: pd.DataFrame, shown: tuple[str, ...]
-) -> dict[tuple[str, str], RatedDifference]:
-    cells = rated_cells_of(answers, len(shown))
-    return {
-        (shown[a], shown[b]): RatedDifference(**vars(found))
-        for (a, b), found in mean_differences(cells).items()
-    }
-
-
-def _dominance(answers: pd.DataFrame, a: str, b: str) -> Estimate:
-    names = answers["condition"].to_numpy(object)
-    two = answers[(names == a) | (names == b)]
-    return cliffs_delta(
-        two["value"].to_numpy(np.float64),
-        two["condition"].to_numpy(object) == a,
-        codes(two, "participant"),
-        codes(two, "segment"),
+        count=len(present),
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatedCondition(RatingSummary, ConditionPlace):
+class RatedCondition(RatingSummary, ConditionKey):
     """How a condition was rated."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatedEquivalent(Equivalence, PairPlace):
+class RatedEquivalent(Equivalence, PairKey):
     """Equivalence by participants' means, which takes the segments as the only ones.
 
     Attributes
@@ -310,31 +268,34 @@ def rating_results(
     """Analyse ratings; a margin is a difference of two means, in scores, that does not matter."""
     analysed = left_out.analysed
     conditions: list[RatedCondition] = []
-    differences: list[RatingContrast] = []
+    contrasts: list[RatingContrast] = []
     equivalents: list[RatedEquivalent] = []
-    apart: list[PairHeterogeneity] = []
-    models: dict[tuple[str, str], RatingModel] = {}
-    for name, question, answers in parts(table, analysed):
+    effects: list[PairHeterogeneity] = []
+    models: dict[tuple[str | None, str], RatingModel] = {}
+    for set_name, question, answers in split_by_question(table, analysed):
+        model = models[set_name, question] = rating_model(answers)
+        cells = _rated_cells(answers)
         shown = shown_conditions(answers)
-        of = set_name(table, name)
-        models[name, question] = rating_model(answers, shown)
         conditions += [
-            RatedCondition(set=of, question=question, **vars(one))
-            for one in rating_table(answers, shown, scores_of(table), limits_of(table, question))
+            RatedCondition(set=set_name, question=question, **vars(summary))
+            for summary in rating_table(
+                answers, shown, scores_of(table), limits_of(table, question)
+            )
         ]
-        differences += rating_contrasts(of, question, answers, shown, models[name, question])
-        apart += _heterogeneity(of, question, answers, shown)
+        differences = list(_contrasts(set_name, question, answers, cells, model))
+        contrasts += differences
         if margin is not None:
-            own = [one for one in differences if (one.set, one.question) == (of, question)]
-            equivalents += _equivalents(answers, own, margin)
+            equivalents += _equivalents(answers, differences, margin)
+        for contrast in differences:
+            effects += _heterogeneity(contrast, answers, cells)
     return RatingResults(
         conditions=tuple(conditions),
-        clmm=of_parts(table, models),
-        contrasts=family.decide(differences, "difference"),
+        clmm=as_by_question(table, models),
+        contrasts=family.decide(contrasts, "difference"),
         agreement=by_question(table, analysed, agreement_of),
         test_retest=by_question(table, left_out.kept, retest_of),
         equivalence=tuple(equivalents),
-        heterogeneity=corrected_tests(apart),
+        heterogeneity=correct_tests(effects),
     )
 
 
@@ -356,37 +317,36 @@ def limits_of(table: AnswerTable, question: str) -> tuple[float, float]:
 
 def _equivalents(
     answers: pd.DataFrame, contrasts: Sequence[RatingContrast], margin: float
-) -> list[RatedEquivalent]:
+) -> Iterator[RatedEquivalent]:
     """Test the means of those participants who rated both conditions, and paired ratings."""
     means = answers.pivot_table(
         index="participant", columns="condition", values="value", aggfunc="mean", observed=True
     )
-    found = []
-    for one in contrasts:
-        differences = (means[one.a] - means[one.b]).dropna().to_numpy(np.float64)
-        found.append(
-            RatedEquivalent(
-                set=one.set,
-                a=one.a,
-                b=one.b,
-                question=one.question,
-                **vars(equivalence_of_means(differences, margin)),
-                two_way=equivalence_of(one.difference, margin),
-            )
+    for contrast in contrasts:
+        differences = (means[contrast.a] - means[contrast.b]).dropna().to_numpy(np.float64)
+        yield RatedEquivalent(
+            set=contrast.set,
+            a=contrast.a,
+            b=contrast.b,
+            question=contrast.question,
+            **vars(equivalence_of_means(differences, margin)),
+            two_way=equivalence_of(contrast.difference, margin),
         )
-    return found
 
 
 def _heterogeneity(
-    of: str | None, question: str, answers: pd.DataFrame, shown: tuple[str, ...]
-) -> list[PairHeterogeneity]:
-    """Take differences of paired ratings apart; ratings without a partner are left out."""
-    cells = rated_cells_of(answers, len(shown))
-    rows = answers.iloc[cells.first]
-    found: list[PairHeterogeneity] = []
-    for a, b in combinations(range(len(shown)), 2):
-        differences = cells.means[:, a] - cells.means[:, b]
-        both = ~np.isnan(differences)
-        place = PairPlace(set=of, a=shown[a], b=shown[b], question=question)
-        found += heterogeneity(place, rows[both], differences[both], measure="difference", null=0.0)
-    return found
+    contrast: RatingContrast, answers: pd.DataFrame, cells: RatedCells
+) -> Iterator[PairHeterogeneity]:
+    """Yield a difference of paired ratings by emotion, speaker and segment."""
+    shown = shown_conditions(answers)
+    differences = cells.means[:, shown.index(contrast.a)] - cells.means[:, shown.index(contrast.b)]
+    paired = ~np.isnan(differences)
+    key = PairKey(set=contrast.set, a=contrast.a, b=contrast.b, question=contrast.question)
+    return heterogeneity(
+        PairHeterogeneity,
+        key,
+        answers.iloc[cells.first][paired],
+        differences[paired],
+        measure="difference",
+        null=0.0,
+    )

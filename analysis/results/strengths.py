@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.results.grouping import PairPlace, codes, shown_conditions
+from analysis.results.grouping import PairKey, codes, shown_conditions
 from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
@@ -131,7 +131,7 @@ class PlackettLuceWorths(StrengthModel):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StrengthDifference(Estimate, PairPlace):
+class StrengthDifference(Estimate, PairKey):
     """How much stronger a is than b, in logits.
 
     Attributes

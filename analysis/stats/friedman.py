@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -19,7 +19,7 @@ from scipy import stats
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.multiple_testing import holm
 from analysis.stats.placements import Blocks, Placements, blocks_of_rankings
-from analysis.stats.samples import percentile_interval, times_drawn
+from analysis.stats.samples import bootstrap_counts, percentile_interval
 from analysis.stats.signed_rank import signed_rank
 
 Floats = NDArray[np.float64]
@@ -295,29 +295,31 @@ def resampled_concordance(
         NaN where no segment drawn has two different participants who tell conditions apart.
     """
     chance = np.random.default_rng(seed)
-    whole = rankings.complete
-    who, what = rankings.participants[whole], rankings.segments[whole]
-    centred = rankings.ranks[whole] - (len(rankings.conditions) + 1) / 2
+    complete = rankings.complete
+    participants, segments = rankings.participants[complete], rankings.segments[complete]
+    centred = rankings.ranks[complete] - (len(rankings.conditions) + 1) / 2
     squares = (centred**2).sum(axis=1)
     people, things = len(rankings.participant_names), len(rankings.segment_names)
-    order = np.argsort(what, kind="stable")
-    bounds = np.searchsorted(what[order], np.arange(things + 1))
-    own = [order[start:end] for start, end in pairwise(bounds)]
-    found = []
+    of_segment = [np.flatnonzero(segments == segment) for segment in range(things)]
+    means = []
     for start in range(0, resamples, BLOCK):
         size = min(BLOCK, resamples - start)
-        by_person, by_segment = times_drawn(chance, size, people), times_drawn(chance, size, things)
+        by_participant = bootstrap_counts(chance, size, people)
+        by_segment = bootstrap_counts(chance, size, things)
         concordances = np.stack(
-            [_concordance(by_person[:, who[rows]], centred[rows], squares[rows]) for rows in own],
+            [
+                _concordance(by_participant[:, participants[rows]], centred[rows], squares[rows])
+                for rows in of_segment
+            ],
             axis=1,
         )
         known = ~np.isnan(concordances) & (by_segment > 0)
         weights = np.where(known, by_segment, 0.0)
         with np.errstate(invalid="ignore"):
-            found.append(
+            means.append(
                 (weights * np.where(known, concordances, 0.0)).sum(axis=1) / weights.sum(axis=1)
             )
-    return np.concatenate(found)
+    return np.concatenate(means)
 
 
 def _concordance(times: Floats, centred: Floats, squares: Floats) -> Floats:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -89,12 +88,6 @@ def rated_cells(
         segments=cells % max(width, 1),
         first=first,
     )
-
-
-def mean_differences(cells: RatedCells) -> dict[tuple[int, int], Estimate]:
-    """Return how much better the first is rated than the second, for every two conditions."""
-    count = cells.means.shape[1]
-    return {(a, b): mean_difference(cells, a, b) for a, b in combinations(range(count), 2)}
 
 
 def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:

@@ -34,7 +34,7 @@ def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
         raise InputError(
             f"value {int(np.argmin(np.isfinite(numbers.ravel()))) + 1} of {numbers.size} is "
             "missing or infinite",
-            remedy="Leave answers out that are not there",
+            remedy="Leave out answers that are missing",
         )
     return numbers
 
@@ -55,7 +55,7 @@ def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
 
 
 def levels(values: Floats) -> NDArray[np.intp]:
-    """Return the number of each value among the different ones, from 0, the smallest.
+    """Return the place of each value among the distinct ones, from 0, the smallest.
 
     Parameters
     ----------
@@ -66,10 +66,10 @@ def levels(values: Floats) -> NDArray[np.intp]:
     if not flat.size:
         return np.zeros(np.shape(values), np.intp)
     order = np.argsort(flat, kind="stable")
-    apart = np.diff(flat[order], prepend=flat[order[0]]) > ROUNDING * np.abs(flat).max()
-    found = np.empty(flat.size, np.intp)
-    found[order] = np.cumsum(apart)
-    return found.reshape(np.shape(values))
+    larger = np.diff(flat[order], prepend=flat[order[0]]) > ROUNDING * np.abs(flat).max()
+    numbers = np.empty(flat.size, np.intp)
+    numbers[order] = np.cumsum(larger)
+    return numbers.reshape(np.shape(values))
 
 
 def tied_ranks(values: Floats) -> Floats:
@@ -81,25 +81,24 @@ Table = Floats | sparse.csr_array
 
 
 FULL: Final = 0.05
-"""Share of the cells that have answers from which on empty ones are kept too: products of whole
-tables are so much faster."""
+"""Share of filled cells from which on a table is dense, whose products are then faster."""
 
 
 def table_of(
     values: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, int]
 ) -> Table:
     """Return the sums of `values` by row and column; sparse where most cells are empty."""
-    found = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
-    return found if found.nnz < FULL * shape[0] * shape[1] else found.toarray()
+    table = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
+    return table if table.nnz < FULL * shape[0] * shape[1] else table.toarray()
 
 
 def percentile_interval(draws: Floats) -> tuple[float, float]:
     """Return the ends between which the middle 95% of the draws lie."""
-    low, high = np.nanquantile(draws, [(1 - 0.95) / 2, (1 + 0.95) / 2])
+    low, high = np.nanquantile(draws, [0.025, 0.975])
     return float(low), float(high)
 
 
-def times_drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
+def bootstrap_counts(chance: np.random.Generator, size: int, count: int) -> Floats:
     """Return how often each of `count` was drawn in each of `size` resamples.
 
     Returns
@@ -109,12 +108,12 @@ def times_drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
     """
     drawn = chance.integers(count, size=(size, count))
     drawn += count * np.arange(size)[:, None]
-    counted = np.bincount(drawn.ravel(), minlength=size * count)
-    return counted.reshape(size, count).astype(np.float64)
+    counts = np.bincount(drawn.ravel(), minlength=size * count)
+    return counts.reshape(size, count).astype(np.float64)
 
 
-def drawn_rows(table: Table, who: Floats) -> Floats:
-    """Return the sums over drawn rows, shape (resamples, columns); `who` as `times_drawn`."""
+def weighted_row_sums(table: Table, counts: Floats) -> Floats:
+    """Return the sums of rows times `counts`, (resamples, rows), shape (resamples, columns)."""
     if isinstance(table, np.ndarray):
-        return np.asarray(who @ table, np.float64)
-    return np.asarray((table.T @ who.T).T, np.float64)
+        return np.asarray(counts @ table, np.float64)
+    return np.asarray((table.T @ counts.T).T, np.float64)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
 from analysis.metrics.joint_motion import WRISTS, joint_motion, select
-from analysis.stats.samples import percentile_interval, times_drawn
+from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
 from training.corpus.motion_curves import correlate_curves as follow_curve
@@ -146,6 +146,6 @@ def mean_followed(
     values = np.array(list(found.values()))
     group = np.unique([groups[take] for take in found], return_inverse=True)[1]
     sums, counts = np.bincount(group, weights=values), np.bincount(group)
-    times = times_drawn(np.random.default_rng(0), RESAMPLES, len(counts))
+    times = bootstrap_counts(np.random.default_rng(0), RESAMPLES, len(counts))
     low, high = percentile_interval(times @ sums / (times @ counts))
     return MeanFollowed(mean=float(values.mean()), low=low, high=high, clips=len(found))

@@ -13,7 +13,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.results.drawn_preferences import Tallies, drawn_preferences
+from analysis.results.resampled_preferences import Tallies, resample_preferences
 from analysis.stats.bradley_terry import Votes, bradley_terry
 
 Found = TypeVar("Found")
@@ -149,7 +149,7 @@ def beside_gather(
     )
 
     def ours() -> Floats:
-        return drawn_preferences(answers, resamples=resamples, seed=0).draws[:, 0]
+        return resample_preferences(answers, resamples=resamples, seed=0).draws[:, 0]
 
     means, seconds = timed(ours, turns=turns)
     gathered, seconds_gather = timed(partial(by_gather, table, resamples))

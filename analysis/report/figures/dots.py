@@ -14,7 +14,7 @@ from analysis.report import wording
 from analysis.report.content import About, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import BLUE, LINE, PAPER, Scale, fitted, sign_of, write_beside
-from analysis.results.against_people import MetricAgainstPeople, Place
+from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
 from analysis.stats.clustered_mean import Interval
 
 
@@ -246,7 +246,7 @@ def agreement_pictures(
     )
 
 
-def _shown_score(metric: MetricAgainstPeople, place: Place) -> float:
+def _shown_score(metric: MetricAgainstPeople, place: ScoredCondition) -> float:
     """Return what the level axis shows: the score, or its distance where nearness counts."""
     if metric.better == "near the reference":
         return abs(place.score - metric.recorded)

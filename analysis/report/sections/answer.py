@@ -16,7 +16,7 @@ from analysis.report.sections.participants import looks_sentence, places_words
 from analysis.report.subject import Subject
 from analysis.report.texts import paragraphs
 from analysis.report.wording import SIGNIFICANCE, between, number
-from analysis.results.grouping import Place, Row
+from analysis.results.grouping import ResultKey, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
 from analysis.results.ranking import RankingResults
@@ -121,7 +121,7 @@ def _preferred(place: int, one: Comparison | MatchedCondition) -> Verdict:
 
 def _verdict(
     place: int,
-    of: Place,
+    of: ResultKey,
     found: Decision | RatedDifference | StrengthDifference,
     measure: str,
     *,

@@ -16,7 +16,7 @@ from analysis.report.sections.preferences import reference_of
 from analysis.report.subject import Subject
 from analysis.report.texts import about, paragraphs, table
 from analysis.report.wording import number
-from analysis.results.grouping import Place
+from analysis.results.grouping import ResultKey
 from analysis.results.heterogeneity import (
     FEW,
     KINDS,
@@ -150,7 +150,7 @@ Key = tuple[str | None, str, tuple[str, ...]]
 """Set, question and conditions."""
 
 
-def _key(one: Place) -> Key:
+def _key(one: ResultKey) -> Key:
     return one.set, one.question, one.names
 
 

@@ -60,12 +60,12 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
     found = [(one.a, one.b, one.estimate, one.low, one.high, one.n) for one in numbers]
     assert found == headline(report)
     is_ranking = protocol == "ranking"
-    [whole] = (results.kendall_w if is_ranking else results.agreement).found.values()
+    [whole] = (results.kendall_w if is_ranking else results.agreement).results.values()
     assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
     if is_ranking:
         assert (agreed.n, agreed.participants, agreed.retest) == (72, 12, None)
     else:
-        assert repr([agreed.retest]) == repr([*results.test_retest.found.values()])
+        assert repr([agreed.retest]) == repr([*results.test_retest.results.values()])
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)

@@ -8,14 +8,14 @@ import pytest
 
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.drawn_preferences import tallies
 from analysis.results.metric_scores import (
     ITSELF,
     NOTHING_RECORDED,
     WithinCorrelation,
-    metric_sides,
+    oriented_metrics,
     within_conditions,
 )
+from analysis.results.resampled_preferences import tally
 from tests.analysis.results.simulated_studies import AgreeingStudy, metrics_of, names
 
 SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])
@@ -26,8 +26,8 @@ SEGMENTS = ("s00", "s01")
 
 
 def _within(answers: pd.DataFrame, metrics: StudyMetrics) -> WithinCorrelation:
-    found = tallies("rating", answers)
-    (side,) = metric_sides(metrics, found.conditions, found.segments, None)
+    found = tally("rating", answers)
+    (side,) = oriented_metrics(metrics, found.conditions, found.segments, None)
     return within_conditions(found, side)
 
 
@@ -63,8 +63,8 @@ def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> Non
             "value": np.where(wins, 1, 5),
         }
     )
-    found = tallies("pairwise", answers)
-    (side,) = metric_sides(metrics_of(scores), found.conditions, found.segments, None)
+    found = tally("pairwise", answers)
+    (side,) = oriented_metrics(metrics_of(scores), found.conditions, found.segments, None)
     expected = np.corrcoef(scores[0] - scores[1], wins)[0, 1]
     assert within_conditions(found, side).estimate == pytest.approx(expected)
 
@@ -96,27 +96,29 @@ def test_one_segment_has_nothing_to_correlate() -> None:
     [("higher", [2.0, 5.0, 2.0]), ("lower", [-2.0, -5.0, -2.0]), ("near the reference", [3, 3])],
 )
 def test_more_always_speaks_for_a_condition(better: Better, spoken: list[float]) -> None:
-    (found,) = metric_sides(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
-    assert found.drawn(np.ones((1, 2)))[0] == pytest.approx(
+    (found,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
+    assert found.resampled(np.ones((1, 2)))[0] == pytest.approx(
         np.abs(spoken) * np.sign(spoken[0]) * (-1 if better == "near the reference" else 1)
     )
 
 
 def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts() -> None:
-    (found,) = metric_sides(metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01")
+    (found,) = oriented_metrics(
+        metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01"
+    )
     assert found.left_out == {1: ITSELF}
     assert found.recorded == 5
 
 
 def test_without_recorded_motion_nothing_is_near_to_it() -> None:
     metrics = metrics_of(SCORES, better="near the reference")
-    (found,) = metric_sides(metrics, NAMES, SEGMENTS, None)
+    (found,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
     assert set(found.left_out.values()) == {NOTHING_RECORDED}
 
 
 def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
-    (found,) = metric_sides(metrics_of(SCORES), NAMES, SEGMENTS, None)
-    drawn = found.drawn(np.array([[2.0, 0.0], [0.0, 2.0]]))
+    (found,) = oriented_metrics(metrics_of(SCORES), NAMES, SEGMENTS, None)
+    drawn = found.resampled(np.array([[2.0, 0.0], [0.0, 2.0]]))
     assert drawn[1] == pytest.approx([3, 6, 2])
     assert drawn[0, :2] == pytest.approx([1, 4])
     assert math.isnan(drawn[0, 2])
@@ -124,12 +126,12 @@ def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
 
 def test_a_condition_without_a_score_says_why() -> None:
     scores = np.array([[1.0, 3.0], [math.nan, math.nan]])
-    (found,) = metric_sides(metrics_of(scores), NAMES, SEGMENTS, None)
+    (found,) = oriented_metrics(metrics_of(scores), NAMES, SEGMENTS, None)
     assert found.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
 
 
 def test_scores_that_call_nothing_better_are_not_among_them() -> None:
-    assert metric_sides(metrics_of(SCORES, better="unsaid"), NAMES, SEGMENTS, None) == ()
+    assert oriented_metrics(metrics_of(SCORES, better="unsaid"), NAMES, SEGMENTS, None) == ()
 
 
 def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:
@@ -149,5 +151,5 @@ def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:
         for name, value in (("c00", 3.0), ("c01", 1.0))
     )
     metrics = StudyMetrics(frame_rate=30.0, clips=(), conditions=whole)
-    (found,) = metric_sides(metrics, NAMES[:2], SEGMENTS, None)
-    assert found.drawn(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]
+    (found,) = oriented_metrics(metrics, NAMES[:2], SEGMENTS, None)
+    assert found.resampled(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]

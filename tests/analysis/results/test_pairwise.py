@@ -113,7 +113,10 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     first, second = found.comparisons
     assert (first.set, second.set) == ("one", "two")
     assert first.clmm == alone.comparisons[0].clmm
-    assert found.bradley_terry.found["one", "emotion"] == alone.bradley_terry.found[None, "emotion"]
+    assert (
+        found.bradley_terry.results["one", "emotion"]
+        == alone.bradley_terry.results[None, "emotion"]
+    )
     assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
         holm([first.decision.p_value, second.decision.p_value])
     )

@@ -20,7 +20,7 @@ from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pi
 from analysis.report.figures.dots import Dot, agreement_pictures, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import FIVE, STYLE, Drawing, Scale
-from analysis.results.against_people import MetricAgainstPeople, Place
+from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
 from analysis.stats.clustered_mean import Estimate
 
 LONG = "a condition whose name is so long that it has to be broken into several lines"
@@ -154,7 +154,9 @@ def test_metrics_beside_preference(drawn: list[Figure]) -> None:
             recorded=0.3,
             left_out={},
             places=tuple(
-                Place(condition=name, score=123.4 * at, preference=-at, low=-at - 1, high=-at + 1)
+                ScoredCondition(
+                    condition=name, score=123.4 * at, preference=-at, low=-at - 1, high=-at + 1
+                )
                 for at, name in enumerate(names)
             ),
             kendall=NONE,

@@ -1,4 +1,4 @@
-"""People's side: sums of answers, and how much each condition is preferred in resamples of them."""
+"""Sums of answers, and how much each condition is preferred in bootstrap resamples of them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes, shown
+from analysis.results.grouping import codes, shown_codes
 from analysis.results.net_preference import sided
-from analysis.stats.samples import Table, drawn_rows, table_of, times_drawn
+from analysis.stats.samples import Table, bootstrap_counts, table_of, weighted_row_sums
 
 Floats = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ class Tallies:
         return sums, counts
 
 
-def tallies(protocol: str, answers: pd.DataFrame) -> Tallies:
+def tally(protocol: str, answers: pd.DataFrame) -> Tallies:
     """Sum up the answers to one question.
 
     Parameters
@@ -89,26 +89,25 @@ def tallies(protocol: str, answers: pd.DataFrame) -> Tallies:
         Analysed answers of `analysis.answers.table.AnswerTable`, at least one.
     """
     values = _values(protocol, answers)
-    named = answers["left" if protocol == "pairwise" else "condition"].cat.categories
-    about = np.stack(list(shown(answers).values()), axis=1)
-    known, about = np.unique(about, return_inverse=True)
-    groups, group = np.unique(about.reshape(len(answers), -1), axis=0, return_inverse=True)
-    people, who = np.unique(codes(answers, "participant"), return_inverse=True)
-    things, what = np.unique(codes(answers, "segment"), return_inverse=True)
-    column = group.ravel() * len(things) + what
-    shape = (len(people), len(groups) * len(things))
-
+    names = answers["left" if protocol == "pairwise" else "condition"].cat.categories
+    shown = np.stack(list(shown_codes(answers).values()), axis=1)
+    present, conditions = np.unique(shown, return_inverse=True)
+    groups, group = np.unique(conditions.reshape(shown.shape), axis=0, return_inverse=True)
+    participants, rows = np.unique(codes(answers, "participant"), return_inverse=True)
+    segments, segment = np.unique(codes(answers, "segment"), return_inverse=True)
+    columns = group.ravel() * len(segments) + segment
+    shape = (len(participants), len(groups) * len(segments))
     return Tallies(
-        conditions=tuple(str(named[place]) for place in known),
-        segments=tuple(str(answers["segment"].cat.categories[place]) for place in things),
+        conditions=tuple(map(str, names[present])),
+        segments=tuple(map(str, answers["segment"].cat.categories[segments])),
         groups=groups.astype(np.intp),
-        sums=table_of(values, who, column, shape),
-        counts=table_of(np.ones(len(values)), who, column, shape),
+        sums=table_of(values, rows, columns, shape),
+        counts=table_of(np.ones(len(values)), rows, columns, shape),
     )
 
 
 def _values(protocol: str, answers: pd.DataFrame) -> Floats:
-    """Return what each answer says for what was shown."""
+    """Return each answer as a number that is higher the more is preferred what it is about."""
     if protocol in ("pairwise", "mismatch"):
         return sided(answers).wins
     if protocol == "ranking":
@@ -124,15 +123,15 @@ def _ranks(answers: pd.DataFrame) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DrawnPreferences:
+class ResampledPreferences:
     """Preferences of all conditions.
 
     Attributes
     ----------
     estimates : ndarray, shape (conditions,)
-        In the study; NaN where conditions cannot be set against each other.
+        In the study; NaN where conditions cannot be compared with each other.
     draws : ndarray, shape (B, conditions)
-        In each resample; NaN where it says nothing of a condition.
+        In each resample; NaN where a condition was not drawn.
     segments : ndarray, shape (B, segments)
         How often each resample draws each segment.
     """
@@ -142,15 +141,15 @@ class DrawnPreferences:
     segments: Floats
 
 
-def drawn_preferences(found: Tallies, *, resamples: int, seed: int) -> DrawnPreferences:
-    """Draw participants and segments again, both together, and score the conditions each time.
+def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> ResampledPreferences:
+    """Resample participants and segments together, and score the conditions each time.
 
     An answer counts as often as its participant and its segment were drawn together (the
     pigeonhole bootstrap of Owen 2007).
 
     Parameters
     ----------
-    found : Tallies
+    tallies : Tallies
         The answers.
     resamples : int
         How many studies to draw.
@@ -158,45 +157,48 @@ def drawn_preferences(found: Tallies, *, resamples: int, seed: int) -> DrawnPref
         The same seed gives the same resamples.
     """
     chance = np.random.default_rng(seed)
-    sums, counts = found.cells
-    scores, chosen = [], []
-    block = max(1, min(resamples, _BLOCK // max(counts.size, found.participants)))
+    sums, counts = tallies.cells
+    scores, drawn_segments = [], []
+    block = max(1, min(resamples, _BLOCK // max(counts.size, tallies.participants)))
     for start in range(0, resamples, block):
         size = min(block, resamples - start)
-        who = times_drawn(chance, size, found.participants)
-        what = times_drawn(chance, size, len(found.segments))
-        drawn = [
-            _drawn_sums(table, who, what, counts.shape) for table in (found.sums, found.counts)
+        participants = bootstrap_counts(chance, size, tallies.participants)
+        segments = bootstrap_counts(chance, size, len(tallies.segments))
+        resampled = [
+            _resampled_sums(table, participants, segments, counts.shape)
+            for table in (tallies.sums, tallies.counts)
         ]
-        scores.append(_scores(found, *drawn))
-        chosen.append(what)
-    return DrawnPreferences(
-        estimates=_scores(found, sums.sum(axis=1)[None], counts.sum(axis=1)[None])[0],
+        scores.append(_scores(tallies, *resampled))
+        drawn_segments.append(segments)
+    return ResampledPreferences(
+        estimates=_scores(tallies, sums.sum(axis=1)[None], counts.sum(axis=1)[None])[0],
         draws=np.concatenate(scores),
-        segments=np.concatenate(chosen),
+        segments=np.concatenate(drawn_segments),
     )
 
 
-def _drawn_sums(table: Table, who: Floats, what: Floats, shape: tuple[int, ...]) -> Floats:
+def _resampled_sums(
+    table: Table, participants: Floats, segments: Floats, shape: tuple[int, ...]
+) -> Floats:
     """Return the sum of each group over drawn participants and segments, shape (B, G)."""
-    by_cell = drawn_rows(table, who).reshape(-1, *shape)
-    return np.asarray(np.einsum("bgi,bi->bg", by_cell, what))
+    by_cell = weighted_row_sums(table, participants).reshape(-1, *shape)
+    return np.asarray(np.einsum("bgi,bi->bg", by_cell, segments))
 
 
-def _scores(found: Tallies, sums: Floats, counts: Floats) -> Floats:
+def _scores(tallies: Tallies, sums: Floats, counts: Floats) -> Floats:
     """Return the preference of each condition from sums and counts by group, shape (B, G)."""
-    if found.groups.shape[1] == 1:
+    if tallies.groups.shape[1] == 1:
         with np.errstate(invalid="ignore", divide="ignore"):
             return sums / counts
-    first, second = found.groups.T
-    size = len(found.conditions)
+    first, second = tallies.groups.T
+    size = len(tallies.conditions)
     wins = np.zeros((len(sums), size, size))
     wins[:, first, second] = sums
     wins[:, second, first] = counts - sums
-    return drawn_strengths(wins)
+    return fit_strengths_of_tables(wins)
 
 
-def drawn_strengths(wins: Floats) -> Floats:
+def fit_strengths_of_tables(wins: Floats) -> Floats:
     """Fit a Bradley-Terry model, ties counting one half, to each of many tables of wins.
 
     Parameters
@@ -209,7 +211,7 @@ def drawn_strengths(wins: Floats) -> Floats:
     -------
     ndarray, shape (B, k)
         Log strengths that add up to zero; NaN where the compared pairs do not connect all
-        conditions, so that some cannot be set against others.
+        conditions, so that some cannot be compared with others.
     """
     count = wins.shape[-1]
     compared = (wins + wins.swapaxes(1, 2)) > 0
@@ -217,7 +219,7 @@ def drawn_strengths(wins: Floats) -> Floats:
     won = wins[usable] + PSEUDO_VOTES * compared[usable]
     votes = won + won.swapaxes(1, 2)
     strengths = np.zeros((len(won), count))
-    # Every strength may move by one amount: this holds them in place.
+    # Adding a constant to all strengths changes nothing: this fixes their mean.
     fixed = np.full((count, count), 1 / count)
     for _ in range(_STEPS):
         chance = 1 / (1 + np.exp(strengths[:, None, :] - strengths[:, :, None]))
@@ -231,9 +233,9 @@ def drawn_strengths(wins: Floats) -> Floats:
         strengths += step
         if np.abs(step).max(initial=0) < _CLOSE:
             break
-    found = np.full(wins.shape[:2], np.nan)
-    found[usable] = strengths - strengths.mean(axis=1, keepdims=True)
-    return found
+    centred = np.full(wins.shape[:2], np.nan)
+    centred[usable] = strengths - strengths.mean(axis=1, keepdims=True)
+    return centred
 
 
 def _connected(compared: NDArray[np.bool_]) -> NDArray[np.bool_]:
