@@ -1,13 +1,13 @@
-"""Whether the flawed motion of catch trials can be told from the one it is shown beside: measured.
+"""Whether the flawed motion of catch trials differs visibly from the motion beside it.
 
-A participant who fails such a trial counts as inattentive. So the two must differ plainly: in
-where the joints are, or in how roughly they move; of finished videos, in their pictures. Ordinary
-pairs of the same study are the yardstick.
+Participants who fail these trials count as inattentive, so the two must differ plainly: in the
+positions of the joints or in how jerkily they move; for finished videos, in their pictures.
+Ordinary pairs of the same study are the yardstick.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -21,38 +21,109 @@ from numpy.typing import NDArray
 from motion.clip import MotionClip, freeze
 from motion.resample import resample
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.study.settings.study import Study
 
 WIDTH: Final = 64
-"""Pixels to which pictures are made smaller: grain and the encoder's traces go, limbs stay."""
+"""Pixels of downscaled pictures: grain and coding artefacts vanish, limbs stay."""
 
-EVERY: Final = 0.2
-"""Seconds between two pictures that are looked at."""
+PICTURE_SECONDS: Final = 0.2
+"""Between two compared pictures."""
 
+MOST_SEGMENTS: Final = 6
+"""Segments whose pictures are compared; decoding all would take long."""
+
+LEAST_CM: Final = 2.0
+"""Mean distance of joints below which nobody can be expected to see a difference."""
+
+LEAST_GREY: Final = 0.1
+"""Difference of grey levels below which pictures are the same but for coding artefacts."""
+
+LEAST_SHARE: Final = 0.5
+"""Of the usual difference between conditions, below which a difference does not stand out."""
+
+JERKY: Final = 3.0
+"""Ratio of accelerations from which motion looks broken, wherever its joints are."""
+
+_UPPER: Final = (
+    *("neck", "head", "left_shoulder", "left_elbow", "left_wrist"),
+    *("right_shoulder", "right_elbow", "right_wrist"),
+)
+_LOWER: Final = ("left_knee", "left_ankle", "right_knee", "right_ankle")
+_FRAMED_JOINTS: Final = {
+    "upper_body": _UPPER,
+    "full_body": (*_UPPER, *_LOWER),
+    "face": ("neck", "head"),
+    "hands": ("left_elbow", "left_wrist", "right_elbow", "right_wrist"),
+}
+"""Joints that are compared, by the study's framing."""
+
+FloatArray = NDArray[np.float64]
 
 Pictures = NDArray[np.float32]
-"""Small grey pictures of a video, 0 (black) to 255; of shape (N, H, W)."""
+"""Downscaled grey pictures of a video, shape (N, H, W), 0 (black) to 255."""
 
 
-def unlike(one: Pictures, other: Pictures) -> float:
-    """Return the mean difference of grey where most differs, as far as both videos last.
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """How much two motions of a segment differ.
 
-    A limb covers a small part of the picture: of each pair of pictures, the tenth of the pixels
-    that differ most is counted.
+    Attributes
+    ----------
+    metres : float
+        Mean distance between the same joints at the same time.
+    acceleration_ratio : float
+        Mean acceleration of the second motion relative to the first; infinite if only the second
+        moves.
     """
-    both = min(len(one), len(other))
-    if both == 0 or one.shape[1:] != other.shape[1:]:
+
+    metres: float
+    acceleration_ratio: float
+
+
+def motion_difference(
+    first: MotionClip, second: MotionClip, framing: str = "upper_body"
+) -> Difference:
+    """Return how much two motions differ in the visible joints, up to the end of the shorter."""
+    rate = min(first.frame_rate, second.frame_rate)
+    joints = [joint_index(name) for name in _FRAMED_JOINTS[framing]]
+    one, other = (
+        forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0][:, joints]
+        for clip in (resample(first, rate), resample(second, rate))
+    )
+    frames = min(len(one), len(other))
+    reference, flawed = (_mean_acceleration(positions, rate) for positions in (one, other))
+    return Difference(
+        metres=float(np.linalg.norm(one[:frames] - other[:frames], axis=2).mean()),
+        acceleration_ratio=flawed / reference if reference else (np.inf if flawed else 1.0),
+    )
+
+
+def _mean_acceleration(positions: FloatArray, rate: float) -> float:
+    """Return the mean acceleration in m/s²; 0 for fewer than three frames."""
+    if len(positions) < 3:
+        return 0.0
+    return float(np.linalg.norm(np.diff(positions, n=2, axis=0), axis=2).mean() * rate**2)
+
+
+def picture_difference(first: Pictures, second: Pictures) -> float:
+    """Return the mean grey difference of the pixels that differ most, up to the shorter's end.
+
+    A limb covers a small part of a picture, so only the tenth of each picture's pixels that
+    differs most is counted.
+    """
+    count = min(len(first), len(second))
+    if count == 0 or first.shape[1:] != second.shape[1:]:
         return 255.0
-    apart = np.abs(one[:both] - other[:both]).reshape(both, -1)
-    most = max(1, apart.shape[1] // 10)
-    return float(np.partition(apart, -most, axis=1)[:, -most:].mean())
+    differences = np.abs(first[:count] - second[:count]).reshape(count, -1)
+    pixels = max(1, differences.shape[1] // 10)
+    return float(np.partition(differences, -pixels, axis=1)[:, -pixels:].mean())
 
 
-def pictures_of(video: Path) -> Pictures | None:
-    """Return small pictures of a video; None where it cannot be decoded."""
-    grey: list[NDArray[np.float32]] = []
+def read_pictures(video: Path) -> Pictures | None:
+    """Return downscaled pictures of a video; None if it cannot be decoded."""
+    pictures: list[Pictures] = []
     try:
         with av.open(str(video)) as container:
             if not container.streams.video:
@@ -60,181 +131,119 @@ def pictures_of(video: Path) -> Pictures | None:
             stream: Any = container.streams.video[0]
             height = max(2, round(WIDTH * stream.height / stream.width / 2) * 2)
             for frame in container.decode(stream):
-                if frame.time is None or frame.time + 1e-6 < len(grey) * EVERY:
+                if frame.time is None or frame.time + 1e-6 < len(pictures) * PICTURE_SECONDS:
                     continue
-                small = frame.reformat(width=WIDTH, height=height, format="gray")
-                grey.append(small.to_ndarray().astype(np.float32))
+                grey = frame.reformat(width=WIDTH, height=height, format="gray")
+                pictures.append(grey.to_ndarray().astype(np.float32))
     except (av.FFmpegError, OSError):
         return None
-    return np.stack(grey) if grey else None
-
-
-LEAST_METRES: Final = 0.02
-"""Mean distance of joints below which nobody is expected to see a difference of position."""
-
-LEAST_SHARE: Final = 0.5
-"""Of what the conditions differ among each other, below which a difference does not stand out."""
-
-ROUGHER: Final = 3.0
-"""Times the acceleration from which motion looks broken wherever its joints are."""
-
-MOST_SEGMENTS: Final = 6
-"""Segments whose pictures are compared; to decode them all would take long."""
-
-_UPPER: Final = (
-    *("neck", "head", "left_shoulder", "left_elbow", "left_wrist"),
-    *("right_shoulder", "right_elbow", "right_wrist"),
-)
-_LOWER: Final = ("left_knee", "left_ankle", "right_knee", "right_ankle")
-_SEEN: Final = {
-    "upper_body": _UPPER,
-    "full_body": (*_UPPER, *_LOWER),
-    "face": ("neck", "head"),
-    "hands": ("left_elbow", "left_wrist", "right_elbow", "right_wrist"),
-}
-"""Joints by which motions are told apart, by the study's framing."""
-
-FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Difference:
-    """How much two motions of one segment differ.
-
-    Attributes
-    ----------
-    metres : float
-        Mean distance of the same joint at the same moment.
-    rougher : float
-        Mean acceleration of the second by that of the first; infinite beside one that stands still.
-    """
-
-    metres: float
-    rougher: float
-
-
-def difference(one: MotionClip, other: MotionClip, framing: str = "upper_body") -> Difference:
-    """Return how much two motions differ, as far as both last, in the joints that are seen."""
-    rate = min(one.frame_rate, other.frame_rate)
-    joints = [joint_index(name) for name in _SEEN[framing]]
-    first, second = (_positions(resample(clip, rate))[:, joints] for clip in (one, other))
-    both = min(len(first), len(second))
-    still, moved = (_acceleration(positions, rate) for positions in (first, second))
-    return Difference(
-        metres=float(np.linalg.norm(first[:both] - second[:both], axis=2).mean()),
-        rougher=moved / still if still > 0 else (np.inf if moved > 0 else 1.0),
-    )
+    return np.stack(pictures) if pictures else None
 
 
 def catch_motion_findings(
     study: Study, clips: Mapping[str, Mapping[str, MotionClip]]
 ) -> Iterator[Finding]:
-    """Say how much the motions of catch trials differ, and where they hardly do.
+    """Yield how much the motions of catch trials differ, and where they hardly do.
 
     Parameters
     ----------
     clips : mapping of str to mapping of str to MotionClip
-        The motion that there is, by condition and segment.
+        The available motion, by condition and segment.
     """
-    flawed, right = clips.get(study.catch.condition, {}), clips.get(study.catch_against, {})
+    flawed, reference = study.catch.condition, study.catch_against
     if not study.catch.trials:
         return
-    framing = study.video.framing
-    caught: dict[str, Difference] = {}
+    centimetres: dict[str, float] = {}
     usual: list[float] = []
-    for segment in [name for name in right if name in flawed]:
+    jerky: set[str] = set()
+    for segment in clips.get(reference, {}):
+        if segment not in clips.get(flawed, {}):
+            continue
         shown = {
-            name: freeze(made[segment], study.freeze)
-            for name, made in clips.items()
-            if segment in made
+            name: freeze(by_segment[segment], study.freeze)
+            for name, by_segment in clips.items()
+            if segment in by_segment
         }
-        caught[segment] = difference(
-            shown[study.catch_against], shown[study.catch.condition], framing
-        )
+        difference = motion_difference(shown[reference], shown[flawed], study.video.framing)
+        centimetres[segment] = 100 * difference.metres
+        if difference.acceleration_ratio >= JERKY:
+            jerky.add(segment)
         usual += [
-            difference(shown[a], shown[b], framing).metres
+            100 * motion_difference(shown[a], shown[b], study.video.framing).metres
             for a, b in combinations([name for name in shown if name in study.conditions], 2)
         ]
-    if not caught:
-        return
-    between = median(usual) if usual else 0.0
-    beside = f"; other pairs {_centimetres(between)}" if usual else ""
-    yield finding(
-        "catch-difference",
-        f"in catch trials the joints lie {_centimetres(median(d.metres for d in caught.values()))} "
-        f"apart{beside} (means over joints and time, of the middle segment)",
+    yield from _difference_findings(
+        study, centimetres, usual, "the mean distance of joints is {:.1f} cm", LEAST_CM, jerky
     )
-    least = max(LEAST_METRES, LEAST_SHARE * between)
-    hardly = {
-        segment: found
-        for segment, found in caught.items()
-        if found.metres < least and found.rougher < ROUGHER
-    }
-    if hardly:
-        worst = min(hardly, key=lambda segment: hardly[segment].metres)
-        yield finding(
-            "catch-hardly-differs",
-            f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in {len(hardly)} "
-            f"of {len(caught)} segments: in {worst} the joints lie "
-            f"{_centimetres(hardly[worst].metres)} apart{beside}",
-        )
 
 
 def catch_picture_findings(material: Material) -> Iterator[Finding]:
-    """Say so of finished videos, whose motion is seen in their pictures alone."""
+    """Yield the same for finished videos, from their pictures."""
     study = material.study
-    if not study.catch.trials or not study.is_finished(study.catch.condition):
+    flawed, reference = study.catch.condition, study.catch_against
+    if not study.catch.trials or not study.is_finished(flawed):
         return
     files = {
         (content[0].condition, content[0].segment): file
-        for file, content in material.brought.items()
+        for file, content in material.finished.items()
         if file.is_file()
     }
-    caught: dict[str, float] = {}
+    grey_levels: dict[str, float] = {}
     usual: list[float] = []
-    for segment in list(material.by_name)[:MOST_SEGMENTS]:
-        shown: dict[str, Pictures] = {}
-        for name in dict.fromkeys((*study.conditions, study.catch.condition)):
-            pictures = pictures_of(files[name, segment]) if (name, segment) in files else None
-            if pictures is not None:
-                shown[name] = pictures
-        if {study.catch.condition, study.catch_against} <= set(shown):
-            pair = shown[study.catch.condition], shown[study.catch_against]
-            caught[segment] = unlike(*pair)
-        compared = [shown[name] for name in shown if name in study.conditions]
-        usual += [unlike(a, b) for a, b in combinations(compared, 2)]
+    for segment in list(material.segments_by_name)[:MOST_SEGMENTS]:
+        shown = {
+            name: pictures
+            for name in dict.fromkeys((*study.conditions, flawed))
+            if (name, segment) in files
+            and (pictures := read_pictures(files[name, segment])) is not None
+        }
+        if flawed in shown and reference in shown:
+            grey_levels[segment] = picture_difference(shown[flawed], shown[reference])
+        ordinary = [pictures for name, pictures in shown.items() if name in study.conditions]
+        usual += [picture_difference(a, b) for a, b in combinations(ordinary, 2)]
+    yield from _difference_findings(
+        study, grey_levels, usual, "the pictures differ by {:.1f} of 255 grey levels", LEAST_GREY
+    )
+
+
+def _difference_findings(
+    study: Study,
+    caught: Mapping[str, float],
+    usual: Sequence[float],
+    clause: str,
+    least: float,
+    jerky: Collection[str] = (),
+) -> Iterator[Finding]:
+    """Compare the differences of catch trials, by segment, with those of ordinary pairs.
+
+    Parameters
+    ----------
+    clause : str
+        States a difference, with braces for its number.
+    least : float
+        Difference below which nobody can be expected to see it.
+    jerky : collection of str
+        Segments whose flaw is plain, however small the difference.
+    """
     if not caught:
         return
-    between = median(usual) if usual else 0.0
-    beside = f"; other pairs by {between:.1f}" if usual else ""
-    yield finding(
+    typical = median(usual) if usual else 0.0
+    comparison = f"; in other pairs, {clause.format(typical)}" if usual else ""
+    yield make_finding(
         "catch-difference",
-        f"in catch trials the pictures differ by {median(caught.values()):.1f} of 255 levels of "
-        f"grey{beside} (of the middle segment)",
+        f"in catch trials, {clause.format(median(caught.values()))}{comparison} (median over "
+        "segments)",
     )
-    hardly = {name: found for name, found in caught.items() if found < LEAST_SHARE * between}
-    hardly |= {name: found for name, found in caught.items() if found == 0}
-    if hardly:
-        worst = min(hardly, key=hardly.__getitem__)
-        yield finding(
+    similar = {
+        segment: difference
+        for segment, difference in caught.items()
+        if difference < max(least, LEAST_SHARE * typical) and segment not in jerky
+    }
+    if similar:
+        worst = min(similar, key=similar.__getitem__)
+        yield make_finding(
             "catch-hardly-differs",
-            f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in {len(hardly)} "
-            f"of {len(caught)} segments: in {worst} their pictures differ by {hardly[worst]:.1f} "
-            f"of 255 levels of grey{beside}",
-            where=material.name_of(files[study.catch.condition, worst]),
+            f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in "
+            f"{len(similar)} of {len(caught)} segments: in {worst}, "
+            f"{clause.format(similar[worst])}{comparison}",
         )
-
-
-def _positions(clip: MotionClip) -> FloatArray:
-    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
-
-
-def _acceleration(positions: FloatArray, rate: float) -> float:
-    """Return the mean acceleration in m/s²; 0 for fewer than three frames."""
-    if len(positions) < 3:
-        return 0.0
-    return float(np.linalg.norm(np.diff(positions, n=2, axis=0), axis=2).mean() * rate**2)
-
-
-def _centimetres(metres: float) -> str:
-    return f"{100 * metres:.1f} cm"

@@ -1,24 +1,25 @@
-"""Everything that can go wrong before a study is launched."""
+"""All checks of a study before its launch."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from typing import Final
 
 from motion.errors import InputError
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.design_checks import balance_findings, design_findings
-from studyapp.preflight.finding import SEVERITIES, Finding, finding
+from studyapp.preflight.finding import SEVERITIES, Finding, finding_of_error, make_finding
 from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.preflight.recruiting_checks import (
-    made_findings,
     page_findings,
     pay_findings,
+    prolific_code_findings,
     recruiting_findings,
 )
-from studyapp.preflight.serving_checks import address_findings, read_findings, serving_findings
+from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
 from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.time_checks import (
@@ -41,57 +42,55 @@ def check(
     *,
     address: str | None = None,
     pilot: StudyFolder | None = None,
-    on_step: OnStep = lambda _what: None,
+    on_step: OnStep = lambda _step: None,
 ) -> list[Finding]:
-    """Return everything worth knowing before launch, errors first.
+    """Return all findings of a study, errors first.
 
     Parameters
     ----------
     address : str, optional
-        Where participants will come to; the study is asked for there.
+        The address that participants will use; requests are sent there.
     pilot : StudyFolder, optional
-        A study that people have taken, whose pace tells how long this one takes.
+        A study whose participants' pace is used to estimate this study's duration.
     on_step : callable
-        Called with what is looked at next.
+        Called with the name of the next check.
 
     Raises
     ------
     InputError
-        If the pilot tells nothing.
+        If the pilot cannot be read, or too few participants have finished it.
     """
     pace = None if pilot is None else pace_of_pilot(pilot)
     findings = list(_findings(folder, pace, on_step))
     if address is not None:
         findings += address_findings(address)
-    return sorted(findings, key=lambda found: SEVERITIES.index(found.severity))
+    return sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
 
 
 def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterator[Finding]:
     try:
         study = parse_text(read_text(folder.definition), where=folder.definition)
-    except InputError as wrong:
-        for problem in wrong.what.split("; "):
-            yield finding("study-file", problem, where="study.toml", remedy=wrong.remedy)
+    except InputError as error:
+        for problem in error.what.split("; "):
+            yield make_finding("study-file", problem, where="study.toml", remedy=error.remedy)
         return
     yield from page_findings(study)
     yield from recruiting_findings(study)
-    yield from made_findings(study, folder.root)
+    yield from prolific_code_findings(study, folder.root)
     try:
-        material = Material.of(folder, study)
-    except InputError as missing:
-        of_videos = folder.stimuli.name in missing.where
-        yield finding(
-            "video-list-unreadable" if of_videos else "speech-unreadable",
-            missing.what,
-            where=missing.where.removeprefix(f"{folder.root}/"),
-            remedy=missing.remedy or None,
+        material = Material.read(folder, study)
+    except InputError as error:
+        yield finding_of_error(
+            "video-list-unreadable" if folder.stimuli.name in error.where else "speech-unreadable",
+            error,
+            where=error.where.removeprefix(f"{folder.root}/"),
         )
         yield from pay_findings(study, None)
         return
     yield from _material_findings(material, study, pace, on_step)
 
 
-_LOOKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
+_CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
     ("finished videos", finished_video_findings),
     ("what videos show", shown_video_findings),
     ("sound", sound_findings),
@@ -107,27 +106,21 @@ _LOOKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] =
 def _material_findings(
     material: Material, study: Study, pace: Pace | None, on_step: OnStep
 ) -> Iterator[Finding]:
-    """Look at everything; only a study without errors is read as its server does."""
+    """Run all checks, and read a study without errors as its server will."""
     expected = expected_time(material)
     findings: list[Finding] = []
-    for what, look in _LOOKS:
-        on_step(what)
-        findings += look(material)
+    for name, check_material in _CHECKS:
+        on_step(name)
+        findings += check_material(material)
     if expected is None:
         findings += pay_findings(study, None)
     else:
-        seen = pace or _own_pace(material)
-        findings += time_findings(study, expected, seen)
-        findings += pay_findings(study, minutes_needed(expected, seen))
+        if pace is None:
+            with suppress(InputError):  # serving_findings reports a database that cannot be read
+                pace = pace_of_study(material)
+        findings += time_findings(study, expected, pace)
+        findings += pay_findings(study, minutes_needed(expected, pace))
     yield from findings
-    if not any(found.severity == "error" for found in findings):
+    if not any(finding.severity == "error" for finding in findings):
         on_step("the study as it is served")
-        yield from read_findings(material)
-
-
-def _own_pace(material: Material) -> Pace | None:
-    """Return the pace of who has finished the study; None also where its database is unusable."""
-    try:
-        return pace_of_study(material)
-    except InputError:
-        return None
+        yield from server_findings(material)

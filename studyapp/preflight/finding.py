@@ -1,4 +1,4 @@
-"""What `motionjury check` finds, for programs and people; `findings.toml` declares it all."""
+"""The findings of `motionjury check`, for programs and people; `findings.toml` declares them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
+from itertools import groupby
 from typing import Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter
+
+from motion.errors import InputError
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
@@ -18,7 +21,7 @@ SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
 
 
 class FindingKind(BaseModel):
-    """One thing that can be found, as `findings.toml` declares it."""
+    """A kind of finding, as `findings.toml` declares it."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -39,7 +42,7 @@ class Finding(BaseModel):
     where : str
         A file of the study folder, or a key of the study file; may be empty.
     what, remedy : str
-        What is the matter and what to do; wording may change.
+        The problem and what to do about it; the wording may change.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -53,34 +56,32 @@ class Finding(BaseModel):
 
 @cache
 def catalogue() -> Mapping[str, Mapping[str, FindingKind]]:
-    """Return every kind of finding under its name, by where it is looked for."""
+    """Return all kinds of findings by subject and name."""
     text = files(__package__).joinpath("findings.toml").read_text("utf-8")
     return TypeAdapter(dict[str, dict[str, FindingKind]]).validate_python(tomllib.loads(text))
 
 
 @cache
 def kinds() -> Mapping[str, FindingKind]:
-    """Return every kind of finding under its name."""
-    return {name: kind for own in catalogue().values() for name, kind in own.items()}
+    """Return all kinds of findings by name."""
+    return {name: kind for subject in catalogue().values() for name, kind in subject.items()}
 
 
-def finding(
-    name: str, what: str = "", *, where: str = "", remedy: str | None = None, **values: object
+def make_finding(
+    name: str, what: str = "", *, where: str = "", remedy: str = "", **values: object
 ) -> Finding:
-    """Return that a kind of finding was found.
+    """Return a finding of the kind `name`.
 
     Parameters
     ----------
-    name : str
-        Of its kind.
     what : str
-        What is the matter here, as a clause; where it is empty, what the kind says, or means.
+        The problem as a clause, if the kind has no clause of its own.
     where : str
-        A file of the study folder, or a key of the study file; where it is empty, the kind's.
-    remedy : str, optional
-        What to do here, where that says more than the kind's own remedy.
+        A file of the study folder or a key of the study file, instead of the kind's.
+    remedy : str
+        What to do, instead of the kind's remedy.
     **values
-        What the kind's clause says in braces; `where` is known to it too.
+        Fill the braces of the kind's clause; `where` fills them too.
     """
     kind = kinds()[name]
     return Finding(
@@ -88,23 +89,30 @@ def finding(
         severity=kind.severity,
         where=where or kind.where,
         what=what or kind.says.format(where=where, **values) or kind.means,
-        remedy=kind.remedy if remedy is None else remedy,
+        remedy=remedy or kind.remedy,
     )
 
 
-ALIKE: Final = 3
-"""Findings of one kind that are told one by one; of more, the first ones and their number."""
+def finding_of_error(name: str, error: InputError, *, where: str | None = None) -> Finding:
+    """Return the finding that something could not be read, with the error's words."""
+    return make_finding(
+        name, error.what, where=error.where if where is None else where, remedy=error.remedy
+    )
+
+
+MOST_SIMILAR: Final = 3
+"""Findings of one kind that are printed in full; the others are only counted."""
 
 WIDTH: Final = 96
 
 
 class CheckRecord(BaseModel):
-    """What one check found.
+    """The findings of one check.
 
     Attributes
     ----------
     format : int
-        Changes when a program that reads this would have to.
+        Changes when programs that read this have to change.
     study : str
         The study folder's name.
     errors, warnings, notes : int
@@ -122,10 +130,16 @@ class CheckRecord(BaseModel):
     notes: int
     findings: tuple[Finding, ...]
 
+    @property
+    def summary(self) -> str:
+        """The numbers of errors and warnings, in words."""
+        counts = ((self.errors, "error"), (self.warnings, "warning"))
+        return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
 
-def record(study: str, findings: Sequence[Finding]) -> CheckRecord:
-    """Return what was found as a program reads it."""
-    counts = Counter(found.severity for found in findings)
+
+def make_record(study: str, findings: Sequence[Finding]) -> CheckRecord:
+    """Return the record of a check."""
+    counts = Counter(finding.severity for finding in findings)
     return CheckRecord(
         study=study,
         errors=counts["error"],
@@ -135,47 +149,42 @@ def record(study: str, findings: Sequence[Finding]) -> CheckRecord:
     )
 
 
-def told(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[str]:
-    """Yield the lines of what was found, as a person reads it.
+def text_lines(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[str]:
+    """Yield the lines to print, findings of one kind together and the worst first.
 
     Parameters
     ----------
     everything : bool
-        Whether notes are told too, and many findings of one kind one by one.
+        Print notes too, and all findings of a kind instead of the first few.
     """
-    of_kind: dict[str, list[Finding]] = {}
-    for found in findings:
-        of_kind.setdefault(found.name, []).append(found)
+    by_kind: dict[str, list[Finding]] = {}
+    for finding in findings:
+        by_kind.setdefault(finding.name, []).append(finding)
     for severity in SEVERITIES if everything else SEVERITIES[:-1]:
-        for name, alike in of_kind.items():
-            if alike[0].severity != severity:
+        for name, similar in by_kind.items():
+            if similar[0].severity != severity:
                 continue
-            told_singly = alike if everything or len(alike) <= ALIKE + 1 else alike[:ALIKE]
+            abridged = not everything and len(similar) > MOST_SIMILAR + 1
+            printed = similar[:MOST_SIMILAR] if abridged else similar
             yield f"{severity}: {name}"
-            for place, found in enumerate(told_singly):
-                following = told_singly[place + 1 : place + 2]
-                same = bool(following) and following[0].remedy == found.remedy
-                yield from _told(found, remedy="" if same else found.remedy)
-            if len(alike) > len(told_singly):
-                more = len(alike) - len(told_singly)
-                yield f"  and {more} more like these (--verbose tells them)"
+            for remedy, group in groupby(printed, key=lambda finding: finding.remedy):
+                for finding in group:
+                    named = not finding.where or finding.where in finding.what
+                    yield from _wrap(
+                        finding.what if named else f"{finding.where}: {finding.what}", "  "
+                    )
+                yield from _wrap(remedy, "  > ")
+            if abridged:
+                yield f"  and {len(similar) - len(printed)} more like these (--verbose prints them)"
             yield ""
 
 
-def _told(found: Finding, *, remedy: str) -> Iterator[str]:
-    where = f"{found.where}: " if found.where and found.where not in found.what else ""
-    for text, indent in ((f"{where}{found.what}", "  "), (remedy, "  > ")):
-        yield from textwrap.wrap(
-            f"{text}." if text else "",
-            WIDTH,
-            initial_indent=indent,
-            subsequent_indent=" " * len(indent),
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
-
-
-def summed_up(made: CheckRecord) -> str:
-    """Return how many errors and warnings there are, in words."""
-    counts = ((made.errors, "error"), (made.warnings, "warning"))
-    return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
+def _wrap(sentence: str, indent: str) -> list[str]:
+    return textwrap.wrap(
+        f"{sentence}." if sentence else "",
+        WIDTH,
+        initial_indent=indent,
+        subsequent_indent=" " * len(indent),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -1,14 +1,14 @@
-"""What can be wrong with finished videos: whether they are there, whole, and encoded alike."""
+"""Whether finished videos exist, are intact, and are encoded alike."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from motion.segment import Segment
-from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
@@ -19,7 +19,7 @@ from studyapp.stimuli.media_probe import (
     format_of,
 )
 from studyapp.study.design.trial import Content
-from studyapp.study.finished_videos import finished_video_path, similar_file
+from studyapp.study.finished_videos import similar_file
 
 _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -30,11 +30,11 @@ _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-SMALLEST: Final = 360
-"""Pixels of the shorter side below which hands of an upper body are some ten pixels wide."""
+LEAST_PIXELS: Final = 360
+"""Of the shorter side: below, the hands of an upper body are about ten pixels wide."""
 
-SLOWEST: Final = 24
-"""Frames per second of films; below, motion is seen as single pictures."""
+LEAST_FRAME_RATE: Final = 24
+"""As in films; below, motion is seen as single pictures."""
 
 ENCODE: Final = (
     "Encode all finished videos alike, as with 'ffmpeg -i IN.mp4 -r {rate:g} -s {width}x{height} "
@@ -43,90 +43,93 @@ ENCODE: Final = (
 
 
 def encode_like(example: VideoFormat) -> str:
-    """Return how all videos can be encoded as `example` is."""
+    """Return the remedy of encoding all videos as `example` is."""
     return ENCODE.format(rate=example.frame_rate, width=example.width, height=example.height)
 
 
 def finished_video_findings(material: Material) -> Iterator[Finding]:
-    """Yield what is missing or broken of the videos that were brought, and how they differ."""
-    for content in material.brought.values():
-        yield from _original_findings(material, content, material.by_name[content[0].segment])
-    yield from _format_findings(material)
-    yield from _look_findings(material)
+    """Yield finished videos that are missing or damaged, and how they differ."""
+    for file, content in material.finished.items():
+        yield from _file_findings(material, file, content)
+    formats = {
+        file: video_format
+        for file in material.finished
+        if (video_format := format_of(file)) is not None
+    }
+    yield from _format_findings(material, formats)
+    yield from _resolution_findings(material, formats)
 
 
 def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
-    """Return what is wrong with the video `name`."""
-    return finding(flaw.kind, f"{name} {flaw.what}", where=name, remedy=remedy)
+    """Return the finding of a flaw in the video `name`."""
+    return make_finding(flaw.kind, f"{name} {flaw.what}", where=name, remedy=remedy)
 
 
-def _original_findings(material: Material, content: Content, segment: Segment) -> Iterator[Finding]:
-    (shown,) = content
-    file = finished_video_path(material.folder.videos, shown)
-    name = material.name_of(file)
+def _file_findings(material: Material, file: Path, content: Content) -> Iterator[Finding]:
+    (stimulus,) = content
+    name = material.display_path(file)
     if not file.is_file():
-        similar = similar_file(file, material.brought.keys())
-        yield finding(
+        similar = similar_file(file, material.finished.keys())
+        remedy = f"Save it as {file}, or set allow_gaps = true in study.toml to omit the segment"
+        if similar is not None:
+            other = material.display_path(similar)
+            remedy = f"Rename {other} if that is the video, or save it as {file}"
+        yield make_finding(
             "video-missing",
             f"the video of {described(content)} is missing",
             where=name,
-            remedy=f"Bring it as {file}, or set allow_gaps = true in study.toml to leave the "
-            "segment out"
-            if similar is None
-            else f"Rename {material.name_of(similar)} if that is the video, or bring it as {file}",
+            remedy=remedy,
         )
         return
-    flaw = flaw_of(file, segment.duration, sound=shown.speech is not None)
+    segment = material.segments_by_name[stimulus.segment]
+    flaw = flaw_of(file, segment.duration, sound=stimulus.speech is not None)
     if flaw is not None:
-        yield flaw_finding(
-            flaw, name, f"Bring it anew; lengths may differ by {DURATION_TOLERANCE} s"
-        )
+        yield flaw_finding(flaw, name, f"Replace it; lengths may differ by {DURATION_TOLERANCE} s")
 
 
-def _format_findings(material: Material) -> Iterator[Finding]:
-    """Say where videos are encoded so that a browser may not play them, or can tell them apart."""
+def _format_findings(material: Material, formats: Mapping[Path, VideoFormat]) -> Iterator[Finding]:
+    """Yield encodings that a browser may not play, or that tell a segment's videos apart."""
     study = material.study
-    formats: defaultdict[str, dict[str, VideoFormat]] = defaultdict(dict)
-    for file, content in material.brought.items():
-        found = format_of(file)
-        if found is not None:
-            formats[content[0].segment][material.name_of(file)] = found
-    drawn = any(not study.is_finished(name) for name in study.conditions)
-    wanted = VideoFormat.rendered(study.video.size, study.video.frame_rate) if drawn else None
-    for of_segment in formats.values():
-        remedy = encode_like(wanted or next(iter(of_segment.values())))
-        for name, found in of_segment.items():
-            if (why := found.unplayable) is not None:
-                yield finding("video-unplayable", f"{name} {why}", where=name, remedy=remedy)
-        named = {**of_segment, **({"a rendered video": wanted} if wanted else {})}
+    by_segment: defaultdict[str, dict[str, VideoFormat]] = defaultdict(dict)
+    for file, video_format in formats.items():
+        by_segment[material.finished[file][0].segment][material.display_path(file)] = video_format
+    some_rendered = not all(study.is_finished(name) for name in study.conditions)
+    rendered = VideoFormat.rendered(study.video.size, study.video.frame_rate)
+    for finished in by_segment.values():
+        remedy = encode_like(rendered if some_rendered else next(iter(finished.values())))
+        for name, video_format in finished.items():
+            if (reason := video_format.unplayable) is not None:
+                yield make_finding(
+                    "video-unplayable", f"{name} {reason}", where=name, remedy=remedy
+                )
+        compared = finished | ({"a rendered video": rendered} if some_rendered else {})
         for attribute, words in VideoFormat.WORDS.items():
-            of_value: dict[object, str] = {}
-            for name, found in named.items():
-                of_value.setdefault(getattr(found, attribute), name)
-            if len(of_value) > 1:
-                told = ", ".join(f"{value} in {name}" for value, name in of_value.items())
-                yield finding(
+            values: dict[object, str] = {}
+            for name, video_format in compared.items():
+                values.setdefault(getattr(video_format, attribute), name)
+            if len(values) > 1:
+                differences = ", ".join(f"{value} in {name}" for value, name in values.items())
+                yield make_finding(
                     _DIFFERS[attribute],
-                    f"{words} differs, which tells videos apart: {told}",
-                    where=next(iter(of_segment)),
+                    f"{words} differs, which tells videos apart: {differences}",
+                    where=next(iter(finished)),
                     remedy=remedy,
                 )
 
 
-def _look_findings(material: Material) -> Iterator[Finding]:
-    """Say where videos are too small or too slow to be judged by."""
+def _resolution_findings(
+    material: Material, formats: Mapping[Path, VideoFormat]
+) -> Iterator[Finding]:
+    """Yield videos that are too small, or whose frame rate is too low, to judge them."""
     video = material.study.video
-    smallest, slowest, where = float(video.size), float(video.frame_rate), "video"
+    pixels, frame_rate, where = float(video.size), float(video.frame_rate), "video"
     if material.study.only_finished:
-        formats = {file: format_of(file) for file in material.brought}
-        known = {file: found for file, found in formats.items() if found is not None}
-        if not known:
+        if not formats:
             return
-        small = min(known, key=lambda file: min(known[file].width, known[file].height))
-        smallest = min(known[small].width, known[small].height)
-        slowest = min(found.frame_rate for found in known.values())
-        where = material.name_of(small)
-    if smallest < SMALLEST:
-        yield finding("picture-small", where=where, pixels=smallest)
-    if slowest < SLOWEST:
-        yield finding("frame-rate-low", where=where, rate=slowest)
+        pixels, smallest = min((min(f.width, f.height), file) for file, f in formats.items())
+        frame_rate = min(video_format.frame_rate for video_format in formats.values())
+        where = material.display_path(smallest)
+    if pixels < LEAST_PIXELS:
+        yield make_finding("picture-small", where=where, pixels=pixels)
+    if frame_rate < LEAST_FRAME_RATE:
+        yield make_finding("frame-rate-low", where=where, rate=frame_rate)

@@ -1,4 +1,4 @@
-"""What the checks look at: a study's file, segments and videos, read once."""
+"""The input of all checks: a study's settings, segments and videos, read once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from studyapp.study.media import Media, VideoFile
 from studyapp.study.settings.study import Study
 
 MOST_PLACES: Final = 240
-"""Places of an arm whose trials are planned; of more, as many of the first ones."""
+"""Places of an arm whose trials are planned; of larger arms, the first ones."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class Material:
     Attributes
     ----------
     media : Media or None
-        None where nothing was rendered or copied yet.
+        None before anything is rendered or copied.
     """
 
     folder: StudyFolder
@@ -36,13 +36,13 @@ class Material:
     media: Media | None
 
     @classmethod
-    def of(cls, folder: StudyFolder, study: Study) -> Self:
-        """Read what `study` in `folder` has.
+    def read(cls, folder: StudyFolder, study: Study) -> Self:
+        """Read the segments and the list of videos of `study` in `folder`.
 
         Raises
         ------
         InputError
-            If the segments, or the list of videos, cannot be read.
+            If either cannot be read.
         """
         return cls(
             folder=folder,
@@ -52,30 +52,30 @@ class Material:
         )
 
     @cached_property
-    def by_name(self) -> Mapping[str, Segment]:
-        """The segments under their names."""
+    def segments_by_name(self) -> Mapping[str, Segment]:
+        """The segments by name."""
         return MappingProxyType({segment.name: segment for segment in self.segments})
 
     @cached_property
     def contents(self) -> tuple[Content, ...]:
-        """What participants may be shown, segment after segment."""
-        order = {name: place for place, name in enumerate(self.by_name)}
-        shown = self.study.contents(self.segments)
-        return tuple(sorted(shown, key=lambda content: order[content[0].segment]))
+        """All that participants may be shown, in the order of segments."""
+        order = list(self.segments_by_name)
+        contents = self.study.contents(self.segments)
+        return tuple(sorted(contents, key=lambda content: order.index(content[0].segment)))
 
     @cached_property
     def shown(self) -> Mapping[Content, VideoFile]:
-        """The videos that are there, under what they show."""
+        """The videos that exist, by content."""
         if self.media is None:
             return MappingProxyType({})
-        found = {content: self.media.find(content) for content in self.contents}
+        videos = {content: self.media.find(content) for content in self.contents}
         return MappingProxyType(
-            {content: video for content, video in found.items() if video and video.file.is_file()}
+            {content: video for content, video in videos.items() if video and video.file.is_file()}
         )
 
     @cached_property
-    def brought(self) -> Mapping[Path, Content]:
-        """The finished videos that must be brought, and what each shows."""
+    def finished(self) -> Mapping[Path, Content]:
+        """The content of each finished video that the researcher supplies."""
         files: dict[Path, Content] = {}
         for content in self.contents:
             if len(content) == 1 and self.study.is_finished(content[0].condition):
@@ -101,7 +101,7 @@ class Material:
         """The trials of all planned places, arm after arm."""
         return (plan for _, plans in self.planned for plan in plans)
 
-    def name_of(self, file: Path) -> str:
-        """Return a file's path as it is told: from the study's folder where it lies there."""
+    def display_path(self, file: Path) -> str:
+        """Return a file's path, relative to the study folder if it lies there."""
         root = self.folder.root
         return str(file.relative_to(root) if file.is_relative_to(root) else file)

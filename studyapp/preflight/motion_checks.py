@@ -1,117 +1,154 @@
-"""What can be wrong with a study's motion, found before it is shown."""
+"""Whether the motion can be read, is shown completely, and does not tell conditions apart."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
+from motion.body.abilities import BodyAbilities
 from motion.clip import CHANNELS, MotionClip, freeze, moving_channels
 from motion.errors import InputError, listed
 from motion.formats import read_clip
+from renderer.look import BACKGROUND
 from studyapp.preflight.catch_checks import catch_motion_findings
-from studyapp.preflight.finding import Finding, finding
-from studyapp.preflight.look_checks import look_findings
+from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
-from studyapp.stimuli.shown_motion import left_out, shown_abilities
+from studyapp.stimuli.render_plan import study_camera
+from studyapp.stimuli.shown_motion import background_of, left_out, shown_abilities, shown_body
 from studyapp.study.settings.study import Study
+
+LEAST_HEAD_PIXELS: Final = 120
+"""Height of a head below which lips and brows are only a few pixels."""
+
+_HEAD_METRES: Final = 0.26
+"""From the chin to the top of the hair."""
+
+_FACE_WORDS: Final = re.compile(
+    r"\b(faces?|facial|lips?|mouth)\b|gesicht|mimik|lippen|顔|表情", re.IGNORECASE
+)
+
+ConditionClips = Mapping[str, Sequence[MotionClip]]
 
 
 def motion_findings(material: Material) -> Iterator[Finding]:
-    """Yield what is broken, what tells conditions apart, and what is not shown of them."""
-    clips, broken = _read_motion(material)
-    yield from broken
+    """Yield broken clips, motion that is not shown, and what tells conditions apart."""
     study = material.study
+    clips, broken = _read_clips(material)
+    yield from broken
     compared = {
-        name: list(made.values()) for name, made in clips.items() if name in study.conditions
+        name: list(by_segment.values())
+        for name, by_segment in clips.items()
+        if name in study.conditions
     }
-    yield from _freeze_findings(study)
-    yield from _kind_findings(study, compared)
+    finished = [name for name in study.conditions if study.is_finished(name)]
+    if study.freeze and finished:
+        yield make_finding("freeze-without-effect", conditions=listed(finished))
+    yield from _frame_rate_findings(study, compared)
+    yield from _channel_findings(study, compared)
     yield from _body_findings(material, compared)
     yield from catch_motion_findings(study, clips)
 
 
-def _freeze_findings(study: Study) -> Iterator[Finding]:
-    finished = [name for name in study.conditions if study.is_finished(name)]
-    if study.freeze and finished:
-        yield finding("freeze-without-effect", conditions=listed(finished))
-
-
-def _read_motion(
-    material: Material,
-) -> tuple[dict[str, dict[str, MotionClip]], list[Finding]]:
-    """Return the clips of each condition by segment, and a finding for each broken one.
-
-    The catch condition is among them: it is read, and what is broken of it is told, although its
-    motion is meant to look odd.
-    """
+def _read_clips(material: Material) -> tuple[dict[str, dict[str, MotionClip]], list[Finding]]:
+    """Return clips by condition and segment, the catch condition's too, and the broken ones."""
     study, folder = material.study, material.folder
-    caught = (study.catch.condition,) if study.catch.trials else ()
+    flawed = (study.catch.condition,) if study.catch.trials else ()
     clips: dict[str, dict[str, MotionClip]] = {
-        name: {} for name in (*study.conditions, *caught) if not study.is_finished(name)
+        name: {} for name in (*study.conditions, *flawed) if not study.is_finished(name)
     }
     broken: list[Finding] = []
-    for condition, made in clips.items():
+    for condition, by_segment in clips.items():
         for segment in material.segments:
-            path = folder.clip(condition, segment.name)
-            if not path.exists():
+            file = folder.clip(condition, segment.name)
+            if not file.exists():
                 continue
             try:
-                made[segment.name] = read_clip(path)
-            except InputError as unusable:
-                broken.append(
-                    finding(
-                        "motion-unreadable",
-                        unusable.what,
-                        where=material.name_of(path),
-                        remedy=unusable.remedy,
-                    )
-                )
+                by_segment[segment.name] = read_clip(file)
+            except InputError as error:
+                where = material.display_path(file)
+                broken.append(finding_of_error("motion-unreadable", error, where=where))
     return clips, broken
 
 
-def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
-    """Say what of the motion the study's body, or its camera, leaves out."""
-    study = material.study
-    try:
-        body = shown_abilities(material.folder, study)
-    except InputError as unusable:
-        yield finding(
-            "body-unusable",
-            unusable.what,
-            where=unusable.where.removeprefix(f"{material.folder.root}/"),
-            remedy=unusable.remedy,
-        )
-        return
-    shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
-    for sentence in left_out(shown, body):
-        yield finding("motion-not-shown", sentence.rstrip("."))
-    yield from look_findings(material, body, clips)
-
-
-def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
-    """Say where a condition's motion is of another kind than the others'."""
-    for condition, made in clips.items():
-        slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
-        if slowest < study.video.frame_rate:
-            yield finding(
+def _frame_rate_findings(study: Study, clips: ConditionClips) -> Iterator[Finding]:
+    for condition, condition_clips in clips.items():
+        rate = min((clip.frame_rate for clip in condition_clips), default=study.video.frame_rate)
+        if rate < study.video.frame_rate:
+            yield make_finding(
                 "motion-interpolated",
                 where=f"motion/{condition}",
                 condition=condition,
-                rate=slowest,
+                rate=rate,
                 shown=study.video.frame_rate,
             )
+
+
+def _channel_findings(study: Study, clips: ConditionClips) -> Iterator[Finding]:
+    """Yield channels that move in some conditions only."""
     moving = {
-        condition: frozenset().union(*(moving_channels(clip) for clip in made))
-        for condition, made in clips.items()
-        if any(np.ptp(clip.poses, axis=0).any() for clip in made)
+        condition: frozenset().union(*map(moving_channels, condition_clips))
+        for condition, condition_clips in clips.items()
+        if any(np.ptp(clip.poses, axis=0).any() for clip in condition_clips)
     }
     for channel in CHANNELS:
         still = [condition for condition, channels in moving.items() if channel not in channels]
         if channel not in study.freeze and 0 < len(still) < len(moving):
-            yield finding(
+            yield make_finding(
                 "channel-tells-apart",
                 channel=channel,
                 conditions=listed(still),
                 remedy=f'Add "{channel}" to freeze in study.toml and render again',
             )
+
+
+def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Finding]:
+    """Yield what the study's body or its camera does not show of the motion."""
+    study = material.study
+    try:
+        body = shown_abilities(material.folder, study)
+    except InputError as error:
+        where = error.where.removeprefix(f"{material.folder.root}/")
+        yield finding_of_error("body-unusable", error, where=where)
+        return
+    frozen = [
+        (name, freeze(clip, study.freeze))
+        for name, condition_clips in clips.items()
+        for clip in condition_clips
+    ]
+    for sentence in left_out(frozen, body):
+        yield make_finding("motion-not-shown", sentence.rstrip("."))
+    if frozen:
+        yield from _framing_findings(material, body, [clip for _, clip in frozen])
+
+
+def _framing_findings(
+    material: Material, body: BodyAbilities, clips: Sequence[MotionClip]
+) -> Iterator[Finding]:
+    """Yield a framing on what does not move, and a face that is judged but small."""
+    study = material.study
+    part = study.video.framing if study.video.framing in ("face", "hands") else ""
+    if part in study.freeze:
+        yield make_finding("framed-part-still", framing=part, why="freeze holds it still")
+    elif part == "face" and not body.has_face:
+        yield make_finding("framed-part-still", framing=part, why="the study's body has no face")
+    if background_of(study) != BACKGROUND:
+        yield make_finding("background-unlike-pages")
+    about_face = [
+        question.name for question in study.questions if _FACE_WORDS.search(question.text)
+    ]
+    if about_face and not part and body.has_face and "face" not in study.freeze:
+        pixels = _head_pixels(material, clips)
+        if pixels < LEAST_HEAD_PIXELS:
+            yield make_finding("face-small", question=about_face[0], pixels=pixels)
+
+
+def _head_pixels(material: Material, clips: Sequence[MotionClip]) -> int:
+    """Return the height of a head in the videos."""
+    study = material.study
+    camera = study_camera(clips, study, shown_body(material.folder, study))
+    distance = float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
+    view_height = 2 * distance * np.tan(np.radians(camera.field_of_view / 2))
+    return round(float(study.video.size * _HEAD_METRES / view_height))

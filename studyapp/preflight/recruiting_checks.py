@@ -1,4 +1,4 @@
-"""What recruiters need, what participants are told beforehand, and whom and what an hour pays."""
+"""What recruiting sites need, what participants are told, and what they are paid."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, get_args
 
 from motion.errors import InputError, listed
-from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.finding import Finding, make_finding
 from studyapp.recruitment.prolific import CODE_TYPES
 from studyapp.recruitment.record import FILE, places_of, read_made_there
 from studyapp.study.settings.presentation import Language, reaches_somebody
@@ -21,180 +21,190 @@ from studyapp.study.template_language import render_template, untranslated_keys
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
-    """Say what is missing for the study's channel, and whom it does not pay."""
+    """Yield what the study's channel lacks, and who need not be paid."""
     recruitment = study.recruitment
     if recruitment.missing_codes:
-        yield finding("codes-missing", missing=listed(recruitment.missing_codes))
+        yield make_finding("codes-missing", missing=listed(recruitment.missing_codes))
     yield from _place_findings(study)
     limit, checks = recruitment.unpaid_failed_checks, study.attention.trials
     if recruitment.names_participants and limit and checks:
         if checks < limit:
-            yield finding(
+            yield make_finding(
                 "everybody-paid",
                 checks=checks,
                 limit=limit,
-                remedy=f"Set attention.trials to {max(limit, MIN_FAILED_CHECKS)} or more, if "
-                "the rule is to matter",
+                remedy=f"Set attention.trials to {max(limit, MIN_FAILED_CHECKS)} or more if "
+                "the rule should have an effect",
             )
         else:
-            yield finding("unpaid-rule", checks=checks, limit=limit)
+            yield make_finding("unpaid-rule", checks=checks, limit=limit)
 
 
-def made_findings(study: Study, root: Path) -> Iterator[Finding]:
-    """Say which codes Prolific does not know, where the study in `root` was made there."""
+def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
+    """Yield codes that Prolific does not know, if the study in `root` was created there."""
     try:
-        there = read_made_there(root).prolific_codes
-    except InputError as damaged:
-        yield finding("made-there-unreadable", damaged.what, where=FILE)
+        known = read_made_there(root).prolific_codes
+    except InputError as error:
+        yield make_finding("made-there-unreadable", error.what, where=FILE)
         return
     codes = study.recruitment.prolific.model_dump()
-    unknown = [key for key, types in CODE_TYPES.items() if there.get(codes[key]) not in types]
-    if there and unknown and study.recruitment.channel == "prolific":
-        yield finding("codes-differ", unknown=listed(unknown))
+    unknown = [key for key, types in CODE_TYPES.items() if known.get(codes[key]) not in types]
+    if known and unknown and study.recruitment.channel == "prolific":
+        yield make_finding("codes-differ", unknown=listed(unknown))
 
 
 def _place_findings(study: Study) -> Iterator[Finding]:
     recruitment, places = study.recruitment, places_of(study)
-    told = {
+    stated = {
         "prolific": ("recruitment.prolific.places", recruitment.prolific.places),
         "mturk": ("recruitment.mturk.assignments", recruitment.mturk.assignments),
     }
-    key, recruited = told.get(recruitment.channel, ("", None))
+    key, recruited = stated.get(recruitment.channel, ("", None))
     if recruited is not None and recruited != places:
-        lost = "and find the study full" if recruited > places else "and leave places empty"
-        yield finding("places-differ", where=key, recruited=recruited, places=places, lost=lost)
+        full = recruited > places
+        yield make_finding(
+            "places-differ",
+            where=key,
+            recruited=recruited,
+            places=places,
+            consequence="some find the study full" if full else "places remain empty",
+        )
 
 
-class Floors(NamedTuple):
-    """What an hour must and should pay."""
+class HourlyFloors(NamedTuple):
+    """The least that Prolific allows per hour, and what it recommends."""
 
-    least: int
-    advised: int
+    minimum: int
+    recommended: int
 
 
-PROLIFIC: Final[Mapping[str, Floors]] = MappingProxyType(
-    {"GBP": Floors(6, 9), "USD": Floors(8, 12)}
+PROLIFIC: Final[Mapping[str, HourlyFloors]] = MappingProxyType(
+    {"GBP": HourlyFloors(6, 9), "USD": HourlyFloors(8, 12)}
 )
-"""As Prolific's payment principles state them (researcher-help.prolific.com)."""
+"""By currency, from Prolific's payment principles (researcher-help.prolific.com)."""
 
 _NUMBER: Final = re.compile(r"\d+(?:[.,]\d{1,2})?")
 
 
 def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
-    """Say what is paid for an hour, and where that is too little.
+    """Yield the hourly rate, and the minimums that it does not reach.
 
     Parameters
     ----------
     needed : int or None
         Minutes that participants are expected to need.
     """
-    recruitment, told = study.recruitment, study.page.minutes
+    recruitment, stated = study.recruitment, study.page.minutes
     amount = recruitment.amount
     if recruitment.channel in ("prolific", "mturk"):
         reward = f"recruitment.{recruitment.channel}.reward"
-        missing = [*([] if amount else [reward]), *([] if told else ["page.minutes"])]
+        missing = [*([] if amount else [reward]), *([] if stated else ["page.minutes"])]
         if missing:
-            yield finding("pay-unknown", where=missing[0], missing=listed(missing))
+            yield make_finding("pay-unknown", where=missing[0], missing=listed(missing))
             return
     if amount is None:
-        yield finding("pay-not-stated")
+        yield make_finding("pay-not-stated")
         return
     yield from _payment_text_findings(study, amount)
-    minutes = {
-        "told": told,
-        "needed": needed,
+    durations = {
+        "they are told": stated,
+        "they are expected to need": needed,
     }
-    known = {words: count for words, count in minutes.items() if count is not None}
-    if not known:
+    rates = {
+        words: (minutes, hourly_rate(amount, minutes))
+        for words, minutes in durations.items()
+        if minutes is not None
+    }
+    if not rates:
         return
     currency = recruitment.currency
-    said = " and ".join(
-        f"{format_amount(hourly_rate(amount, count), currency)} for an hour at the {count} minutes "
-        f"{'that they are told' if words == 'told' else 'that they are expected to need'}"
-        for words, count in known.items()
+    pay = " and ".join(
+        f"{format_amount(rate, currency)} per hour at the {minutes} minutes that {words}"
+        for words, (minutes, rate) in rates.items()
     )
-    yield finding("hourly-pay", pay=said)
-    yield from _floor_findings(study, min(hourly_rate(amount, count) for count in known.values()))
+    yield make_finding("hourly-pay", pay=pay)
+    yield from _minimum_findings(study, min(rate for _, rate in rates.values()))
 
 
-def _floor_findings(study: Study, paid: float) -> Iterator[Finding]:
-    """Say which floors `paid`, the lower of what an hour pays, lies below."""
+def _minimum_findings(study: Study, paid: float) -> Iterator[Finding]:
+    """Yield the minimums above the hourly rate `paid`."""
     recruitment = study.recruitment
-    currency, least = recruitment.currency, recruitment.pay.minimum
-    if least is not None and currency == recruitment.pay.currency and paid < least:
-        yield finding(
+    currency, minimum = recruitment.currency, recruitment.pay.minimum
+    if minimum is not None and currency == recruitment.pay.currency and paid < minimum:
+        yield make_finding(
             "pay-below-own-minimum",
             paid=format_amount(paid, currency),
-            least=format_amount(least, currency),
+            minimum=format_amount(minimum, currency),
         )
     if recruitment.channel != "prolific":
         return
     if not currency:
-        yield finding("currency-unknown")
+        yield make_finding("currency-unknown")
     elif (floors := PROLIFIC.get(currency)) is not None:
         for name, floor in (
-            ("pay-below-prolific-minimum", floors.least),
-            ("pay-below-prolific-advice", floors.advised),
+            ("pay-below-prolific-minimum", floors.minimum),
+            ("pay-below-prolific-advice", floors.recommended),
         ):
             if paid < floor:
-                yield finding(
+                yield make_finding(
                     name, paid=format_amount(paid, currency), floor=format_amount(floor, currency)
                 )
                 return
 
 
 def _payment_text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
-    """Say where what participants read holds amounts, and none is what they get."""
-    told = [Decimal(found.replace(",", ".")) for found in _NUMBER.findall(study.page.payment)]
-    if told and amount not in told:
-        yield finding(
+    """Yield a payment text that states amounts, but not the paid one."""
+    stated = [Decimal(number.replace(",", ".")) for number in _NUMBER.findall(study.page.payment)]
+    if stated and amount not in stated:
+        yield make_finding(
             "payment-text-differs",
-            told=study.page.payment,
+            stated=study.page.payment,
             paid=format_amount(amount, study.recruitment.currency),
         )
 
 
 def page_findings(study: Study) -> Iterator[Finding]:
-    """Say what participants are not told, and what still says what a template says."""
+    """Yield what participants are not told, and texts that are still a template's."""
     page = study.page
-    for given, name in (
+    for value, name in (
         (page.organisation, "organisation-missing"),
         (page.contact, "contact-missing"),
         (page.payment, "payment-missing"),
         (page.minutes, "minutes-missing"),
         (page.ethics, "ethics-missing"),
     ):
-        if not given or not str(given).strip():
-            yield finding(name)
+        if not value or not str(value).strip():
+            yield make_finding(name)
     if page.contact.strip() and not reaches_somebody(page.contact):
-        yield finding("contact-unreachable", contact=page.contact)
+        yield make_finding("contact-unreachable", contact=page.contact)
     yield from _text_findings(study)
 
 
 def _text_findings(study: Study) -> Iterator[Finding]:
     consents, titles = _template_texts(study)
     if not study.page.consent.strip():
-        yield finding("consent-blank")
-    elif _squeezed(study.page.consent) in consents:
-        yield finding("consent-from-template")
-    if _squeezed(study.title) in titles:
-        yield finding("title-from-template", title=study.title)
+        yield make_finding("consent-blank")
+    elif _normalise_space(study.page.consent) in consents:
+        yield make_finding("consent-from-template")
+    if _normalise_space(study.title) in titles:
+        yield make_finding("title-from-template", title=study.title)
     english = untranslated_keys(study)
     if english:
-        yield finding("texts-untranslated", language=study.page.language, texts=listed(english))
+        yield make_finding(
+            "texts-untranslated", language=study.page.language, texts=listed(english)
+        )
 
 
 def _template_texts(study: Study) -> tuple[set[str], set[str]]:
-    """Return the consent texts and the titles that templates of the protocol have."""
+    """Return the consent texts and titles of the protocol's templates in all languages."""
     file = f"{study.protocol}.toml"
     consents, titles = set(), set()
     for language in get_args(Language):
         source = tomllib.loads(render_template(file, language))
-        consents.add(_squeezed(source["page"]["consent"]))
-        titles.add(_squeezed(source["title"]))
+        consents.add(_normalise_space(source["page"]["consent"]))
+        titles.add(_normalise_space(source["title"]))
     return consents, titles
 
 
-def _squeezed(text: str) -> str:
-    """Return a text in which white space says nothing."""
+def _normalise_space(text: str) -> str:
     return " ".join(text.split())

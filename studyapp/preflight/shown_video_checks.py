@@ -1,20 +1,22 @@
-"""What can be wrong with the files that participants get, what those tell, and their weight."""
+"""Whether the files for participants are intact, what they reveal, and how much is loaded."""
 
 from __future__ import annotations
 
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError, listed
-from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.finished_video_checks import (
     encode_like,
     flaw_finding,
 )
 from studyapp.preflight.material import Material
+from studyapp.preflight.time_checks import SAMPLED_PLACES
 from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
     VideoStructure,
@@ -28,189 +30,183 @@ from studyapp.study.design.trial import Content, PlannedTrial
 from studyapp.study.finished_videos import finished_video_path, shows_copy, video_duration
 from studyapp.study.media import VideoFile
 
-RENDER: Final = "Run 'motionjury render'"
-
-
-_OF_SOUND: Final = "handler_name: SoundHandler"
+_SOUND_STREAM: Final = "handler_name: SoundHandler"
 
 LENGTH_TOLERANCE: Final = 0.05
-"""Seconds by which the files of one speech may differ: less than two frames."""
-
+"""Seconds by which the files of a segment may differ: less than two frames."""
 
 MEGABYTE: Final = 10**6
 
-PLACES: Final = 24
-"""Places of each arm whose trials are planned to find the heaviest page."""
+FilesBySegment = Mapping[str, Mapping[str, VideoFile]]
+"""The videos of each segment, which must not be told apart, by display path."""
 
 
 def shown_video_findings(material: Material) -> Iterator[Finding]:
-    """Yield what is missing or broken of what participants get, and what it gives away."""
+    """Yield missing and damaged files of participants, and what the files reveal."""
     if material.media is None:
-        yield finding("nothing-rendered")
+        yield make_finding("nothing-rendered")
         return
     for content in material.contents:
-        yield from _shown_findings(material, content)
+        yield from _file_findings(material, content)
     for copy in out_of_date(material.folder):
-        yield finding("copy-out-of-date", where=copy.file, copy=copy)
-    beside = _beside_each_other(material)
-    yield from _size_findings(beside)
-    yield from _written_findings(material, beside)
+        yield make_finding("copy-out-of-date", where=copy.file, copy=copy)
+    by_segment: defaultdict[str, dict[str, VideoFile]] = defaultdict(dict)
+    for content, video in material.shown.items():
+        by_segment[content[0].segment][material.display_path(video.file)] = video
+    yield from _size_findings(by_segment)
+    yield from _metadata_findings(material, by_segment)
     yield from _structure_findings(material)
 
 
-def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
-    """Say what is wrong with the file that participants get."""
-    study, shown = material.study, content[0]
+def _file_findings(material: Material, content: Content) -> Iterator[Finding]:
+    study, stimulus = material.study, content[0]
     copied = shows_copy(study, content)
-    found = material.shown.get(content)
-    if found is None:
-        original = finished_video_path(material.folder.videos, shown)
-        if study.is_finished(shown.condition) and not original.is_file():
-            return
-        made = "copied for the participants" if copied else "rendered"
-        yield finding(
+    video = material.shown.get(content)
+    if video is None:
+        original = finished_video_path(material.folder.videos, stimulus)
+        if study.is_finished(stimulus.condition) and not original.is_file():
+            return  # reported by the checks of finished videos
+        step = "copied for participants" if copied else "rendered"
+        yield make_finding(
             "video-missing",
-            f"the video of {described(content)} is missing: it was not {made}",
-            where=f"videos of segment {shown.segment}",
-            remedy=RENDER,
+            f"the video of {described(content)} is missing: it was not {step}",
+            where=f"videos of segment {stimulus.segment}",
         )
         return
-    name = material.name_of(found.file)
-    segment = material.by_name[shown.segment]
-    if not copied and abs(found.duration - segment.duration) > 1e-6:
-        yield finding(
+    name = material.display_path(video.file)
+    segment = material.segments_by_name[stimulus.segment]
+    if not copied and abs(video.duration - segment.duration) > 1e-6:
+        yield make_finding(
             "video-length",
-            f"{name} lasts {found.duration:g} s, its segment {segment.duration:g} s",
+            f"{name} lasts {video.duration:g} s, its segment {segment.duration:g} s",
             where=name,
             remedy="The segments changed: run 'motionjury generate' and 'motionjury render'",
         )
         return
-    flaw = flaw_of(found.file, found.duration, sound=shown.speech is not None)
+    flaw = flaw_of(video.file, video.duration, sound=stimulus.speech is not None)
     if flaw is not None:
         yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
         return
-    if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
-        yield finding("sound-unwanted", where=name)
+    if stimulus.speech is None and (encoded := format_of(video.file)) and encoded.sound:
+        yield make_finding("sound-unwanted", where=name)
 
 
-def _beside_each_other(material: Material) -> Mapping[str, Mapping[str, VideoFile]]:
-    """Return the files of each segment that must not be told apart, under their names."""
-    beside: defaultdict[str, dict[str, VideoFile]] = defaultdict(dict)
-    for content, video in material.shown.items():
-        beside[content[0].segment][material.name_of(video.file)] = video
-    return beside
-
-
-def _size_findings(beside: Mapping[str, Mapping[str, VideoFile]]) -> Iterator[Finding]:
-    """Say where a file's size or stated length tells what it shows."""
-    for segment, files in beside.items():
-        sizes = {video.file.stat().st_size for video in files.values()}
-        if len(sizes) > 1:
-            yield finding("sizes-differ", where=next(iter(files)), segment=segment)
-        lengths = [lasts for video in files.values() if (lasts := _seconds_of(video.file))]
+def _size_findings(by_segment: FilesBySegment) -> Iterator[Finding]:
+    """Yield segments whose videos differ in file size or length."""
+    for segment, videos in by_segment.items():
+        first = next(iter(videos))
+        if len({video.file.stat().st_size for video in videos.values()}) > 1:
+            yield make_finding("sizes-differ", where=first, segment=segment)
+        lengths: list[float] = []
+        for video in videos.values():
+            with suppress(InputError):  # a damaged file is reported already
+                lengths.append(video_duration(video.file))
         if lengths and max(lengths) - min(lengths) > LENGTH_TOLERANCE:
-            yield finding(
+            yield make_finding(
                 "lengths-differ",
-                where=next(iter(files)),
+                where=first,
                 segment=segment,
                 shortest=min(lengths),
                 longest=max(lengths),
             )
 
 
-def _seconds_of(file: Path) -> float | None:
-    """Return how long a video really lasts; None where it cannot be opened, which is said apart."""
-    try:
-        return video_duration(file)
-    except InputError:
-        return None
-
-
-def _written_findings(
-    material: Material, beside: Mapping[str, Mapping[str, VideoFile]]
-) -> Iterator[Finding]:
-    """Say where what is written in a file names a condition, or is not in the file beside it."""
+def _metadata_findings(material: Material, by_segment: FilesBySegment) -> Iterator[Finding]:
+    """Yield metadata that names a condition, or that not all videos of a segment have."""
     study = material.study
-    names = {*study.conditions, study.catch.condition}
-    for segment, files in beside.items():
-        # A video without sound has one stream less to say something of.
-        said = {
-            name: [text for text in written_in(video.file) if text != _OF_SOUND]
-            for name, video in files.items()
+    conditions = {*study.conditions, study.catch.condition}
+    for segment, videos in by_segment.items():
+        # A video without sound has no sound stream to describe.
+        metadata = {
+            name: [entry for entry in written_in(video.file) if entry != _SOUND_STREAM]
+            for name, video in videos.items()
         }
-        naming = {name: named for name, texts in said.items() if (named := _named(texts, names))}
-        for name, named in naming.items():
-            yield finding("metadata-tells", f"{name} says {named}", where=name)
-        common = set.intersection(*map(set, said.values()))
-        odd = [(name, text) for name, texts in said.items() for text in texts if text not in common]
-        if odd and not naming:
-            name, text = odd[0]
-            yield finding(
+        naming = {
+            name: mention
+            for name, entries in metadata.items()
+            if (mention := _mentioned_condition(entries, conditions))
+        }
+        for name, mention in naming.items():
+            yield make_finding("metadata-tells", f"{name} says {mention}", where=name)
+        common = set.intersection(*map(set, metadata.values()))
+        unshared = [
+            (name, entry)
+            for name, entries in metadata.items()
+            for entry in entries
+            if entry not in common
+        ]
+        if unshared and not naming:
+            name, entry = unshared[0]
+            yield make_finding(
                 "metadata-tells",
-                f"{name} says {text!r}, which other videos of segment {segment} do not",
+                f"{name} says {entry!r}, which other videos of segment {segment} do not",
                 where=name,
             )
 
 
-def _named(texts: Collection[str], names: Collection[str]) -> str:
-    """Return the text that holds one of `names` as a word; empty where none does."""
-    for text in texts:
-        for name in sorted(names):
-            if re.search(rf"(?<![A-Za-z0-9]){re.escape(name)}(?![A-Za-z0-9])", text, re.IGNORECASE):
-                return f"{text!r}, which names the condition {name!r}"
+def _mentioned_condition(entries: Collection[str], conditions: Collection[str]) -> str:
+    """Return the entry that holds a condition's name as a word; empty if none does."""
+    for entry in entries:
+        for name in sorted(conditions):
+            word = rf"(?<![A-Za-z0-9]){re.escape(name)}(?![A-Za-z0-9])"
+            if re.search(word, entry, re.IGNORECASE):
+                return f"{entry!r}, which names the condition {name!r}"
     return ""
 
 
 def _structure_findings(material: Material) -> Iterator[Finding]:
-    """Say where copies tell how their originals were encoded, to who takes the files apart."""
-    beside: defaultdict[tuple[str, bool], dict[str, VideoFile]] = defaultdict(dict)
+    """Yield copies whose files show how differently their originals were encoded."""
+    groups: defaultdict[tuple[str, bool], dict[str, Path]] = defaultdict(dict)
     for content, video in material.shown.items():
-        shown = content[0]
+        stimulus = content[0]
         if shows_copy(material.study, content):
-            # The same motion with its own and with another speech differs in the sound alone.
-            beside[shown.segment, shown.speech is None].setdefault(shown.condition, video)
-    telling: dict[str, Path] = {}
-    for of_condition in beside.values():
-        files = [video.file for video in of_condition.values()]
-        structures = [found for found in map(structure_of, files) if found is not None]
+            # The same motion with its own and with another speech differs in its sound only.
+            groups[stimulus.segment, stimulus.speech is None].setdefault(
+                stimulus.condition, video.file
+            )
+    differing: dict[str, Path] = {}
+    for files in groups.values():
+        structures = [structure for structure in map(structure_of, files.values()) if structure]
         for attribute, words in VideoStructure.WORDS.items():
             if len({getattr(structure, attribute) for structure in structures}) > 1:
-                telling.setdefault(words, files[0])
-    example = next(filter(None, map(format_of, telling.values())), None)
+                differing.setdefault(words, next(iter(files.values())))
+    example = next(filter(None, map(format_of, differing.values())), None)
     if example is not None:
-        yield finding(
+        yield make_finding(
             "structure-tells",
-            differences=listed(list(telling)),
-            where=material.name_of(next(iter(telling.values()))),
+            differences=listed(list(differing)),
+            where=material.display_path(next(iter(differing.values()))),
             remedy=encode_like(example),
         )
 
 
 def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> tuple[int, int]:
-    """Return the bytes that the heaviest page of a study session loads, and all pages together.
+    """Return the bytes that the heaviest page of a study session loads, and that all pages load.
 
-    A page loads its own videos, and fetches ahead those of the next one, which are loaded once.
+    A page loads its own videos and prefetches those of the next page, which are loaded only once.
 
     Parameters
     ----------
     plan : sequence of PlannedTrial
         The trials in their order.
     sizes : mapping of Content to int
-        Bytes of each video; those that are not there count nothing.
+        Bytes of each video; missing videos count as 0.
     """
     pages = [sum(sizes.get(content, 0) for content in trial.shown) for trial in plan]
-    with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
+    with_next = [page + following for page, following in zip(pages, [*pages[1:], 0], strict=True)]
     return max(with_next, default=0), sum(pages)
 
 
 def weight_findings(material: Material) -> Iterator[Finding]:
-    """Say how much participants load, and whether a page loads more than the study allows."""
+    """Yield how much participants load, and whether a page exceeds the study's limit."""
     sizes = {content: video.file.stat().st_size for content, video in material.shown.items()}
     if not sizes:
         return
-    weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
+    weights = [
+        weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:SAMPLED_PLACES]
+    ]
     heaviest, total = map(max, zip(*weights, strict=True))
-    yield finding("page-weight", page=heaviest / MEGABYTE, total=total / MEGABYTE)
+    yield make_finding("page-weight", page=heaviest / MEGABYTE, total=total / MEGABYTE)
     allowed = material.study.watching.megabytes_per_page
     if heaviest > allowed * MEGABYTE:
-        yield finding("page-heavy", page=heaviest / MEGABYTE, allowed=allowed)
+        yield make_finding("page-heavy", page=heaviest / MEGABYTE, allowed=allowed)

@@ -1,4 +1,4 @@
-"""How long a study takes, expected and by who took it, and whether participants are told so."""
+"""How long a study takes, as expected and as observed, and whether participants are told so."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.preflight.finding import Finding, finding
+from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.session.shown_trials import expected_seconds
 from studyapp.study.design.trial import Content, PlannedTrial
@@ -27,22 +27,22 @@ WORDS_A_MINUTE: Final = 200
 """Careful silent reading: adults read 238 words a minute of English (Brysbaert 2019)."""
 
 CHARACTERS_A_WORD: Final = 2.5
-"""Of languages that write no spaces."""
+"""In languages written without spaces."""
 
-PLACES: Final = 24
-"""Places of each arm whose time is reckoned."""
+SAMPLED_PLACES: Final = 24
+"""Places of each arm whose time is estimated."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExpectedTime:
-    """What a participant needs.
+    """The time that a participant needs.
 
     Attributes
     ----------
     videos : float
-        Seconds of watching each video once.
+        Seconds to watch each video once.
     around : float
-        Seconds of reading and answering.
+        Seconds to read and answer.
     longest_page : float
         Seconds of the longest trial.
     """
@@ -53,32 +53,30 @@ class ExpectedTime:
 
     @property
     def seconds(self) -> float:
-        """All of it."""
+        """The sum of both."""
         return self.videos + self.around
 
 
 def expected_time(material: Material) -> ExpectedTime | None:
-    """Return what the middle participant needs; None where there is no trial."""
+    """Return the time of the median participant; None without trials."""
     study = material.study
-    known = [
-        time
+    times = [
+        _trials_time(plan, material)
         for _, plans in material.planned
-        for plan in plans[:PLACES]
-        if (time := _of_plan(plan, material)) is not None
+        for plan in plans[:SAMPLED_PLACES]
+        if plan
     ]
-    if not known:
+    if not times:
         return None
     return ExpectedTime(
-        videos=median(time.videos for time in known),
-        around=median(time.around for time in known) + _entrance_seconds(study, material),
-        longest_page=max(time.longest_page for time in known),
+        videos=median(time.videos for time in times),
+        around=median(time.around for time in times) + _entrance_seconds(study, material),
+        longest_page=max(time.longest_page for time in times),
     )
 
 
-def _of_plan(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime | None:
-    if not plan:
-        return None
-    videos = [[_lasts(content, material) for content in trial.shown] for trial in plan]
+def _trials_time(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime:
+    videos = [[_video_seconds(content, material) for content in trial.shown] for trial in plan]
     pages = [
         expected_seconds(durations, len(material.study.asks(trial)))
         for trial, durations in zip(plan, videos, strict=True)
@@ -89,32 +87,34 @@ def _of_plan(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime |
 
 def _entrance_seconds(study: Study, material: Material) -> float:
     questions = sum(len(study.form.questions_at(stage)) for stage in study.form.stages())
-    heard = any(shown.speech is not None for content in material.contents for shown in content)
+    speech = any(
+        stimulus.speech is not None for content in material.contents for stimulus in content
+    )
     return (
         SECONDS_FOR_INSTRUCTIONS
         + SECONDS_FOR_A_FORM_QUESTION * questions
-        + 60 * words(study.page.consent) / WORDS_A_MINUTE
-        + (SECONDS_FOR_THE_SOUND_CHECK if study.page.sound_check and heard else 0.0)
+        + 60 * count_words(study.page.consent) / WORDS_A_MINUTE
+        + (SECONDS_FOR_THE_SOUND_CHECK if study.page.sound_check and speech else 0.0)
     )
 
 
-def words(text: str) -> float:
-    """Return how many words a text has; without spaces, as many as it would have."""
+def count_words(text: str) -> float:
+    """Return the number of words; estimated from characters in text without spaces."""
     unspaced = len(re.findall(r"[\u3040-\u30ff\u4e00-\u9fff]", text))
     spaced = len(re.sub(r"[\u3040-\u30ff\u4e00-\u9fff]", " ", text).split())
     return spaced + unspaced / CHARACTERS_A_WORD
 
 
-def _lasts(content: Content, material: Material) -> float:
-    """Return how long a video lasts, or will last once it is rendered."""
+def _video_seconds(content: Content, material: Material) -> float:
+    """Return the length of a video, or of its segment before it is rendered."""
     video = material.shown.get(content)
-    return video.duration if video else material.by_name[content[0].segment].duration
+    return video.duration if video else material.segments_by_name[content[0].segment].duration
 
 
 def finished_seconds(database: Database) -> tuple[float, ...]:
-    """Return the seconds from agreeing to the end, of who finished and did not withdraw.
+    """Return the seconds from consent to the end, of all who finished and did not withdraw.
 
-    Interruptions are in it, as they are in what recruiting sites measure.
+    Interruptions count, as they do in the times that recruiting sites report.
     """
     with database.reading() as session:
         rows = session.execute(
@@ -122,32 +122,33 @@ def finished_seconds(database: Database) -> tuple[float, ...]:
             .where(StudySession.completed_at.is_not(None), StudySession.withdrawn_at.is_(None))
             .order_by(StudySession.id)
         ).all()
-    return tuple((ended - began).total_seconds() for began, ended in rows if ended is not None)
+    return tuple((ended - began).total_seconds() for began, ended in rows if ended)
 
 
-def arrivals(database: Database) -> int:
-    """Return how many have begun to take part."""
+def count_arrivals(database: Database) -> int:
+    """Return the number of study sessions."""
     with database.reading() as session:
-        return len(session.scalars(select(StudySession.id)).all())
+        return session.scalar(select(func.count(StudySession.id))) or 0
 
 
-FEWEST: Final = 3
-"""With fewer who have finished, their pace is chance."""
+FEWEST_FINISHED: Final = 3
+"""Below, the pace is down to chance."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pace:
-    """What those tell who have finished.
+    """How fast participants were.
 
     Attributes
     ----------
     finished : int
+        Participants who finished.
     minutes : float
-        The median of what they took, as recruiting sites reckon.
+        Their median time, as recruiting sites measure it.
     times_expected : float
-        The same by what was expected of the study that they took.
+        The same, relative to the expected time of the study that they took.
     source : str
-        Whose it is, in words.
+        The name of that study, in words.
     """
 
     finished: int
@@ -157,27 +158,28 @@ class Pace:
 
 
 def pace_of_study(material: Material) -> Pace | None:
-    """Return the pace of who has finished this study; None where that tells nothing."""
+    """Return the pace of this study's participants; None if too few have finished."""
     return _pace(material, database_url_of(material.folder.root), "this study")
 
 
 def pace_of_pilot(folder: StudyFolder) -> Pace:
-    """Return the pace of who has finished a pilot.
+    """Return the pace of a pilot's participants.
 
     Raises
     ------
     InputError
-        If it cannot be read, or too few have finished it.
+        If the pilot cannot be read, or too few have finished it.
     """
-    pilot = Material.of(folder, folder.study())
-    found = _pace(pilot, sqlite_url(folder.responses), f"the pilot {folder.root.name}")
-    if found is None:
+    pilot = Material.read(folder, folder.study())
+    pace = _pace(pilot, sqlite_url(folder.responses), f"the pilot {folder.root.name}")
+    if pace is None:
         raise InputError(
-            f"fewer than {FEWEST} participants have finished the pilot, so that it tells no pace",
+            f"fewer than {FEWEST_FINISHED} participants have finished the pilot, too few to "
+            "estimate a pace",
             where=folder.responses,
-            remedy="Name a study that people have taken, or leave --pilot away",
+            remedy="Name a study that more people have finished, or omit --pilot",
         )
-    return found
+    return pace
 
 
 def _pace(material: Material, url: str, source: str) -> Pace | None:
@@ -186,61 +188,64 @@ def _pace(material: Material, url: str, source: str) -> Pace | None:
     if database is None or expected is None:
         return None
     try:
-        took = finished_seconds(database)
+        durations = finished_seconds(database)
     finally:
         database.close()
-    if len(took) < FEWEST:
+    if len(durations) < FEWEST_FINISHED:
         return None
-    middle = median(took)
+    seconds = median(durations)
     return Pace(
-        finished=len(took),
-        minutes=middle / 60,
-        times_expected=middle / expected.seconds,
+        finished=len(durations),
+        minutes=seconds / 60,
+        times_expected=seconds / expected.seconds,
         source=source,
     )
 
 
 LONG_MINUTES: Final = 60
 
-MINUTES_OFF: Final = 3
-SHARE_OFF: Final = 0.25
-"""What is told may be wrong by so many minutes, and by so much of what is needed."""
+MINUTES_TOLERANCE: Final = 3
+SHARE_TOLERANCE: Final = 0.25
+"""How far the stated duration may be off, in minutes and as a share of the needed time."""
 
-SLOW: Final = 3.0
-"""Times as long as expected that a slow participant may stay on a page."""
+SLOW_FACTOR: Final = 3.0
+"""How many times the expected time a slow participant may spend on a page."""
 
 
 def minutes_needed(expected: ExpectedTime, pace: Pace | None) -> int:
-    """Return how many minutes a participant needs, at the pace that was seen, if any was."""
+    """Return the minutes that a participant needs, at the observed pace if there is one."""
     seconds = expected.seconds * (1.0 if pace is None else pace.times_expected)
     return max(1, round(seconds / 60))
 
 
 def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> Iterator[Finding]:
-    """Say how long the study takes, and what does not fit to that."""
+    """Yield how long the study takes, and settings that do not fit that."""
     needed = minutes_needed(expected, pace)
-    seen = (
+    observed = (
         f"; the {pace.finished} who have finished {pace.source} took {pace.minutes:.0f} (median), "
-        f"{pace.times_expected:.1f} times as long as expected of it"
+        f"{pace.times_expected:.1f} times the expected time"
         if pace
         else ""
     )
-    yield finding(
+    yield make_finding(
         "expected-duration",
         needed=needed,
         videos=expected.videos / 60,
         around=expected.around / 60,
-        seen=seen,
+        pace=observed,
     )
-    told = study.page.minutes
-    if told is not None and abs(told - needed) > max(MINUTES_OFF, SHARE_OFF * needed):
-        yield finding(
+    stated = study.page.minutes
+    tolerance = max(MINUTES_TOLERANCE, SHARE_TOLERANCE * needed)
+    if stated is not None and abs(stated - needed) > tolerance:
+        yield make_finding(
             "duration-misstated",
-            told=told,
+            stated=stated,
             needed=needed,
-            remedy=f"Set minutes = {needed} under [page] in study.toml, and see what it pays then",
+            remedy=f"Set minutes = {needed} under [page] in study.toml, and check the hourly rate",
         )
     if needed > LONG_MINUTES:
-        yield finding("duration-long", needed=needed, most=LONG_MINUTES)
-    if study.lease_minutes * 60 < SLOW * expected.longest_page:
-        yield finding("lease-short", page=expected.longest_page / 60, lease=study.lease_minutes)
+        yield make_finding("duration-long", needed=needed, most=LONG_MINUTES)
+    if study.lease_minutes * 60 < SLOW_FACTOR * expected.longest_page:
+        yield make_finding(
+            "lease-short", page=expected.longest_page / 60, lease=study.lease_minutes
+        )

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.preflight.recruiting_checks import made_findings
+from studyapp.preflight.recruiting_checks import prolific_code_findings
 from studyapp.recruitment.record import draw_codes
 from studyapp.session.arrivals import Arrival
 from studyapp.study.folder import StudyFolder
@@ -225,7 +225,7 @@ def test_a_code_that_was_changed_after_prolific_was_told_is_found(
 ) -> None:
     def problems() -> dict[str, str]:
         study = StudyFolder(folder).study()
-        return {each.name: each.what for each in made_findings(study, folder)}
+        return {each.name: each.what for each in prolific_code_findings(study, folder)}
 
     path = folder / "study.toml"
     as_told = path.read_text("utf-8")
@@ -235,7 +235,7 @@ def test_a_code_that_was_changed_after_prolific_was_told_is_found(
 
     code = tomllib.loads(as_told)["recruitment"]["prolific"]["screened_out"]
     path.write_text(as_told.replace(code, "HB4NVJ9ZCDQW"), "utf-8")
-    assert problems()["codes-differ"].endswith("the code for screened_out")
+    assert problems()["codes-differ"].endswith(" has for screened_out")
     said(folder, "create", "--address", ADDRESS, "--yes")
     assert list(problems()) == ["codes-differ"]
 

@@ -1,4 +1,4 @@
-"""Whether a flaw can be seen is measured."""
+"""Flaws that nobody could see are found."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ import pytest
 
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from studyapp.preflight.catch_checks import catch_motion_findings, difference, pictures_of, unlike
+from studyapp.preflight.catch_checks import (
+    catch_motion_findings,
+    motion_difference,
+    picture_difference,
+    read_pictures,
+)
 from tests.support.encoded import Told, write_video
 from tests.support.studies.made_study import make_study
 
@@ -19,7 +24,7 @@ FRAMES = 40
 
 
 def swing(radians: float, shake: float = 0.0) -> MotionClip:
-    """Return arms that swing so far, and shake."""
+    """Return arms that swing by `radians` and shake."""
     poses = np.zeros((FRAMES, 55, 3))
     moments = np.linspace(0, 2 * np.pi, FRAMES)
     for side in ("left", "right"):
@@ -29,63 +34,63 @@ def swing(radians: float, shake: float = 0.0) -> MotionClip:
     return MotionClip(poses=poses.astype(np.float32), trans=still, frame_rate=20)
 
 
-def found(flawed: MotionClip, **changes: object) -> Mapping[str, str]:
+def check(flawed: MotionClip, **changes: object) -> Mapping[str, str]:
     study = make_study(**changes)
     clips = {
         "rule_based": {"one": swing(0.4)},
         "mismatched": {"one": swing(-0.4)},
         "broken": {"one": flawed},
     }
-    return {each.name: each.what for each in catch_motion_findings(study, clips)}
+    return {finding.name: finding.what for finding in catch_motion_findings(study, clips)}
 
 
-def test_clips_of_other_rates_and_lengths_are_compared_as_far_as_both_last() -> None:
+def test_clips_of_different_rates_and_lengths_are_compared_up_to_the_shorter_end() -> None:
     short = replace(swing(0.5), poses=swing(0.5).poses[:20], trans=np.zeros((20, 3), np.float32))
 
-    assert difference(swing(0.5), short).metres == 0.0
-    assert difference(swing(0.5), replace(swing(0.5), frame_rate=40)).metres > 0.01
+    assert motion_difference(swing(0.5), short).metres == 0.0
+    assert motion_difference(swing(0.5), replace(swing(0.5), frame_rate=40)).metres > 0.01
 
 
-def turned() -> MotionClip:
-    """Return the right motion of a body that stands the other way."""
-    moved = swing(0.4)
-    poses = np.array(moved.poses)
+def turned_around() -> MotionClip:
+    """Return the reference motion of a body that faces away."""
+    clip = swing(0.4)
+    poses = np.array(clip.poses)
     poses[:, joint_index("pelvis"), 1] = 2.0
-    return replace(moved, poses=poses)
+    return replace(clip, poses=poses)
 
 
-PLAIN, HARDLY = {"catch-difference"}, {"catch-difference", "catch-hardly-differs"}
+PLAIN, SIMILAR = {"catch-difference"}, {"catch-difference", "catch-hardly-differs"}
 
 
 @pytest.mark.parametrize(
     ("flawed", "changes", "names"),
     [
-        (swing(0.41), {}, HARDLY),
+        (swing(0.41), {}, SIMILAR),
         (swing(0.41), {"catch": {"trials": 0}}, set()),
         (swing(2.5), {}, PLAIN),
         (swing(0.4, shake=0.05), {}, PLAIN),
-        (turned(), {}, PLAIN),
-        (turned(), {"freeze": ["root"]}, HARDLY),
+        (turned_around(), {}, PLAIN),
+        (turned_around(), {"freeze": ["root"]}, SIMILAR),
     ],
 )
-def test_a_flaw_shows_in_place_or_in_roughness_unless_it_is_frozen(
+def test_a_flaw_shows_in_positions_or_accelerations_unless_it_is_frozen(
     flawed: MotionClip, changes: dict[str, object], names: set[str]
 ) -> None:
-    said = found(flawed, **changes)
+    findings = check(flawed, **changes)
 
-    assert set(said) == names
-    hardly = "'broken' and 'rule_based' hardly differ in 1 of 1 segments: in one"
-    assert hardly in said.get("catch-hardly-differs", hardly)
+    assert set(findings) == names
+    similar = "'broken' and 'rule_based' hardly differ in 1 of 1 segments: in one"
+    assert similar in findings.get("catch-hardly-differs", similar)
 
 
-def test_pictures_of_one_video_are_like_each_other_and_unlike_anothers(tmp_path: Path) -> None:
-    for name, frames in (("one", 30), ("other", 24)):
-        write_video(tmp_path / f"{name}.mp4", Told(frames=frames))
-    write_video(tmp_path / "slow.mp4", Told(frames=30, rate=10))
-    one, other, slow = (pictures_of(tmp_path / f"{n}.mp4") for n in ("one", "other", "slow"))
+def test_pictures_differ_where_videos_do(tmp_path: Path) -> None:
+    videos = {"one": Told(frames=30), "shorter": Told(frames=24), "slow": Told(frames=30, rate=10)}
+    for name, video in videos.items():
+        write_video(tmp_path / f"{name}.mp4", video)
+    one, shorter, slow = (read_pictures(tmp_path / f"{name}.mp4") for name in videos)
 
-    assert one is not None and other is not None and slow is not None
-    assert unlike(one, other) == pytest.approx(0, abs=1.0)
-    assert unlike(one, slow) > 5
-    (tmp_path / "no.mp4").write_bytes(b"no video")
-    assert pictures_of(tmp_path / "no.mp4") is None
+    assert one is not None and shorter is not None and slow is not None
+    assert picture_difference(one, shorter) == pytest.approx(0, abs=1.0)
+    assert picture_difference(one, slow) > 5
+    (tmp_path / "text.mp4").write_bytes(b"no video")
+    assert read_pictures(tmp_path / "text.mp4") is None

@@ -1,4 +1,4 @@
-"""Everything that is found is declared, and told in the documents."""
+"""Findings are declared and documented, and printed for people."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from string import Formatter
 
 from renderer.loudness import TARGET
 from studyapp import preflight
-from studyapp.preflight.finding import Finding, catalogue, kinds, record, summed_up, told
+from studyapp.preflight.finding import Finding, catalogue, kinds, make_record, text_lines
 from studyapp.stimuli import media_probe
 from tools.check_page import DOCS, schema, with_table
 
@@ -27,89 +27,83 @@ def test_the_table_in_the_documents_is_the_catalogue() -> None:
 
 
 def test_names_are_unique_and_look_alike() -> None:
-    names = [name for own in catalogue().values() for name in own]
+    names = [name for subject in catalogue().values() for name in subject]
 
     assert len(set(names)) == len(names)
     assert all(re.fullmatch(r"[a-z]+(-[a-z]+)*", name) for name in names)
 
 
-def test_whatever_must_be_decided_has_a_remedy() -> None:
-    every = kinds().items()
-    assert not [name for name, kind in every if kind.severity != "note" and not kind.remedy]
-    assert not [n for n, kind in every if kind.means.endswith(".") or kind.remedy.endswith(".")]
+def test_errors_and_warnings_have_a_remedy() -> None:
+    for name, kind in kinds().items():
+        assert kind.severity == "note" or kind.remedy, name
+        assert not kind.means.endswith("."), name
+        assert not kind.remedy.endswith("."), name
 
 
-def test_every_kind_is_looked_for_and_nothing_else_is_found() -> None:
+def test_every_kind_is_checked_and_no_other() -> None:
     assert [name for name in kinds() if f'"{name}"' not in SOURCE] == []
-    assert set(re.findall(r'\bfinding\(\s*"([^"]+)"', SOURCE)) <= set(kinds())
+    assert set(re.findall(r'\b(?:make_finding|finding_of_error)\(\s*"([^"]+)"', SOURCE)) <= set(
+        kinds()
+    )
 
 
 def calls() -> Iterator[tuple[str, set[str]]]:
-    """Yield the name and the keywords of each finding that is made where no clause is given."""
+    """Yield the name and the keywords of each finding that is made without a clause."""
     for node in chain.from_iterable(ast.walk(ast.parse(text)) for text in MODULES):
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "finding":
-            name, *rest = node.args
-            if isinstance(name, ast.Constant) and not rest:
-                yield str(name.value), {str(each.arg) for each in node.keywords}
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "make_finding":
+            name, *clause = node.args
+            if isinstance(name, ast.Constant) and not clause:
+                yield str(name.value), {str(keyword.arg) for keyword in node.keywords}
 
 
-def test_every_clause_is_given_its_values() -> None:
-    for name, given in calls():
+def test_every_clause_gets_its_values() -> None:
+    for name, keywords in calls():
         fields = {field for _, field, _, _ in Formatter().parse(kinds()[name].says) if field}
-        assert {field.partition(".")[0] for field in fields} <= given, name
+        assert {field.partition(".")[0] for field in fields} <= keywords, name
 
 
-def test_remedies_state_the_numbers_that_are_checked() -> None:
+def test_remedies_state_the_limits_that_are_checked() -> None:
     assert f"by {media_probe.DURATION_TOLERANCE} s" in kinds()["video-length"].remedy
     for name in ("loudness-differs", "loudness-differs-beside"):
         assert f"{TARGET:g} LUFS" in kinds()[name].remedy
 
 
-def gone(what: str, *, where: str = "", remedy: str = "Bring it") -> Finding:
-    return Finding(name="gone", severity="error", what=what, where=where, remedy=remedy)
+def missing(what: str, *, where: str = "", remedy: str = "Add it") -> Finding:
+    return Finding(name="missing", severity="error", what=what, where=where, remedy=remedy)
 
 
-def odd(what: str, *, where: str) -> Finding:
-    return Finding(name="odd", severity="warning", what=what, where=where, remedy="Look at it")
+NOTE = Finding(name="known", severity="note", what="it is known", where="", remedy="")
 
 
-def known(what: str, *, where: str = "") -> Finding:
-    return Finding(name="known", severity="note", what=what, where=where, remedy="")
+def output(*findings: Finding, everything: bool = False) -> str:
+    return "\n".join(text_lines(findings, everything=everything))
 
 
-def lines(findings: list[Finding], *, everything: bool = False) -> str:
-    return "\n".join(told(findings, everything=everything))
+def test_a_finding_is_printed_with_name_place_and_remedy() -> None:
+    text = output(missing("the video is missing", where="videos/a.mp4"))
+
+    assert text.strip() == "error: missing\n  videos/a.mp4: the video is missing.\n  > Add it."
+    assert output(missing("a.mp4 is missing", where="a.mp4")).count("a.mp4") == 1
 
 
-def test_a_finding_is_told_with_name_place_and_remedy() -> None:
-    said = lines([gone("the video is gone", where="videos/a.mp4")])
+def test_findings_of_one_kind_are_printed_together_and_abridged() -> None:
+    many = [missing(f"video {number} is missing") for number in range(9)]
 
-    assert said.strip() == "error: gone\n  videos/a.mp4: the video is gone.\n  > Bring it."
+    text = output(many[0], NOTE, *many[1:])
 
-
-def test_a_place_that_the_sentence_names_is_not_told_twice() -> None:
-    assert lines([gone("a.mp4 is gone", where="a.mp4")]).count("a.mp4") == 1
-
-
-def test_findings_of_one_kind_are_told_together_and_many_are_counted() -> None:
-    many = [gone(f"video {number} is gone") for number in range(9)]
-
-    said = lines([many[0], known("it is known"), *many[1:]])
-
-    assert said.count("error: gone") == 1
-    assert said.count("is gone.") == 3
-    assert "and 6 more like these" in said
-    assert said.count("> Bring it.") == 1
-    assert lines(many, everything=True).count("is gone.") == 9
+    assert text.count("error: missing") == 1
+    assert text.count("is missing.") == 3
+    assert "and 6 more like these" in text
+    assert text.count("> Add it.") == 1
+    assert output(*many, everything=True).count("is missing.") == 9
+    assert "it is known." in output(NOTE, everything=True)
 
 
-def test_a_record_counts_and_keeps_everything() -> None:
-    made = record("mine", [gone("a"), odd("b", where="w"), known("c")])
+def test_a_record_counts_and_keeps_all_findings() -> None:
+    warning = Finding(name="odd", severity="warning", what="b", where="w", remedy="Look at it")
+    record = make_record("mine", [missing("a"), warning, NOTE])
 
-    assert (made.errors, made.warnings, made.notes) == (1, 1, 1)
-    assert [found.name for found in made.findings] == ["gone", "odd", "known"]
-    assert made.findings[1].model_dump() == {
-        "name": "odd", "severity": "warning", "where": "w", "what": "b", "remedy": "Look at it",
-    }  # fmt: skip
-    assert summed_up(made) == "1 error, 1 warning"
-    assert summed_up(record("mine", [])) == "0 errors, 0 warnings"
+    assert (record.errors, record.warnings, record.notes) == (1, 1, 1)
+    assert record.findings == (missing("a"), warning, NOTE)
+    assert record.summary == "1 error, 1 warning"
+    assert make_record("mine", []).summary == "0 errors, 0 warnings"

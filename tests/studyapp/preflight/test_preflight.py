@@ -1,10 +1,12 @@
+"""`check` on a whole study."""
+
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
 
 from studyapp.preflight.check import check
@@ -72,8 +74,8 @@ def ready_once(video: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFo
 
 
 @pytest.fixture(scope="module")
-def untouched(ready_once: StudyFolder) -> list[Finding]:
-    """Return what is found of the study as it is."""
+def original(ready_once: StudyFolder) -> list[Finding]:
+    """Return the findings of the study before a test changes it."""
     return check(ready_once)
 
 
@@ -82,134 +84,169 @@ def ready(ready_once: StudyFolder, tmp_path: Path) -> StudyFolder:
     return StudyFolder(shutil.copytree(ready_once.root, tmp_path / "ready"))
 
 
-def told(found: Iterable[Finding], severity: Severity) -> list[str]:
-    return [finding.what for finding in found if finding.severity is severity]
+def clauses(findings: Iterable[Finding], severity: Severity) -> list[str]:
+    return [finding.what for finding in findings if finding.severity == severity]
 
 
-def findings_of(folder: StudyFolder, severity: Severity) -> list[str]:
-    return told(check(folder), severity)
+def count(findings: Iterable[Finding], severity: Severity, words: str) -> int:
+    return sum(words in clause for clause in clauses(findings, severity))
 
 
-def change(folder: StudyFolder, *keys: str, value: object) -> None:
+def change(folder: StudyFolder, keys: Mapping[str, object]) -> None:
+    """Set keys of the study file, such as ``video.size`` or ``questions.0.text``."""
     with edited(folder.definition) as document:
-        table: object = document
-        for key in keys[:-1]:
-            table = table[key]  # type: ignore[index]
-        table[keys[-1]] = value  # type: ignore[index]
+        for key, value in keys.items():
+            *tables, name = key.split(".")
+            table: Any = document
+            for each in tables:
+                table = table[int(each) if each.isdigit() else each]
+            table[name] = value
 
 
-def test_a_rendered_study_has_no_errors(untouched: list[Finding]) -> None:
-    assert told(untouched, "error") == []
+def test_a_rendered_study_has_no_errors(original: list[Finding]) -> None:
+    assert clauses(original, "error") == []
 
 
-def test_each_missing_video_is_named_with_its_conditions_and_errors_come_first(
+def test_a_missing_video_is_named_with_its_conditions_and_errors_come_first(
     ready: StudyFolder,
 ) -> None:
     pair = read_stimuli(ready.stimuli).pairs[3]
     (ready.root / pair.file).unlink()
 
-    found = check(ready)
+    findings = check(ready)
 
-    severities = [finding.severity for finding in found]
+    severities = [finding.severity for finding in findings]
     assert severities == sorted(severities, key=SEVERITIES.index)
-    (error,) = told(found, "error")
-    assert repr(pair.left) in error
-    assert repr(pair.right) in error
-    assert pair.segment in error
+    (error,) = clauses(findings, "error")
+    for word in (repr(pair.left), repr(pair.right), pair.segment):
+        assert word in error
 
 
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
-    (found,) = [each for each in check(ready) if each.severity == "error"]
-    assert found.name == "speech-unreadable"
-    assert found.where.endswith("segments.csv, line 2")
-    assert "take.wav" in found.what
+    (error,) = [finding for finding in check(ready) if finding.severity == "error"]
+    assert error.name == "speech-unreadable"
+    assert error.where.endswith("segments.csv, line 2")
+    assert "take.wav" in error.what
 
 
-def test_a_video_of_another_length_than_its_speech_is_an_error(ready: StudyFolder) -> None:
+def test_a_video_longer_than_its_speech_is_an_error(ready: StudyFolder) -> None:
     stimuli = read_stimuli(ready.stimuli)
     first = stimuli.pairs[0].model_copy(update={"duration": 9.0})
     write_stimuli(ready.stimuli, Stimuli(pairs=(first, *stimuli.pairs[1:])))
-    (error,) = findings_of(ready, "error")
+    (error,) = clauses(check(ready), "error")
     assert "lasts 9 s" in error
 
 
-EXCLUDED = "left out of the analysis, in this order: "
+EXCLUDED = "excluded from the analysis, in this order: "
 COVERAGE = {"catch.trials": 0, "exclusions": [{"rule": "coverage", "below": 0.9}]}
-ENGLISH = (
-    "the pages are in the language 'ja', but title, page.consent, the question 'synchronisation' "
-    "and the question 'emotion' still say what the English template says"
+RULES = [{"rule": "time", "below": 8}, {"rule": "incomplete"}]
+NUMBERED = (
+    "1. who gave at least 50% of the answers in less than 8 s (time<8,share=0.5); "
+    "2. who did not finish (incomplete)"
 )
-REPEATED = " of 3 catch trials and attention checks have speech that comes in another trial too"
+ENGLISH = (
+    "the language of the pages is 'ja', but the English template's text is still used for title, "
+    "page.consent, the question 'synchronisation' and the question 'emotion'"
+)
+MANNEQUIN = {"video.avatar": "mannequin", "freeze": []}
+SMALL_FACE = {"video.size": 240, "freeze": [], "questions.1.text": "Which face fits?"}
 
 
 @pytest.mark.parametrize(
-    ("severity", "said", "keys"),
+    ("severity", "words", "keys"),
     [
         ("note", "3 segments of neutral allow 3 pairs", {"trials": 24}),
         ("note", "3 pairs instead of 24", {"trials": 24}),
         ("warning", "'ground_truth' has 30 frames per second", {"video.frame_rate": 60}),
         ("warning", ENGLISH, {"page.language": "ja"}),
         ("warning", "neither catch trials", {"catch.trials": 0}),
-        ("warning", "can leave nobody out", COVERAGE),
+        ("warning", "excludes nobody", COVERAGE),
         ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
+        ("note", f"{EXCLUDED}{NUMBERED}", {"catch.trials": 0, "exclusions": RULES}),
+        ("note", "background differs from that of the pages", {"video.background": "#2e3440"}),
         (
-            "note",
-            f"{EXCLUDED}1. who gave at least 50% of the answers in less than 8 s "
-            "(time<8,share=0.5); 2. who did not finish (incomplete)",
-            {
-                "catch.trials": 0,
-                "exclusions": [{"rule": "time", "below": 8}, {"rule": "incomplete"}],
-            },
+            "warning",
+            "frame the face, but freeze holds it still",
+            {"video.framing": "face", "freeze": ["face"]},
         ),
+        (
+            "warning",
+            "frame the hands, but freeze holds it still",
+            {"video.framing": "hands", "freeze": ["hands"]},
+        ),
+        (
+            "warning",
+            "frame the face, but the study's body has no face",
+            {"video.framing": "face", **MANNEQUIN},
+        ),
+        ("note", "the question 'emotion' is about the face, but a head is only", SMALL_FACE),
+        ("error", "no such expression matrix", {"video.expression_matrix": "face.npy"}),
     ],
 )
-def test_what_the_study_file_says_is_held_against_what_there_is(
+def test_settings_are_compared_with_each_other_and_with_the_material(
     ready: StudyFolder,
-    untouched: list[Finding],
+    original: list[Finding],
     severity: Severity,
-    said: str,
+    words: str,
     keys: dict[str, object],
 ) -> None:
-    assert not any(said in what for what in told(untouched, severity))
-    for key, value in keys.items():
-        change(ready, *key.split("."), value=value)
-    assert any(said in what for what in findings_of(ready, severity))
+    assert count(original, severity, words) == 0
+    change(ready, keys)
+    assert count(check(ready), severity, words) == 1
 
 
-def test_what_is_told_of_the_study_as_it_is_goes_once_the_study_file_says_otherwise(
-    ready: StudyFolder, untouched: list[Finding]
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"video.framing": "hands", "freeze": ["face"]},
+        SMALL_FACE | {"video.framing": "face"},
+        MANNEQUIN | {"freeze": ["face", "hands"]},
+    ],
+)
+def test_a_framing_of_what_moves_is_fine(ready: StudyFolder, keys: dict[str, object]) -> None:
+    change(ready, keys)
+    findings = check(ready)
+    assert count(findings, "warning", "frame the") == 0
+    assert count(findings, "note", "about the face") == 0
+
+
+def test_findings_vanish_once_the_study_file_is_changed(
+    ready: StudyFolder, original: list[Finding]
 ) -> None:
-    before, nobody = told(untouched, "warning"), "participants have nobody to ask"
-    assert nobody in before
-    # Two of three segments are heard in pairs, so that one is left for a catch trial.
-    assert any(note.startswith(f"2{REPEATED}") for note in told(untouched, "note"))
-    for said in ("published design has 24", "say nothing about happiness"):
-        assert any(said in note for note in told(untouched, "note"))
-    assert (
+    # Two of three segments are heard in pairs, which leaves one for a catch trial.
+    repeated = "2 of 3 catch trials and attention checks repeat the speech"
+    rules = (
         f"{EXCLUDED}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
-        "(catch>1)" in told(untouched, "note")
+        "(catch>1)"
     )
-    change(ready, "page", "contact", value="lab@example.org")
-    change(ready, "catch", "trials", value=1)
-    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.99}])
+    notes = (repeated, "published design has 24", "say nothing about happiness", rules)
+    assert [count(original, "note", words) for words in notes] == [1] * 4
+    assert count(original, "warning", "nobody to contact") == 1
 
-    found = check(ready)
+    change(
+        ready,
+        {
+            "page.contact": "lab@example.org",
+            "catch.trials": 1,
+            "exclusions": [{"rule": "coverage", "below": 0.99}],
+        },
+    )
 
-    assert nobody not in told(found, "warning")
-    assert not any("in another trial too" in note for note in told(found, "note"))
-    assert not any("leave nobody" in warning for warning in told(found, "warning"))
+    findings = check(ready)
+    assert count(findings, "warning", "nobody to contact") == 0
+    assert count(findings, "note", "repeat the speech") == 0
+    assert count(findings, "warning", "excludes nobody") == 0
 
 
-def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_frozen(
+def test_a_channel_that_moves_in_some_conditions_only_is_found_until_it_is_frozen(
     ready: StudyFolder,
 ) -> None:
     generate(ready)
-    change(ready, "freeze", value=[])
-    said = "face never moves in ground_truth"
-    assert any(said in warning for warning in findings_of(ready, "warning"))
-    change(ready, "freeze", value=["face", "hands", "root", "lower_body"])
-    assert not any("never moves" in w for w in findings_of(ready, "warning"))
+    change(ready, {"freeze": []})
+    assert count(check(ready), "warning", "face never moves in ground_truth") == 1
+    change(ready, {"freeze": ["face", "hands", "root", "lower_body"]})
+    assert count(check(ready), "warning", "never moves") == 0
 
 
 def test_a_study_without_a_recording_says_what_its_catch_trials_show(
@@ -221,68 +258,21 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     (note,) = study_notes(ready.study())
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
-    assert note.rstrip(".") in findings_of(ready, "note")
-
-
-@pytest.mark.parametrize(
-    ("framing", "avatar", "freeze", "said"),
-    [
-        ("face", "alex", ["face"], "framed on the face, but freeze holds it still"),
-        ("face", "mannequin", [], "framed on the face, but the study's body has no face"),
-        ("hands", "alex", ["hands"], "framed on the hands, but freeze holds it still"),
-        ("hands", "alex", ["face"], ""),
-        ("face", "alex", ["hands"], ""),
-        ("upper_body", "mannequin", ["face", "hands"], ""),
-    ],
-)
-def test_a_framing_of_what_stays_still_is_warned_of(
-    ready: StudyFolder, framing: str, avatar: str, freeze: list[str], said: str
-) -> None:
-    with edited(ready.definition) as document:
-        document["video"].update({"framing": framing, "avatar": avatar})
-        document["freeze"] = freeze
-    found = [warning for warning in findings_of(ready, "warning") if "framed on" in warning]
-    assert found == ([f"the videos are {said}"] if said else [])
-
-
-def test_a_face_that_is_asked_about_but_small_is_noted(ready: StudyFolder) -> None:
-    with edited(ready.definition) as document:
-        document["video"].update({"size": 240})
-        document["freeze"] = []
-        document["questions"][1]["text"] = "Which face fits better?"
-    said = "the question 'emotion' is about the face, but a head is only"
-    assert sum(said in note for note in findings_of(ready, "note")) == 1
-    change(ready, "video", "framing", value="face")
-    assert not any(said in note for note in findings_of(ready, "note"))
-
-
-def test_a_background_that_pages_do_not_have_is_noted(ready: StudyFolder) -> None:
-    said = "another background than participants' pages"
-    assert not any(said in note for note in findings_of(ready, "note"))
-    change(ready, "video", "background", value="#2e3440")
-    assert any(said in note for note in findings_of(ready, "note"))
+    assert note.rstrip(".") in clauses(check(ready), "note")
 
 
 def test_every_broken_clip_is_an_error_beside_all_other_findings(
-    ready: StudyFolder, untouched: list[Finding]
+    ready: StudyFolder, original: list[Finding]
 ) -> None:
     segments = [segment.name for segment in ready.segments()][:2]
     for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
         path = ready.clip(condition, segment)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("torn")
-    found = check(ready)
-    assert [each.where for each in found if each.name == "motion-unreadable"] == [
+    findings = check(ready)
+    assert [f.where for f in findings if f.name == "motion-unreadable"] == [
         f"motion/ground_truth/{segments[0]}.npz",
         f"motion/broken/{segments[1]}.npz",
     ]
-    assert len(told(found, "error")) == 2
-    assert told(found, "warning") == told(untouched, "warning")
-
-
-def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
-    np.save(ready.root / "face.npy", np.ones((3, 3)))
-    change(ready, "video", "expression_matrix", value="face.npy")
-    (found,) = [each for each in check(ready) if each.severity == "error"]
-    assert found.name == "body-unusable"
-    assert "face.npy" in found.where
+    assert len(clauses(findings, "error")) == 2
+    assert clauses(findings, "warning") == clauses(original, "warning")

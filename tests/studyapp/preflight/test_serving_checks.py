@@ -1,4 +1,4 @@
-"""Whether answers can be stored, and videos sent piece by piece."""
+"""Whether answers can be stored, and videos sent in byte ranges."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 from studyapp.database.tables import IntakeChange
 from studyapp.preflight.material import Material
-from studyapp.preflight.serving_checks import address_findings, read_findings, serving_findings
+from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.stored import filled, writing
@@ -20,37 +20,37 @@ from tests.support.studies.stored import filled, writing
 
 def material(root: Path) -> Material:
     folder = StudyFolder(root)
-    return Material.of(folder, folder.study())
+    return Material.read(folder, folder.study())
 
 
 def names(root: Path) -> dict[str, str]:
-    return {found.name: found.what for found in serving_findings(material(root))}
+    return {finding.name: finding.what for finding in serving_findings(material(root))}
 
 
-def test_a_study_that_the_server_refuses_is_told(tiny_study: Path) -> None:
-    looked_at = material(tiny_study)
+def test_a_study_that_the_server_refuses_is_found(tiny_study: Path) -> None:
+    read_before = material(tiny_study)
     next((tiny_study / "videos").rglob("*.mp4")).unlink()
 
-    (found,) = read_findings(looked_at)
+    (finding,) = server_findings(read_before)
 
-    assert found.name == "cannot-be-served"
+    assert finding.name == "cannot-be-served"
 
 
-def test_a_new_study_was_not_rehearsed(tiny_study: Path) -> None:
+def test_a_study_without_rehearsal_is_found(tiny_study: Path) -> None:
     assert set(names(tiny_study)) == {"not-rehearsed"}
     (tiny_study / "rehearsal.db").touch()
     assert names(tiny_study) == {}
 
 
-def test_a_database_that_is_none_is_told(tiny_study: Path) -> None:
+def test_a_file_that_is_no_database_is_found(tiny_study: Path) -> None:
     (tiny_study / "responses.db").write_text("no database at all, but long enough to be read" * 9)
 
     assert "database-unusable" in names(tiny_study)
 
 
-def test_answers_are_counted_and_a_changed_design_is_told(tiny_study: Path) -> None:
+def test_participants_are_counted_and_a_changed_design_is_found(tiny_study: Path) -> None:
     answer_study(tiny_study, people=2)
-    assert names(tiny_study)["answers-there"] == "2 participants have come already"
+    assert names(tiny_study)["answers-there"] == "2 participants have already arrived"
     assert "design-changed" not in names(tiny_study)
     definition = tiny_study / "study.toml"
     definition.write_text(definition.read_text().replace("trials = 4", "trials = 3", 1))
@@ -58,7 +58,7 @@ def test_answers_are_counted_and_a_changed_design_is_told(tiny_study: Path) -> N
     assert "design-changed" in names(tiny_study)
 
 
-def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
+def test_a_paused_study_is_found(tiny_study: Path) -> None:
     answer_study(tiny_study, people=1)
     assert "intake-closed" not in names(tiny_study)
     with writing(tiny_study / "responses.db") as session:
@@ -67,7 +67,7 @@ def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
 
 
 @pytest.mark.parametrize(("free", "name"), [(0, "disk-full"), (10**9, "disk-short")])
-def test_a_disk_without_room_is_told(
+def test_a_full_disk_is_found(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch, free: int, name: str
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
@@ -75,7 +75,7 @@ def test_a_disk_without_room_is_told(
     assert name in names(tiny_study)
 
 
-def test_a_folder_that_may_not_be_written_is_told_unless_answers_go_elsewhere(
+def test_a_folder_must_be_writable_unless_answers_go_elsewhere(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(os, "access", lambda *_: False)
@@ -87,7 +87,7 @@ def test_a_folder_that_may_not_be_written_is_told_unless_answers_go_elsewhere(
 HTTPS = "https://study.example.org/mine"
 
 
-def answering(health: str = "ok\n", ranges: bool = True) -> httpx.MockTransport:
+def server(health: str = "ok\n", ranges: bool = True) -> httpx.MockTransport:
     def respond(request: httpx.Request) -> httpx.Response:
         if request.url.path == "/mine/healthz":
             return httpx.Response(200, text=health)
@@ -99,22 +99,24 @@ def answering(health: str = "ok\n", ranges: bool = True) -> httpx.MockTransport:
     return httpx.MockTransport(respond)
 
 
-def asked(address: str, transport: httpx.BaseTransport) -> list[str]:
-    return [found.name for found in address_findings(address, transport=transport)]
+def request(address: str, transport: httpx.BaseTransport) -> list[str]:
+    return [finding.name for finding in address_findings(address, transport=transport)]
 
 
-def test_an_address_without_encryption_is_warned_of_except_on_this_machine() -> None:
-    assert asked("http://study.example.org/mine", answering()) == ["address-insecure"]
-    assert asked("http://localhost/mine", answering()) == []
+def test_only_a_local_address_may_be_unencrypted() -> None:
+    assert request("http://study.example.org/mine", server()) == ["address-insecure"]
+    assert request("http://localhost/mine", server()) == []
 
 
 @pytest.mark.parametrize(
     ("transport", "name"),
     [
-        (answering(health="Welcome to nginx"), "address-other"),
+        (server(health="Welcome to nginx"), "address-other"),
         (httpx.MockTransport(lambda _: httpx.Response(502)), "address-other"),
-        (answering(ranges=False), "ranges-lost"),
+        (server(ranges=False), "ranges-lost"),
     ],
 )
-def test_what_answers_otherwise_is_told(transport: httpx.BaseTransport, name: str) -> None:
-    assert asked(HTTPS, transport) == [name]
+def test_another_server_and_lost_ranges_are_found(
+    transport: httpx.BaseTransport, name: str
+) -> None:
+    assert request(HTTPS, transport) == [name]

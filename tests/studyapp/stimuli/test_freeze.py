@@ -38,6 +38,6 @@ def test_no_frozen_channel_moves_in_any_motion_shown(
     assert shown
     assert not any(moving_channels(clip) & {*FROZEN} for clip in shown.values())
     assert any("hands" in moving_channels(clip) for clip in shown.values())
-    found = motion_findings(Material.of(folder, study))
+    found = motion_findings(Material.read(folder, study))
     said = [f.what for f in found if f.severity != "note"]
     assert not [what for what in said for channel in FROZEN if what.startswith(channel)]

@@ -17,7 +17,7 @@ from studyapp.stimuli.shown_motion import (
     shown_body,
 )
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.preflight.test_preflight import change
+from tests.support.studies.edited_study import edited
 from tests.support.studies.takes import write_motion, write_speech
 
 
@@ -26,14 +26,19 @@ def _clip(**face: Any) -> MotionClip:
     return MotionClip(poses=still, trans=still[:, 0], frame_rate=30, **face)
 
 
+def _set_video(folder: StudyFolder, **values: str) -> None:
+    with edited(folder.definition) as document:
+        document["video"].update(values)
+
+
 def _name_matrix(folder: StudyFolder, shape: tuple[int, int]) -> None:
     np.save(folder.root / "face.npy", np.ones(shape))
-    change(folder, "video", "expression_matrix", value="face.npy")
+    _set_video(folder, expression_matrix="face.npy")
 
 
 def test_paths_of_the_study_file_begin_at_its_folder(folder: StudyFolder, tmp_path: Path) -> None:
-    change(folder, "video", "body", value="models/SMPLX_NEUTRAL.npz")
-    change(folder, "video", "expression_matrix", value=str(tmp_path / "face.csv"))
+    _set_video(folder, body="models/SMPLX_NEUTRAL.npz")
+    _set_video(folder, expression_matrix=str(tmp_path / "face.csv"))
     study = folder.study()
     assert body_file(folder, study) == folder.root / "models/SMPLX_NEUTRAL.npz"
     assert expression_matrix_file(folder, study) == tmp_path / "face.csv"
@@ -47,11 +52,11 @@ def test_abilities_are_those_of_the_body_that_is_built(folder: StudyFolder) -> N
 
 
 def test_the_mannequin_has_no_face(folder: StudyFolder) -> None:
-    change(folder, "video", "avatar", value="mannequin")
+    _set_video(folder, avatar="mannequin")
     assert not shown_abilities(folder, folder.study()).has_face
 
 
-def test_each_condition_is_told_once(folder: StudyFolder) -> None:
+def test_each_condition_is_named_once(folder: StudyFolder) -> None:
     coefficients = _clip(expressions=np.ones((2, 100)))
     shown = [("one", coefficients), ("two", _clip()), ("one", coefficients)]
     (sentence,) = left_out(shown, shown_abilities(folder, folder.study()))
@@ -73,9 +78,9 @@ def test_another_segments_speech_is_heard_no_longer_than_the_motion(folder: Stud
     )
     write_motion(folder.clip("ours", "short"), 2.0)
 
-    def heard(speech: Segment | None) -> float | None:
-        found, missing = segment_scene(folder, folder.study(), short, ["ours"], heard=speech)
-        assert (list(found.clips), missing) == (["ours"], {})
-        return None if found.speech is None else round(found.speech.duration, 3)
+    def speech_seconds(speech: Segment | None) -> float | None:
+        scene, missing = segment_scene(folder, folder.study(), short, ["ours"], heard=speech)
+        assert (list(scene.clips), missing) == (["ours"], {})
+        return None if scene.speech is None else round(scene.speech.duration, 3)
 
-    assert [heard(each) for each in (short, long, gone, None)] == [2.0, 2.0, None, None]
+    assert [speech_seconds(speech) for speech in (short, long, gone, None)] == [2, 2, None, None]

@@ -52,7 +52,7 @@ def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
 
 
 def errors(folder: StudyFolder, severity: Severity = "error") -> list[str]:
-    material = Material.of(folder, folder.study())
+    material = Material.read(folder, folder.study())
     found = [
         *finished_video_findings(material),
         *shown_video_findings(material),
@@ -102,7 +102,7 @@ def test_a_changed_original_is_told_and_copied_anew(study: Callable[..., StudyFo
     folder = study(ours=Told(sound=LOUD))
 
     assert errors(folder) == [
-        "the video of 'ours' for segment one has changed since it was copied for the participants"
+        "the video of 'ours' for segment one has changed since it was copied for participants"
     ]
     assert render(folder, processes=1).made == 1
     assert errors(folder) == []
@@ -196,6 +196,6 @@ def test_what_only_tools_would_see_is_warned_of(
     folder = study(ours=ours)
     render(folder, processes=1)
 
-    warnings = [w for w in errors(folder, "warning") if w.startswith("files tell")]
+    warnings = [w for w in errors(folder, "warning") if w.startswith("whoever inspects")]
 
     assert [said in warning for warning in warnings] == [True]
