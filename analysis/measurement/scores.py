@@ -67,7 +67,7 @@ class ConditionScore:
     reason : str
         Why clips have no score; empty where all have one.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores speak for a condition; `analysis.report.sections.metric` has what each paper
+        Which scores speak for a condition; `analysis.report.sections.metrics` has what each paper
         says.
     interval : (float, float) or None
         95% interval of a score of the whole condition; `settings` say how it was made.

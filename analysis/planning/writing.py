@@ -17,7 +17,7 @@ from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
 from analysis.planning.words import sentences, with_error
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, sign_of
+from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
 from analysis.report.tables import write_frame
 from analysis.report.wording import count
 from analysis.results.report import as_json
@@ -150,7 +150,7 @@ def power_figure(plan: Plan) -> Figure:
         signs.append(_ring([], [], label="the study as it stands"))
     columns = min(3, len(plan.request.effects))
     what = PanelFigure(
-        told=dict.fromkeys(panels, ""),
+        descriptions=dict.fromkeys(panels, ""),
         draw=draw,
         height=_HEIGHT,
         columns=columns,
@@ -172,7 +172,7 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
         cells = [plan.cell(count, items, effect) for count in people]
         powers = [cell.powers[number] for cell in cells if cell is not None]
         found = [power.power for power in powers]
-        colour, _ = sign_of(place)
+        colour, _ = series_style(place)
         axes.add_line(_line(place, people, found))
         axes.errorbar(people, found, yerr=_reach(powers), fmt="none", ecolor=colour, elinewidth=0.8)
         if own_size is not None and own_size[1] == items:
@@ -193,7 +193,7 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
 
 
 def _line(place: int, people: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
-    colour, marker = sign_of(place)
+    colour, marker = series_style(place)
     return Line2D(
         people,
         powers,

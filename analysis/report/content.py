@@ -1,4 +1,4 @@
-"""What sections are made of, which the template lays out: words, figures, and tables of cells."""
+"""The parts of a report's page: sections with text, figures and tables."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
-
-from analysis.report import wording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +22,7 @@ class Cell:
     text : str
         As the page shows it.
     value : float or None
-        The number behind the text: rows are sorted by it, and files hold it; None for words.
+        The number behind the text, by which rows are sorted and which files hold; None for words.
     best, second : bool
         Whether it is the best of its kind, shown bold, or the second best, underlined.
     """
@@ -37,7 +35,7 @@ class Cell:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table whose caption stands alone.
+    """A table with a caption that stands alone.
 
     Attributes
     ----------
@@ -59,7 +57,7 @@ class Table:
     data : str
         File in the report's ``tables`` folder with the full data; empty for none.
     secondary : str
-        What the table is, in a few words, where the page folds it away; empty where it is shown.
+        A short title under which the page folds the table away; empty if it is shown.
     """
 
     caption: str
@@ -75,7 +73,7 @@ class Table:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A figure whose caption stands alone.
+    """A figure with a caption that stands alone.
 
     Attributes
     ----------
@@ -86,9 +84,9 @@ class Picture:
     data : str
         File in the report's ``tables`` folder with its numbers; empty for none.
     name : str
-        Its files in the report's ``figures`` folder, without the ending; empty for none.
+        Its files in the report's ``figures`` folder, without the extension; empty for none.
     figure : Figure or None
-        What is drawn in them.
+        The figure in these files.
     """
 
     svg: Markup
@@ -99,21 +97,19 @@ class Picture:
 
 
 @dataclass(frozen=True, kw_only=True)
-class About:
-    """What stands around a figure.
+class FigureText:
+    """The text around a figure.
 
     Attributes
     ----------
     name : str
         Of its file, and prefix of its ids: letters, digits and '-'.
-    title : str
-        What it is, in a few words.
-    caption : str
-        What stands under it.
+    title, caption : str
+        A few words, and the text under the figure.
     data : str
         File in the report's ``tables`` folder with its numbers; empty for none.
     mark : str
-        Written on top of it; empty for none.
+        Written on top of the figure; empty for none.
     """
 
     name: str
@@ -125,17 +121,7 @@ class About:
 
 @dataclass(frozen=True, kw_only=True)
 class PlayablePair:
-    """Two motions that play side by side, with what is known of them in a table below.
-
-    Attributes
-    ----------
-    element : Markup
-        In which they play.
-    caption : str
-        What they are.
-    table : Table or None
-        Their metrics; None where nothing was measured.
-    """
+    """Two motions that play side by side, in `element`, with a table of their metrics if any."""
 
     element: Markup
     caption: str
@@ -144,7 +130,7 @@ class PlayablePair:
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A heading with what belongs under it, in order: paragraphs, figures, motions, tables."""
+    """A heading and what is under it, in order: paragraphs, figures, motions, tables."""
 
     anchor: str
     heading: str
@@ -155,44 +141,55 @@ class Section:
     tables: tuple[Table, ...] = ()
 
 
-def cells(*texts: str) -> tuple[Cell, ...]:
-    """Return plain cells."""
-    return tuple(Cell(text=text) for text in texts)
-
-
-def counted(value: float, text: str, *, best: bool = False, second: bool = False) -> Cell:
-    """Return a cell that shows `text` and is sorted and filed by `value`, empty for NaN."""
+def number_cell(value: float, text: str, *, best: bool = False, second: bool = False) -> Cell:
+    """Return a cell that shows `text` and has the value `value`, none for NaN."""
     return Cell(
         text=text, value=None if math.isnan(value) else float(value), best=best, second=second
     )
 
 
 def headline_section(
-    of: str | None,
-    end: str,
+    set_name: str | None,
+    suffix: str,
     heading: str,
     *,
-    reason: str,
+    no_figure: str,
     pictures: Callable[[], tuple[Picture, ...]],
     tables: Iterable[Table],
     paragraph: str = "",
 ) -> Section:
-    """Return what was found in the set `of`.
+    """Return the main results of a set.
 
-    Where there is a `reason` for it, nothing is drawn, and the reason stands in place of the
-    `paragraph`. Captions say which set it is, and names of tables end in `end`
-    (`analysis.report.wording.suffix`).
+    Parameters
+    ----------
+    set_name : str or None
+        Put before the heading and the captions; None without sets.
+    suffix : str
+        End of the names of the set's tables; see `analysis.report.wording.set_suffix`.
+    heading : str
+        What the section shows.
+    no_figure : str
+        Why no figure is drawn, which replaces figures and paragraph; '' if there are figures.
+    pictures : callable
+        Draws the figures.
+    tables : iterable of Table
+        The tables.
+    paragraph : str, optional
+        Text before the figures.
     """
-    which = "" if of is None else f"Set {of}. "
-    said = reason or paragraph
+    if set_name is not None:
+        heading = f"Set {set_name}: {heading[:1].lower()}{heading[1:]}"
+    prefix = "" if set_name is None else f"Set {set_name}. "
+    text = no_figure or paragraph
     return Section(
-        anchor=f"headline{end}",
-        heading=wording.in_set(of, heading),
-        paragraphs=(said,) if said else (),
+        anchor=f"headline{suffix}",
+        heading=heading,
+        paragraphs=(text,) if text else (),
         pictures=()
-        if reason
-        else tuple(replace(one, caption=f"{which}{one.caption}") for one in pictures()),
+        if no_figure
+        else tuple(replace(item, caption=f"{prefix}{item.caption}") for item in pictures()),
         tables=tuple(
-            replace(one, name=f"{one.name}{end}", caption=f"{which}{one.caption}") for one in tables
+            replace(table, name=f"{table.name}{suffix}", caption=f"{prefix}{table.caption}")
+            for table in tables
         ),
     )

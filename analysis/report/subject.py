@@ -1,4 +1,4 @@
-"""What a report is about, beside its answers."""
+"""What a report is about: everything it needs besides the results."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Origin = Literal["participants", "rehearsal", "table", "none"]
 
 @dataclass(frozen=True, kw_only=True)
 class Excerpt:
-    """What is known of one segment of speech; empty where it is not known."""
+    """One segment of speech; unknown fields are empty."""
 
     emotion: str = ""
     speaker: str = ""
@@ -28,16 +28,16 @@ class Excerpt:
 
 @dataclass(frozen=True, kw_only=True)
 class Still:
-    """One frame of what participants saw.
+    """One video frame.
 
     Attributes
     ----------
     condition, segment : str
-        Whose frame it is.
+        The video.
     seconds : float
-        When, from the beginning of the video.
+        Time from the start of the video.
     word : str
-        What is said there; empty where that is not known.
+        The word spoken at that time; empty if unknown.
     image : str
         The picture as a ``data:`` address.
     """
@@ -51,18 +51,18 @@ class Still:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlayableMotion:
-    """Pairs of clips that can be played on the page, and what the page needs for it.
+    """Pairs of clips that play on the page.
 
     Attributes
     ----------
     pairs : tuple of (PreferredPair, Markup)
-        In the order of the page, with the element in which each plays.
+        In the order of the page, each with the element in which it plays.
     sources : str or Markup
-        The elements that hold motion and speech; '' where there are none.
+        The elements that hold motion and speech; '' for none.
     scripts : tuple of str
-        The scripts that play them, in this order.
+        The scripts that play them, in order.
     style : str
-        Their style.
+        CSS.
     left_out : tuple of str
         Sentences about pairs that cannot be played.
     """
@@ -76,52 +76,52 @@ class PlayableMotion:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Subject:
-    """What a report is about, beside its answers.
+    """What a report is about: everything it needs besides the results.
 
     Attributes
     ----------
     title : str
         The study's title, or the table's file.
     origin : {'participants', 'rehearsal', 'table', 'none'}
-        Who answered: people, simulated raters, whoever filled a table, or nobody yet.
+        Who answered: people, simulated raters, the participants of a table, or nobody yet.
     protocol : str
         'pairwise', 'rating', 'ranking' or 'mismatch'.
     conditions : tuple of str
-        What is compared, in the order of tables and figures.
+        In the order of tables and figures.
     labels : mapping of str to str
-        What a condition, or the comparison of two, is called where that is not its name.
+        Display names of conditions and comparisons that have one.
     questions : mapping of str to str
-        Name of each question to its text; '' where it is not known.
+        The text of each question by its name; '' if unknown.
     reference : str or None
-        Of a pairwise study: what all others are compared with.
+        Of a pairwise study: the condition with which all others are compared.
     recorded : str or None
-        The condition that is real recorded motion.
+        The condition that is recorded motion.
     broken : str or None
         The visibly broken motion of catch trials.
     generative : mapping of str to bool
-        Whether a condition can move differently to one speech, where that is stated.
+        Whether a condition can move differently to the same speech, if stated.
     scale_labels : mapping of str to tuple of str
-        By question, what the points of its scale are called, worst first; () where unknown.
+        By question, the labels of its scale, worst first.
     excerpts : mapping of str to Excerpt
         By segment.
     notes : tuple of str
-        What else a reader must know.
+        Further remarks for the reader.
     frozen : tuple of str
-        Channels that the videos hold still.
+        Channels that the videos keep still.
     study_sha256 : str
         Of the study's definition; '' for a table.
     seed : int or None
-        Of the study's draws.
+        Of the study.
     truth : tuple of KnownValue
-        Of a rehearsal: what its raters were given; () otherwise.
+        Of a rehearsal: the true values of its raters.
     metrics : StudyMetrics or None
-        Automatic metrics of the conditions, where there are motions.
+        Automatic metrics of the conditions; None without motion files.
     stills : tuple of Still
-        Frames of the conditions at chosen moments, by condition and then moment.
+        Frames by condition and then time.
     no_stills : str
-        Why there are none, in words that make a sentence; '' where there are some.
+        A sentence that says why there are none; '' if there are some.
     motion : PlayableMotion or None
-        The pairs that were preferred most and least; None where the page does not play any.
+        The most and least preferred pairs; None if the page plays none.
     """
 
     title: str
@@ -148,17 +148,17 @@ class Subject:
 
     @property
     def people(self) -> str:
-        """What to call those who answered."""
+        """A word for those who answered."""
         return "simulated raters" if self.origin == "rehearsal" else "participants"
 
     @property
     def speakers(self) -> tuple[str, ...]:
-        """Who speaks, as far as that is known."""
-        return tuple(sorted({one.speaker for one in self.excerpts.values() if one.speaker}))
+        """The known speakers."""
+        return tuple(sorted({e.speaker for e in self.excerpts.values() if e.speaker}))
 
     @property
     def mark(self) -> str:
-        """What must be said on every screen, every printed page and every figure; or ''."""
+        """A warning for every screen, printed page and figure; '' for real answers."""
         return _MARKS[self.origin][0]
 
     @property

@@ -1,9 +1,8 @@
-"""A report's tables as files: CSV of all results, and any table for a paper, in LaTeX."""
+"""A report's tables as files: CSV of all results, and LaTeX of any table for a paper."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
@@ -12,25 +11,25 @@ from typing import Any, Final, cast
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from analysis.report.content import Cell, Table
-from analysis.report.texts import template
+from analysis.report.content import Table
+from analysis.report.texts import template_file
 from analysis.results.grouping import ByQuestion
 from analysis.results.report import TableReport, plain
 from motion.files import harmless_frame, replacing
 
 LONGEST: Final = 40
-"""Rows up to which a table floats; a longer one breaks over pages."""
+"""Rows up to which a table floats; a longer one breaks across pages."""
 
 
 def booktabs(table: Table, *, remark: str = "") -> str:
-    """Return a table as a LaTeX file that compiles as it is, whatever its cells say.
+    """Return a table as LaTeX that compiles whatever its cells contain.
 
     Parameters
     ----------
     table : Table
-        Its caption and its notes go along; the best cells become bold, the second best underlined.
+        The table; its best cells become bold, its second best underlined.
     remark : str, optional
-        Put before the caption, such as that no person answered.
+        Put before the caption, for example that no person answered.
     """
     is_long = len(table.rows) > LONGEST
     ends = list(accumulate(span for _, span in table.groups))
@@ -49,7 +48,7 @@ def booktabs(table: Table, *, remark: str = "") -> str:
             ],
         )
     )
-    return "\n".join([*_needs(body, long=is_long), body])
+    return "\n".join([*_requirements(body, is_long=is_long), body])
 
 
 @cache
@@ -72,32 +71,39 @@ def _environment() -> Environment:
 
 
 def as_latex(text: str) -> str:
-    """Return text as LaTeX prints it, none of its signs taken for a command."""
-    return text.translate(_latex_signs())
+    """Return text as LaTeX prints it, with every special character escaped."""
+    return text.translate(_escapes())
 
 
 @cache
-def _latex_signs() -> dict[int, str]:
-    return str.maketrans(tomllib.loads(template("latex.toml")))
+def _escapes() -> dict[int, str]:
+    return str.maketrans(tomllib.loads(template_file("latex.toml")))
 
 
-def _needs(body: str, *, long: bool) -> list[str]:
-    packages = "booktabs,longtable" if long else "booktabs,graphicx"
+def _requirements(body: str, *, is_long: bool) -> list[str]:
+    """Return comments that name the packages the table needs."""
+    packages = "booktabs,longtable" if is_long else "booktabs,graphicx"
     lines = [rf"% Needs \usepackage{{{packages}}} and \usepackage[T1]{{fontenc}}."]
-    lines += (
-        [r"% Needs \usepackage{textcomp} before LaTeX 2020."] if "textquotesingle" in body else []
-    )
-    if any(ord(sign) > 0x17F for sign in body):
-        lines.append(
-            "% Names hold letters that LuaLaTeX or XeLaTeX print with a font that has them."
-        )
+    if "textquotesingle" in body:
+        lines.append(r"% Needs \usepackage{textcomp} before LaTeX 2020.")
+    if any(ord(character) > 0x17F for character in body):
+        lines.append("% Some names need LuaLaTeX or XeLaTeX and a font that has their letters.")
     return lines
 
 
 def as_frame(table: Table) -> pd.DataFrame:
-    """Return a table's numbers, and its words where there is no number behind them."""
-    headings = _headings(table)
-    return pd.DataFrame([[_value(cell) for cell in row] for row in table.rows], columns=headings)
+    """Return a table's numbers, and the text of cells without a number."""
+    groups = [label for label, span in table.groups for _ in range(span)]
+    header = table.header
+    if groups:
+        header = tuple(f"{g} {h}".strip() for g, h in zip(groups, header, strict=True))
+    return pd.DataFrame(
+        [
+            [cell.text if cell.value is None else float(f"{cell.value:.10g}") for cell in row]
+            for row in table.rows
+        ],
+        columns=list(header),
+    )
 
 
 def write_frame(path: Path, frame: pd.DataFrame) -> None:
@@ -106,85 +112,76 @@ def write_frame(path: Path, frame: pd.DataFrame) -> None:
         harmless_frame(frame).to_csv(draft, index=False, lineterminator="\n")
 
 
-def _headings(table: Table) -> list[str]:
-    """Return the headings, those of groups before them."""
-    groups = [label for label, span in table.groups for _ in range(span)] or [""] * len(
-        table.header
-    )
-    return [f"{group} {name}".strip() for group, name in zip(groups, table.header, strict=True)]
-
-
-def _value(cell: Cell) -> object:
-    return cell.text if cell.value is None else float(f"{cell.value:.10g}")
-
-
-_PER_REPORT: Final = ("rules", "flow", "sensitivity")
-"""Lists that every report has, beside what its protocol gives."""
+Record = dict[str, Any]
+"""One row of a CSV file."""
 
 
 def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
-    """Return tables by file name: one row an entry, nested names joined by '_'."""
-    keys, with_sets = report.keys(), bool(report.sets)
-    rows: dict[str, list[dict[str, Any]]] = {
+    """Return all results as tables by file name: a row per entry, nested names joined by '_'."""
+    keys, has_sets = report.keys(), bool(report.sets)
+    records: dict[str, list[Record]] = {
         "exclusions": [
-            {"participant": who, "reason": why} for who, why in report.exclusions.items()
+            {"participant": participant, "reason": reason}
+            for participant, reason in report.exclusions.items()
         ]
     }
-    for name in (*_PER_REPORT, *vars(report.results)):
+    for name in ("rules", "flow", "sensitivity", *vars(report.results)):
         if not isinstance(keys[name], str):
-            rows[name] = _rows_of(keys[name], with_sets)
-    beside = _rows_of(report.metrics_against_people, with_sets)
-    rows["metrics_against_people"] = [row for one in beside for row in _metrics(one)]
-    for name in {"heterogeneity", "bradley_terry", "plackett_luce"} & rows.keys():
-        rows[name] = [row for one in rows[name] for row in _apart(one)]
-    for flow in rows["flow"]:
+            records[name] = _records(keys[name], has_sets)
+    records["metrics_against_people"] = [
+        record
+        for entry in _records(report.metrics_against_people, has_sets)
+        for record in _records_of_metrics(entry)
+    ]
+    for name in {"heterogeneity", "bradley_terry", "plackett_luce"} & records.keys():
+        records[name] = [record for entry in records[name] for record in _unnested(entry)]
+    for flow in records["flow"]:
         counts = zip((rule.rule for rule in report.rules), flow.pop("removed"), strict=True)
         flow |= {f"removed_{place}_{rule}": n for place, (rule, n) in enumerate(counts, start=1)}
     return {
-        f"{name}.csv": pd.json_normalize([_flat(one) for one in found], sep="_")
-        for name, found in rows.items()
-        if found
+        f"{name}.csv": pd.json_normalize([_flat(record) for record in entries], sep="_")
+        for name, entries in records.items()
+        if entries
     }
 
 
-def _rows_of(found: Any, with_sets: bool) -> list[dict[str, Any]]:
-    """Return a list of results, or results by question, as rows."""
-    if not isinstance(found, ByQuestion):
-        rows: Any = plain(found)
-        return [*rows]
+def _records(results: Any, has_sets: bool) -> list[Record]:
+    """Return a list of results, or results by question, as records."""
+    if not isinstance(results, ByQuestion):
+        return [*cast(Any, plain(results))]
     return [
-        ({"set": row.set} if with_sets else {})
+        ({"set": row.set} if has_sets else {})
         | {"question": row.question}
         | cast(Any, plain(row.found))
-        for row in found.rows()
+        for row in results.rows()
     ]
 
 
-def _apart(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return a row for each level of an effect, or each condition; what they share in all."""
-    of = "levels" if "levels" in entry else "conditions"
-    shared = {name: value for name, value in entry.items() if name != of}
-    return [shared | {of[:-1]: one[of[:-1]]} | one for one in entry[of]]
+def _unnested(entry: Record) -> list[Record]:
+    """Return a record for each level of an effect or each condition, with what they share."""
+    plural = "levels" if "levels" in entry else "conditions"
+    singular = plural[:-1]
+    shared = {name: value for name, value in entry.items() if name != plural}
+    return [shared | {singular: nested[singular]} | nested for nested in entry[plural]]
 
 
-def _metrics(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return a row for each metric that was set beside the answers to a question."""
-    place = {name: entry[name] for name in ("set", "question") if name in entry}
-    nested = ("left_out", "places")
+def _records_of_metrics(entry: Record) -> list[Record]:
+    """Return a record for each metric compared with the answers to a question."""
+    question = {name: entry[name] for name in ("set", "question") if name in entry}
     return [
-        place | {key: value for key, value in metric.items() if key not in nested}
+        question | {name: metric[name] for name in metric if name not in ("left_out", "places")}
         for metric in entry["metrics"]
     ]
 
 
-def _flat(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """Write lists of numbers or words into one cell, and leave lists of results out."""
-    found: dict[str, Any] = {}
-    for name, value in entry.items():
-        if isinstance(value, Mapping):
-            found[name] = _flat(value)
+def _flat(record: Record) -> Record:
+    """Join lists of numbers or words in one cell, and drop lists of results."""
+    flat: Record = {}
+    for name, value in record.items():
+        if isinstance(value, dict):
+            flat[name] = _flat(value)
         elif not isinstance(value, list):
-            found[name] = value
-        elif not any(isinstance(one, Mapping) for one in value):
-            found[name] = "; ".join(map(str, value))
-    return found
+            flat[name] = value
+        elif not any(isinstance(item, dict) for item in value):
+            flat[name] = "; ".join(map(str, value))
+    return flat

@@ -1,8 +1,8 @@
-"""What the report says, from templates: paragraphs, tables and captions.
+"""The report's text from templates: paragraphs, tables and captions.
 
 In a template, functions give words (``share(x)``) and filters give cells of a table
-(``x | share``). ``tables.toml`` says of each table what its columns are, and ``figures.toml`` what
-stands around each figure; ``words`` holds the paragraphs.
+(``x | share``). ``tables.toml`` lists the columns of each table, ``figures.toml`` the text around
+each figure, and ``words`` holds the paragraphs.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.resources import files
@@ -20,37 +20,44 @@ from typing import Any, Final, NamedTuple
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, Undefined, UndefinedError
 
 from analysis.report import wording
-from analysis.report.content import About, Cell, Table, cells, counted
+from analysis.report.content import Cell, FigureText, Table, number_cell
 from analysis.stats.clustered_mean import LEVEL, TWO_WAY, Estimate
 from motion.errors import listed
 
-_MOST_BESIDE: Final = 3
-"""Questions up to which a table shows them beside each other."""
+_MOST_QUESTIONS_ACROSS: Final = 3
+"""Questions up to which a table shows them side by side."""
+
+Facts = dict[str, Any]
+"""What a template can refer to, by name."""
 
 
 class _Column(NamedTuple):
-    """A heading, what a row (``one``) has under it, a heading over several, and what repeats it."""
+    """A heading, the expression of a cell, a heading over several columns, and a list to repeat.
 
-    head: str
+    The column is repeated for every ``item`` of the list; neighbours with the same list are
+    repeated together.
+    """
+
+    heading: str
     cell: str
     group: str = ""
-    each: str = ""
+    repeat: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Spec:
+class _TableSpec:
     """A table of ``tables.toml``; see `Table` for what is not explained here.
 
     Attributes
     ----------
     columns : list of list
-        Of each `_Column`: neighbours of one `each` are repeated together, for every ``item``.
+        The fields of each `_Column`.
     notes : list of str
-        Each may make several lines, or none.
+        Templates; each may give several lines, or none.
     each_row : list of str
-        Expressions; what they give for a row is a note on ``about``, each note once.
+        Expressions; what they give for a row becomes a note on ``about``.
     by_question : bool
-        Whether few questions stand beside each other: the first two columns are the question, and
+        Whether few questions are shown side by side: the first two columns are the question and
         what a row is about.
     """
 
@@ -58,33 +65,32 @@ class _Spec:
     columns: list[list[str]]
     name: str | None = None
     data: str = ""
-    notes: list[str] | None = None
-    each_row: list[str] | None = None
-    about: str = "place_of(one)"
+    notes: Sequence[str] = ()
+    each_row: Sequence[str] = ()
+    about: str = "place_name(row)"
     secondary: str = ""
     by_question: bool = False
 
 
-def paragraphs(place: str, **facts: object) -> tuple[str, ...]:
-    """Return the paragraphs that a macro of a template makes of `facts`; '' is none.
+def paragraphs(macro: str, **facts: object) -> tuple[str, ...]:
+    """Return the paragraphs that a macro makes of `facts`, without empty ones.
 
     Parameters
     ----------
-    place : str
+    macro : str
         File in ``templates/words`` and macro, as ``methods.bullets``. An empty line ends a
         paragraph.
     **facts
-        What the template knows.
+        What the template can refer to.
     """
-    file, macro = place.split(".")
-    words = _environment().get_template(f"words/{file}.txt").make_module(facts)
-    text = getattr(words, macro)()
-    return tuple(_squeezed(text.split("\n\n")))
+    file, name = macro.split(".")
+    module = _environment().get_template(f"words/{file}.txt").make_module(facts)
+    return tuple(_squeezed(getattr(module, name)().split("\n\n")))
 
 
-def sentence(place: str, **facts: object) -> str:
-    """Return what a macro of a template makes of `facts`, '' for nothing; see `paragraphs`."""
-    return " ".join(paragraphs(place, **facts))
+def sentence(macro: str, **facts: object) -> str:
+    """Return the text of a macro in one line, '' for none; see `paragraphs`."""
+    return " ".join(paragraphs(macro, **facts))
 
 
 def table(kind: str, rows: Iterable[object], **facts: object) -> Table:
@@ -95,97 +101,104 @@ def table(kind: str, rows: Iterable[object], **facts: object) -> Table:
     kind : str
         Its key there.
     rows : iterable
-        What lines are about; an expression calls each of them ``one``.
+        What the lines are about; in an expression, each is ``row``.
     **facts
-        What else its templates know.
+        What else its templates can refer to.
     """
-    spec, found = _specs("tables")[kind], list(rows)
-    facts |= {"rows": found}
-    columns = [
-        (column, facts | {"item": item})
-        for each, own in groupby((_Column(*one) for one in spec.columns), lambda one: one.each)
-        for inside in (list(own),)
-        for item in (_value(each, facts) if each else [None])
-        for column in inside
-    ]
+    spec, rows = _table_specs()[kind], list(rows)
+    facts |= {"rows": rows}
+    columns = list(_repeated(spec.columns, facts))
     lines = [
-        [_value(column.cell, known | {"one": one}) for column, known in columns] for one in found
+        [_value(column.cell, known | {"row": row}) for column, known in columns] for row in rows
     ]
-    texts = next((k for k, c in enumerate(lines[0]) if isinstance(c, Cell)), 0) if lines else 0
-    made = Table(
+    filled = Table(
         caption=_filled(spec.caption, facts),
-        header=tuple(_filled(column.head, known) for column, known in columns),
+        header=tuple(_filled(column.heading, known) for column, known in columns),
         rows=tuple(
-            tuple(c if isinstance(c, Cell) else Cell(text=c) for c in line) for line in lines
+            tuple(cell if isinstance(cell, Cell) else Cell(text=cell) for cell in line)
+            for line in lines
         ),
         groups=_groups([_filled(column.group, known) for column, known in columns]),
-        text_columns=texts or (len(columns) if lines else 1),
-        notes=(*_notes(spec.notes or (), facts), *_each_row(spec, found, facts)),
+        text_columns=_text_columns(lines, len(columns)),
+        notes=(*_notes(spec.notes, facts), *_notes_of_rows(spec, rows, facts)),
         name=kind if spec.name is None else _filled(spec.name, facts),
         data=_filled(spec.data, facts),
         secondary=spec.secondary,
     )
-    return _beside_each_other(made) if spec.by_question else made
+    return _questions_across(filled) if spec.by_question else filled
 
 
-def about(kind: str, *, end: str = "", mark: str = "", **facts: object) -> About:
-    """Return what stands around a figure of ``figures.toml``; `end` is the end of its name."""
-    told = _specs("figures")[kind]
-    return About(
-        name=f"{told.get('name', kind)}{end}",
+def figure_text(kind: str, *, suffix: str = "", mark: str = "", **facts: object) -> FigureText:
+    """Return the text around a figure of ``figures.toml``; its name ends in `suffix`."""
+    spec = _toml("figures")[kind]
+    return FigureText(
+        name=f"{kind}{suffix}",
         mark=mark,
-        **{key: _filled(told.get(key, ""), facts) for key in ("title", "caption", "data")},
+        **{key: _filled(template, facts) for key, template in spec.items()},
     )
 
 
-def _notes(notes: Sequence[str], facts: dict[str, Any]) -> dict[str, None]:
+def _repeated(columns: Sequence[Sequence[str]], facts: Facts) -> Iterator[tuple[_Column, Facts]]:
+    """Yield each column as often as it is repeated, with what its templates can refer to."""
+    for repeat, neighbours in groupby((_Column(*fields) for fields in columns), lambda c: c.repeat):
+        together = list(neighbours)
+        for item in _value(repeat, facts) if repeat else [None]:
+            for column in together:
+                yield column, facts | {"item": item}
+
+
+def _text_columns(lines: Sequence[Sequence[object]], columns: int) -> int:
+    """Return how many columns come before the first with numbers; all if none has numbers."""
+    if not lines:
+        return 1
+    return next((k for k, cell in enumerate(lines[0]) if isinstance(cell, Cell)), 0) or columns
+
+
+def _notes(templates: Sequence[str], facts: Facts) -> dict[str, None]:
     """Return every line of the notes once, in order."""
-    made = (_template(note).render(facts).split("\n") for note in notes)
-    return dict.fromkeys(line for lines in made for line in _squeezed(lines))
+    filled = (_template(note).render(facts).split("\n") for note in templates)
+    return dict.fromkeys(line for lines in filled for line in _squeezed(lines))
 
 
-def _each_row(spec: _Spec, rows: Sequence[object], facts: dict[str, Any]) -> tuple[str, ...]:
-    return wording.gathered(
+def _notes_of_rows(spec: _TableSpec, rows: Sequence[object], facts: Facts) -> tuple[str, ...]:
+    return wording.merge_notes(
         (_value(spec.about, known), _value(note, known) or "")
-        for one in rows
-        for known in (facts | {"one": one},)
-        for note in spec.each_row or ()
+        for known in (facts | {"row": row} for row in rows)
+        for note in spec.each_row
     )
 
 
 def _groups(labels: Sequence[str]) -> tuple[tuple[str, int], ...]:
-    found = tuple((label, len(list(own))) for label, own in groupby(labels))
-    return found if any(labels) else ()
+    if not any(labels):
+        return ()
+    return tuple((label, len(list(columns))) for label, columns in groupby(labels))
 
 
-def _beside_each_other(found: Table) -> Table:
-    """Return few questions beside each other, and more of them below each other."""
-    questions = tuple(dict.fromkeys(row[0].text for row in found.rows))
-    if len(questions) > _MOST_BESIDE:
-        return found
-    numbers = {(row[1].text, row[0].text): row[2:] for row in found.rows}
-    heads = found.header[2:]
-    none = cells(*["–"] * len(heads))
+def _questions_across(table: Table) -> Table:
+    """Return a table with few questions side by side; more of them stay below each other."""
+    questions = tuple(dict.fromkeys(row[0].text for row in table.rows))
+    if len(questions) > _MOST_QUESTIONS_ACROSS:
+        return table
+    cells = {(row[1].text, row[0].text): row[2:] for row in table.rows}
+    headings = table.header[2:]
+    missing = (Cell(text="–"),) * len(headings)
     return replace(
-        found,
-        header=(found.header[1], *heads * len(questions)),
-        groups=(("", 1), *((question, len(heads)) for question in questions)),
+        table,
+        header=(table.header[1], *headings * len(questions)),
+        groups=(("", 1), *((question, len(headings)) for question in questions)),
         rows=tuple(
             (
                 Cell(text=name),
-                *(c for question in questions for c in numbers.get((name, question), none)),
+                *(cell for question in questions for cell in cells.get((name, question), missing)),
             )
-            for name in dict.fromkeys(name for name, _ in numbers)
+            for name in dict.fromkeys(name for name, _ in cells)
         ),
         text_columns=1,
     )
 
 
-def _filled(text: str, facts: dict[str, Any]) -> str:
-    if "{" not in text:
-        return text
-    [found] = _squeezed([_template(text).render(facts)]) or [""]
-    return found
+def _filled(text: str, facts: Facts) -> str:
+    return " ".join(_squeezed([_template(text).render(facts)])) if "{" in text else text
 
 
 def _squeezed(texts: Iterable[str]) -> list[str]:
@@ -193,11 +206,11 @@ def _squeezed(texts: Iterable[str]) -> list[str]:
     return [line for line in lines if line]
 
 
-def _value(expression: str, facts: dict[str, Any]) -> Any:
-    found = _expression(expression)(**facts)
-    if isinstance(found, Undefined):
-        raise UndefinedError(f"{expression} gives nothing")
-    return found
+def _value(expression: str, facts: Facts) -> Any:
+    value = _expression(expression)(**facts)
+    if isinstance(value, Undefined):
+        raise UndefinedError(f"{expression} has no value")
+    return value
 
 
 @cache
@@ -210,15 +223,19 @@ def _expression(text: str) -> Any:
     return _environment().compile_expression(text, undefined_to_none=False)
 
 
-def template(name: str) -> str:
-    """Return the text of a file beside the templates."""
+def template_file(name: str) -> str:
+    """Return the text of a file in the folder of templates."""
     return (files("analysis.report") / "templates" / name).read_text("utf-8")
 
 
 @cache
-def _specs(name: str) -> dict[str, Any]:
-    found = tomllib.loads(template(f"{name}.toml"))
-    return {key: _Spec(**one) for key, one in found.items()} if name == "tables" else found
+def _toml(name: str) -> dict[str, dict[str, Any]]:
+    return tomllib.loads(template_file(f"{name}.toml"))
+
+
+@cache
+def _table_specs() -> dict[str, _TableSpec]:
+    return {kind: _TableSpec(**keys) for kind, keys in _toml("tables").items()}
 
 
 @cache
@@ -230,10 +247,10 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    known = {name: one for name, one in vars(wording).items() if not name.startswith("_")}
-    environment.globals |= known | {
+    public = {name: value for name, value in vars(wording).items() if not name.startswith("_")}
+    environment.globals |= public | {
         "listed": listed,
-        "cell": counted,
+        "cell": number_cell,
         "level": f"{LEVEL:.0%}",
         "TWO_WAY": TWO_WAY,
         "nan": math.nan,
@@ -254,22 +271,21 @@ def _environment() -> Environment:
     return environment
 
 
-def _cell(written: Callable[[float], str], value: float) -> Cell:
-    return counted(value, written(value))
+def _cell(formatted: Callable[[float], str], value: float) -> Cell:
+    return number_cell(value, formatted(value))
 
 
 def _count_cell(value: int | None) -> Cell:
     return Cell(text="–" if value is None else str(value), value=value)
 
 
-def _interval_cell(found: Any, written: Any = wording.number) -> Cell:
-    """Return the interval of an estimate, sorted by its lower end; a dash where there is none."""
-    low, high = found.low, found.high
-    text = "–" if math.isnan(low) else wording.between(written(low), written(high))
-    return counted(low, text)
+def _interval_cell(estimate: Any, formatted: Callable[[float], str] = wording.number) -> Cell:
+    """Return the interval of an estimate, sorted by its lower end; a dash without one."""
+    return number_cell(estimate.low, wording.interval(estimate, formatted) or "–")
 
 
-def _estimate_cell(found: Estimate, written: Any = wording.share) -> Cell:
-    """Return an estimate with its interval, where it has one."""
-    text = f"{written(found.estimate)}{wording.NO_BREAK}{wording.interval(found, written)}"
-    return counted(found.estimate, text.rstrip(wording.NO_BREAK))
+def _estimate_cell(estimate: Estimate, formatted: Callable[[float], str] = wording.share) -> Cell:
+    """Return an estimate with its interval if it has one."""
+    interval = wording.interval(estimate, formatted)
+    text = f"{formatted(estimate.estimate)}{wording.NO_BREAK}{interval}"
+    return number_cell(estimate.estimate, text.rstrip(wording.NO_BREAK))

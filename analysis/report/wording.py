@@ -1,4 +1,4 @@
-"""Numbers, estimates and names as a reader wants them: sensible digits, no underscore."""
+"""Numbers, estimates and names in words: sensible digits, no underscores."""
 
 from __future__ import annotations
 
@@ -18,18 +18,28 @@ from analysis.stats.f_tests import FTest
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
 
-_ZERO: Final = 1e-9
+INTERVAL: Final = f"{LEVEL:.0%} interval"
 
+HOLM: Final = f"p{NO_BREAK}(Holm)"
+
+CLUSTERED: Final = "CR2, t with Satterthwaite's degrees of freedom"
+"""How intervals of means are computed, for captions."""
+
+SIGNIFICANCE: Final = 0.05
+"""Corrected p values below this are significant."""
+
+_ZERO: Final = 1e-9
+"""Smaller numbers are rounding errors."""
 
 _LABELS: ContextVar[Mapping[str, str]] = ContextVar("_LABELS", default=MappingProxyType({}))
-"""What conditions are called on the page that is being written, where that is not their name."""
+"""Labels of the conditions on the page that is being written."""
 
 
 @contextmanager
 def labelled(labels: Mapping[str, str]) -> Iterator[None]:
-    """Have `condition` give `labels`, by name, inside of the context.
+    """Make `condition` return these labels inside the context.
 
-    Every table and figure names conditions; handing the labels to each of them would burden all.
+    Every table and figure names conditions, so the labels are not passed to each of them.
     """
     before = _LABELS.set(labels)
     try:
@@ -38,29 +48,29 @@ def labelled(labels: Mapping[str, str]) -> Iterator[None]:
         _LABELS.reset(before)
 
 
-def condition(name_in_results: str) -> str:
-    """Return what a condition is called: its label, or its name for reading."""
-    return _LABELS.get().get(name_in_results) or name(name_in_results)
+def condition(key: str) -> str:
+    """Return the label of a condition, or its name in plain words."""
+    return _LABELS.get().get(key) or name(key)
 
 
 def against(a: str, b: str) -> str:
-    """Return what the comparison of two conditions is called."""
+    """Return the name of a comparison of two conditions."""
     return f"{condition(a)} against {condition(b)}"
 
 
-def name(plain: str) -> str:
-    """Return the name of a question, a set or a segment for reading."""
-    return plain.replace("_", " ")
+def name(key: str) -> str:
+    """Return the name of a question, a set or a segment in plain words."""
+    return key.replace("_", " ")
 
 
-def heading(question: str) -> str:
-    """Return a name as a heading: its first letter large, the others as they are."""
-    text = name(question)
+def heading(key: str) -> str:
+    """Return a name as a heading, with a capital first letter."""
+    text = name(key)
     return text[:1].upper() + text[1:]
 
 
 def share(value: float) -> str:
-    """Return a share with two digits, '.63'; a dash for NaN."""
+    """Return a share with two decimals, '.63'; a dash for NaN."""
     if math.isnan(value):
         return "–"
     text = f"{abs(value):.2f}"
@@ -76,20 +86,20 @@ MEASURES: Final[Mapping[Measure, str]] = MappingProxyType(
         "mean_rank": "mean rank (1 is best)",
     }
 )
-"""What a headline number is."""
+"""Names of the headline numbers."""
 
 
 def number_style(measure: Measure) -> Callable[[float], str]:
-    """Return how numbers of `measure` are written: shares as '.63', means as '3.63'."""
+    """Return the format of numbers of a measure: shares as '.63', means as '3.63'."""
     return share if measure in ("win_share", "own_speech") else number
 
 
 def difference_style(measure: Measure) -> Callable[[float], str]:
-    """Return how differences of `measure` are written: as its numbers, with a sign."""
-    written = number_style(measure)
+    """Return the format of differences of a measure: as its numbers, with a sign."""
+    formatted = number_style(measure)
 
     def with_sign(value: float) -> str:
-        text = written(value)
+        text = formatted(value)
         return f"+{text}" if value > 0 and text.strip("0.") else text
 
     return with_sign
@@ -108,7 +118,7 @@ def p_value(value: float) -> str:
 
 
 def p_is(value: float) -> str:
-    """Return a p value as a sentence has it, 'p < .001' or 'p = .34'."""
+    """Return a p value for a sentence, 'p < .001' or 'p = .34'."""
     text = p_value(value)
     return f"p {text}" if text.startswith("<") else f"p = {text}"
 
@@ -124,9 +134,9 @@ def quantity(value: float) -> str:
 
 
 def decimals(values: Iterable[float], *, digits: int) -> int:
-    """Return how many decimals show `digits` significant ones of the smallest value.
+    """Return the decimals needed to show the smallest value with `digits` significant digits.
 
-    Zeros, rounding errors and NaN are passed over.
+    Zeros, rounding errors and NaN are ignored.
     """
     sizes = [abs(value) for value in values if abs(value) > _ZERO]
     if not sizes:
@@ -135,7 +145,7 @@ def decimals(values: Iterable[float], *, digits: int) -> int:
 
 
 def fixed(value: float, decimal_places: int) -> str:
-    """Return a number with a fixed count of decimals; a dash for NaN, '0' for rounding errors."""
+    """Return a number with fixed decimals; a dash for NaN, '0' for rounding errors."""
     if math.isnan(value):
         return "–"
     if abs(value) <= _ZERO:
@@ -149,48 +159,44 @@ def count(number: int, noun: str) -> str:
     return f"{number:,} {noun if number == 1 else noun + 's'}"
 
 
-SIGNIFICANCE: Final = 0.05
-"""Corrected p values below this decide."""
+def place_name(place: ResultKey) -> str:
+    """Return the question and the conditions that a result is about."""
+    return f"{heading(place.question)}, {' against '.join(map(condition, place.names))}"
 
 
-CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
-"""How intervals of means are computed, for captions."""
+def question_name(set_name: str, question: str) -> str:
+    """Return the name of a question, after that of its set if there is one."""
+    return f"{name(set_name)}: {name(question)}" if set_name else name(question)
 
 
-INTERVAL: Final = f"{LEVEL:.0%} interval"
+def between(low: str, high: str) -> str:
+    """Return an interval in which no line breaks."""
+    return f"[{low},{NO_BREAK}{high}]"
 
 
-HOLM: Final = f"p{NO_BREAK}(Holm)"
-
-
-def place_of(one: ResultKey) -> str:
-    """Return what a note calls a result: its question, and its condition or conditions."""
-    return f"{heading(one.question)}, {' against '.join(map(condition, one.names))}"
-
-
-def interval(found: Interval, written: Callable[[float], str] = share) -> str:
-    """Return an estimate's interval, '[.55, .71]'; '' where there is none."""
-    if not found.has_interval:
+def interval(estimate: Interval, formatted: Callable[[float], str] = share) -> str:
+    """Return an estimate's interval, '[.55, .71]'; '' without one."""
+    if not estimate.has_interval:
         return ""
-    return between(written(found.low), written(found.high))
+    return between(formatted(estimate.low), formatted(estimate.high))
 
 
-def interval_or_why(found: Interval, reason: str = "") -> str:
-    """Return the interval of a share, or that there is none and why."""
-    if math.isnan(found.low) or math.isnan(found.high):
-        why = found.reason or reason
-        return f"none: {why}" if why else "none"
-    return between(share(found.low), share(found.high))
+def interval_or_reason(estimate: Interval, reason: str = "") -> str:
+    """Return the interval of a share, or the reason why there is none."""
+    if estimate.has_interval:
+        return interval(estimate)
+    reason = estimate.reason or reason
+    return f"none: {reason}" if reason else "none"
 
 
-def f_test(found: FTest) -> str:
-    """Return an F test as a sentence has it."""
-    freedom = f"{found.df:.0f}, {quantity(found.df_rest)}"
-    return f"F({freedom}) = {number(found.statistic)}, {p_is(found.p_value)}"
+def f_test(test: FTest) -> str:
+    """Return an F test for a sentence."""
+    degrees = f"{test.df:.0f}, {quantity(test.df_rest)}"
+    return f"F({degrees}) = {number(test.statistic)}, {p_is(test.p_value)}"
 
 
 def end_of(text: str) -> str:
-    """Return words as the end of a sentence."""
+    """Return the text with a full stop."""
     return f"{text.rstrip('.')}."
 
 
@@ -200,20 +206,13 @@ def ordinal(place: int) -> str:
     return f"{place}{ending}"
 
 
-def between(low: str, high: str) -> str:
-    """Return an interval that no line breaks."""
-    return f"[{low},{NO_BREAK}{high}]"
-
-
-def share_words(found: Estimate, *, why: bool = True) -> str:
-    """Return a share with its interval, '.63 [.55, .71]', or with `why` there is none."""
-    if math.isnan(found.estimate):
-        return "– (no answers)" if why else "–"
-    inside = interval(found)
-    if inside:
-        return f"{share(found.estimate)}{NO_BREAK}{inside}"
-    reason = f" (no interval: {found.reason})" if why else ""
-    return f"{share(found.estimate)}{reason}"
+def share_words(estimate: Estimate) -> str:
+    """Return a share with its interval, '.63 [.55, .71]', or the reason why there is none."""
+    if math.isnan(estimate.estimate):
+        return "– (no answers)"
+    if estimate.has_interval:
+        return f"{share(estimate.estimate)}{NO_BREAK}{interval(estimate)}"
+    return f"{share(estimate.estimate)} (no interval: {estimate.reason})"
 
 
 def number(value: float) -> str:
@@ -221,61 +220,49 @@ def number(value: float) -> str:
     return fixed(value, 2)
 
 
-def ranks(found: ConditionStrength | None) -> str:
-    """Return the ranks that a condition may have, '1–2'; a dash where they are not known."""
-    if found is None or found.best is None:
-        return "–"
-    return str(found.best) if found.best == found.worst else f"{found.best}–{found.worst}"
-
-
-def suffix(name: str | None, number: int) -> str:
-    """Return what the set of that name and number adds to the names of its files."""
-    return "" if name is None else f"-set-{number}"
-
-
-def in_set(name: str | None, heading: str) -> str:
-    """Return a heading that says of which set it is."""
-    return heading if name is None else f"Set {name}: {heading[:1].lower()}{heading[1:]}"
-
-
-def gathered(found: Iterable[tuple[str, str]]) -> tuple[str, ...]:
-    """Return each note once, after all that it is about; `found` gives what about and the note."""
-    about: dict[str, list[str]] = {}
-    for subject, note in found:
-        if note:
-            about.setdefault(f"{note.rstrip('.')}.", []).append(subject)
-    return tuple(f"{'; '.join(subjects)}: {note}" for note, subjects in about.items())
-
-
 def plus_minus(estimate: float, error: float) -> str:
-    """Return an estimate with its error, '0.47 ± 0.03'; a dash for none."""
+    """Return an estimate with its standard error, '0.47 ± 0.03'; a dash for NaN."""
     return "–" if math.isnan(estimate) else f"{number(estimate)} ± {number(error)}"
 
 
-NOTHING = "No answer is left to analyse, so no figure is drawn."
+def ranks(standing: ConditionStrength | None) -> str:
+    """Return the ranks that a condition may have, '1–2'; a dash if they are unknown."""
+    if standing is None or standing.best is None:
+        return "–"
+    if standing.best == standing.worst:
+        return str(standing.best)
+    return f"{standing.best}–{standing.worst}"
 
 
-ALONE = (
-    "The answers of one participant are analysed. Nothing tells how people differ, so there is "
-    "neither an interval nor a figure; the tables hold what was answered."
-)
+def set_suffix(set_name: str | None, number: int) -> str:
+    """Return what a set adds to the names of its files; '' without sets."""
+    return "" if set_name is None else f"-set-{number}"
 
 
-def why_no_figure(*, answers: int, participants: int, tied: str = "") -> str:
-    """Return why nothing is drawn; '' where there is something to see.
+def merge_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return each note once, after all its subjects; `notes` are pairs of subject and note."""
+    subjects_by_note: dict[str, list[str]] = {}
+    for subject, note in notes:
+        if note:
+            subjects_by_note.setdefault(end_of(note), []).append(subject)
+    return tuple(f"{'; '.join(subjects)}: {note}" for note, subjects in subjects_by_note.items())
+
+
+def reason_for_no_figure(*, answers: int, participants: int, tied: str = "") -> str:
+    """Return why no figure is drawn, or '' if one can be drawn.
 
     Parameters
     ----------
     answers, participants : int
         How many are analysed.
     tied : str, optional
-        What to say where all answers are alike; '' where they are not.
+        The reason if all answers are the same; '' if they differ.
     """
     if not answers or not participants:
-        return NOTHING
-    return ALONE if participants == 1 else tied
-
-
-def question_name(of: str, question: str) -> str:
-    """Return what a row about a question is called."""
-    return name(question) if not of else f"{name(of)}: {name(question)}"
+        return "No answer is left to analyse, so no figure is drawn."
+    if participants == 1:
+        return (
+            "Only one participant's answers are analysed. How much people differ is unknown, so "
+            "there are no intervals and no figure; the tables hold the answers."
+        )
+    return tied

@@ -122,8 +122,8 @@ def report(
         reports[0],
         subject,
         folder.report,
-        beside={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
-        more=tuple(reports[1:]),
+        extra_keys={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
+        further_tasks=tuple(reports[1:]),
     )
     for number, (each, table) in enumerate(zip(reports, tables, strict=True)):
         own = f"{TASKS[each.protocol]}_" if number else ""

@@ -16,7 +16,7 @@ from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
 from analysis.measurement.scores import StudyMetrics
-from analysis.report.sections.metric import PAPER_OF
+from analysis.report.sections.metrics import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Still, Subject
 from motion.audio import Audio, read_audio
 from motion.errors import InputError

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from analysis.report.sections.metric import PAPER_TABLES, TITLES
 from analysis.report.sections.metric_table import TableColumn
+from analysis.report.sections.metrics import PAPER_TABLES, TITLES
 from motion.errors import InputError, listed
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder

@@ -1,4 +1,4 @@
-"""Bars of coloured parts: answers with an estimate and its interval beside each, and matrices."""
+"""Stacked bars of answers with an estimate and its interval beside each, and matrices."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from analysis.report import wording
-from analysis.report.content import About, Picture
+from analysis.report.content import FigureText, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import (
     INK,
     LABEL_SIZE,
     PAPER,
     Scale,
-    between_sides,
-    on,
-    write_beside,
+    annotate_row,
+    diverging_colour,
+    text_colour,
 )
 from analysis.stats.clustered_mean import Estimate
 
-_WORDS: Final = 0.76
-"""Room for an estimate in words, in inches."""
+_ANNOTATION_WIDTH: Final = 0.76
+"""Width of an estimate in words, in inches."""
 
 _WIDTHS: Final = (0.73, 0.27)
-"""Shares of a panel's width in which its bars and its estimates stand."""
+"""Shares of a panel's width for its bars and its estimates."""
 
-_NARROWEST: Final = 0.155
-"""Inches that a part must span to carry its number."""
+_NUMBERED_WIDTH: Final = 0.155
+"""Smallest width of a part with a number in it, in inches."""
 
 
 class Part(NamedTuple):
-    """One part of a bar: how many percent, its colour, and what a reader sees who points at it."""
+    """One part of a bar: its percentage, its colour, and the text shown on hover."""
 
     percent: float
     colour: str
@@ -48,41 +48,41 @@ class Bar:
     Attributes
     ----------
     start : float
-        Where it begins, in percent.
+        Its left end, in percent.
     parts : tuple of Part
-        In the order of the legend; () where there are no answers.
-    beside : Estimate
-        What stands beside it, with its interval.
-    written : callable
-        Writes numbers of `beside`.
+        In the order of the legend; () without answers.
+    estimate : Estimate
+        Shown beside it with its interval.
+    formatted : callable
+        Formats numbers of the estimate.
     """
 
     start: float = 0.0
     parts: tuple[Part, ...] = ()
-    beside: Estimate = field(default_factory=Estimate)
-    written: Callable[[float], str] = wording.number
+    estimate: Estimate = field(default_factory=Estimate)
+    formatted: Callable[[float], str] = wording.number
 
     @property
-    def words(self) -> str:
+    def estimate_words(self) -> str:
         """The estimate in words; '' without answers."""
-        return self.written(self.beside.estimate) if self.parts else ""
+        return self.formatted(self.estimate.estimate) if self.parts else ""
 
     @property
-    def below(self) -> str:
+    def interval_words(self) -> str:
         """Its interval, or that it has none; '' without answers."""
-        inside = wording.interval(self.beside, self.written) or "no interval"
-        return inside if self.parts else ""
+        interval = wording.interval(self.estimate, self.formatted) or "no interval"
+        return interval if self.parts else ""
 
 
 def bar_pictures(
     panels: Mapping[str, Sequence[Bar]],
     rows: Sequence[Row],
     legend: Mapping[str, str],
-    bars: Scale,
-    estimates: Scale,
-    about: About,
+    bar_scale: Scale,
+    estimate_scale: Scale,
+    text: FigureText,
 ) -> tuple[Picture, ...]:
-    """Draw a figure on as many sheets as it needs.
+    """Draw bars with estimates, on as many sheets as they need.
 
     Parameters
     ----------
@@ -91,60 +91,66 @@ def bar_pictures(
     rows : sequence of Row
         From the top.
     legend : mapping of str to str
-        What the parts are called, and their colours.
-    bars, estimates : Scale
+        The names of the parts and their colours.
+    bar_scale, estimate_scale : Scale
         The axes of both halves of a panel.
-    about : About
-        What stands around the figure.
+    text : FigureText
+        The text around the figure.
     """
 
     def draw(panel: Panel, question: str) -> Hints:
         left, right = panel.axes
-        inches = (panel.inches - _WORDS) * _WIDTHS[0] - 0.1
+        inches = (panel.inches - _ANNOTATION_WIDTH) * _WIDTHS[0] - 0.1
         hints: Hints = {}
         for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
-            parts = _draw_parts(left, number, bar, bars, f"bar{panel.prefix}-{number}", inches)
-            hints |= {gid: f"{row.name}, {hint}" for gid, hint in parts.items()}
-            found = bar.beside
-            right.plot([found.low, found.high], [number] * 2, color=INK, linewidth=1.3)
-            right.plot([found.estimate], [number], "o", markersize=4.2, color=INK, clip_on=False)
-            write_beside(right, number, bar.words, bar.below, bold=True)
-        bars.dress(left, inches)
-        estimates.dress(right, inches)
+            gid = f"bar{panel.prefix}-{number}"
+            for part_gid, hint in _draw_bar(left, number, bar, bar_scale, gid, inches).items():
+                hints[part_gid] = f"{row.name}, {hint}"
+            estimate = bar.estimate
+            right.plot([estimate.low, estimate.high], [number] * 2, color=INK, linewidth=1.3)
+            right.plot([estimate.estimate], [number], "o", markersize=4.2, color=INK, clip_on=False)
+            annotate_row(right, number, bar.estimate_words, bar.interval_words, bold=True)
+        bar_scale.apply(left, inches)
+        estimate_scale.apply(right, inches)
         return hints
 
-    told = {
+    descriptions = {
         question: f"{wording.heading(question)}. "
         + " ".join(
-            _tell(row.name, bar, estimates.label) for row, bar in zip(rows, own, strict=True)
+            _description(row.name, bar, estimate_scale.label)
+            for row, bar in zip(rows, bars, strict=True)
         )
-        for question, own in panels.items()
+        for question, bars in panels.items()
     }
-    signs = [Patch(color=colour, label=word) for word, colour in legend.items()]
+    handles = [Patch(color=colour, label=name) for name, colour in legend.items()]
     return panel_pictures(
-        PanelFigure(told=told, draw=draw, rows=rows, widths=_WIDTHS, legend=signs), about
+        PanelFigure(
+            descriptions=descriptions, draw=draw, rows=rows, widths=_WIDTHS, legend=handles
+        ),
+        text,
     )
 
 
-def _draw_parts(axes: Axes, row: int, bar: Bar, scale: Scale, prefix: str, inches: float) -> Hints:
-    """Draw one bar; return what its parts tell."""
+def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, gid: str, inches: float) -> Hints:
+    """Draw one bar and return the hints of its parts."""
     low, high = scale.limits or (0.0, 100.0)
     if not bar.parts:
         axes.text((low + high) / 2, row, "no answers", ha="center", va="center", fontsize=7.5)
     hints: Hints = {}
     left = bar.start
     for level, part in enumerate(bar.parts):
-        gid = f"{prefix}-{level}"
-        axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)[0].set_gid(gid)
-        hints[gid] = part.hint
-        if part.percent / (high - low) * inches >= _NARROWEST:
+        part_gid = f"{gid}-{level}"
+        [patch] = axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
+        patch.set_gid(part_gid)
+        hints[part_gid] = part.hint
+        if part.percent / (high - low) * inches >= _NUMBERED_WIDTH:
             _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", part.colour, 7.0)
         left += part.percent
     return hints
 
 
 def _write(
-    axes: Axes, x: float, y: float, text: str, colour: str, size: float, *, bold: bool = False
+    axes: Axes, x: float, y: float, text: str, background: str, size: float, *, bold: bool = False
 ) -> None:
     axes.text(
         x,
@@ -152,42 +158,42 @@ def _write(
         text,
         ha="center",
         va="center_baseline",
-        color=on(colour),
+        color=text_colour(background),
         fontsize=size,
         fontweight="bold" if bold else "normal",
     )
 
 
-def _tell(name: str, bar: Bar, measure: str) -> str:
+def _description(name: str, bar: Bar, measure: str) -> str:
     if not bar.parts:
         return f"{name}: no answers."
     parts = ", ".join(part.hint for part in bar.parts)
-    return f"{name}: {parts}; {measure} {bar.words} {bar.below}."
+    return f"{name}: {parts}; {measure} {bar.estimate_words} {bar.interval_words}."
 
 
-class Won(NamedTuple):
-    """A win share against one condition, in words, and whether its test decides."""
+class MatrixCell(NamedTuple):
+    """The win share of a row's condition, with its interval in words, and whether it differs."""
 
     share: float
     words: str
-    decided: bool
+    is_significant: bool
 
 
 def matrix_pictures(
-    questions: Mapping[str, Mapping[tuple[str, str], Won]],
+    questions: Mapping[str, Mapping[tuple[str, str], MatrixCell]],
     conditions: Sequence[str],
-    about: About,
+    text: FigureText,
 ) -> tuple[Picture, ...]:
     """Draw a matrix per question: the share of the row's condition against the column's.
 
     Parameters
     ----------
-    questions : mapping of str to mapping of (str, str) to Won
-        By question, and then by the condition that wins and the one it wins against.
+    questions : mapping of str to mapping of (str, str) to MatrixCell
+        By question, and then by the conditions of row and column.
     conditions : sequence of str
-        Rows and columns, in order; columns are numbered as the rows are.
-    about : About
-        What stands around the figure.
+        Of rows and columns, in order; columns have the numbers of the rows.
+    text : FigureText
+        The text around the figure.
     """
     count = len(conditions)
 
@@ -199,31 +205,34 @@ def matrix_pictures(
         axes.set_xlim(-0.5, count - 0.5)
         axes.set_xticks(range(count), labels=[str(k + 1) for k in range(count)])
         axes.tick_params(axis="x", length=0, top=True, labeltop=True, labelbottom=False, pad=2)
-        for row, one in enumerate(conditions):
+        for row, condition in enumerate(conditions):
             axes.text(row, row, "–", ha="center", va="center", fontsize=size)
-            for column, other in enumerate(conditions):
-                won = questions[question].get((one, other))
-                if won is None:
+            for column, opponent in enumerate(conditions):
+                cell = questions[question].get((condition, opponent))
+                if cell is None:
                     continue
-                colour, gid = between_sides(1 - won.share), f"cell{panel.prefix}-{row}-{column}"
-                cell = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
-                cell[0].set_gid(gid)
-                hints[gid] = f"{wording.against(one, other)}: {won.words}"
-                text = wording.share(won.share)
-                _write(axes, column, row, text, colour, size, bold=won.decided)
+                colour = diverging_colour(1 - cell.share)
+                [patch] = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
+                gid = f"cell{panel.prefix}-{row}-{column}"
+                patch.set_gid(gid)
+                hints[gid] = f"{wording.against(condition, opponent)}: {cell.words}"
+                share = wording.share(cell.share)
+                _write(axes, column, row, share, colour, size, bold=cell.is_significant)
         return hints
 
-    place = {name: number for number, name in enumerate(conditions)}
-    told = {
+    rank = {name: number for number, name in enumerate(conditions)}
+    descriptions = {
         question: f"{wording.heading(question)}. "
         + "; ".join(
-            f"{wording.against(one, other)}: {won.words}"
-            for (one, other), won in shares.items()
-            if place[one] < place[other]
+            f"{wording.against(condition, opponent)}: {cell.words}"
+            for (condition, opponent), cell in cells.items()
+            if rank[condition] < rank[opponent]
         )
         + "."
-        for question, shares in questions.items()
+        for question, cells in questions.items()
     }
-    rows = [Row(f"{number} {wording.condition(one)}") for number, one in enumerate(conditions, 1)]
+    rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]
     columns = 2 if count <= 6 else 1
-    return panel_pictures(PanelFigure(told=told, draw=draw, rows=rows, columns=columns), about)
+    return panel_pictures(
+        PanelFigure(descriptions=descriptions, draw=draw, rows=rows, columns=columns), text
+    )

@@ -1,6 +1,6 @@
-"""Figures of panels: on sheets for a page, and once more in one column for a narrow screen.
+"""Figures of panels: on sheets for a page, and again in one column for a narrow screen.
 
-Matplotlib's constrained layout finds the places; a figure gets the height that its panels need.
+Matplotlib's constrained layout places the panels; a figure gets the height that they need.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from analysis.report import wording
-from analysis.report.content import About, Picture
+from analysis.report.content import FigureText, Picture
 from analysis.report.figures.style import (
     LABEL_SIZE,
     MARK,
@@ -26,68 +26,69 @@ from analysis.report.figures.style import (
     TITLE_SIZE,
     WIDTH,
     Drawing,
-    fitted,
-    picture,
+    fit_text,
+    make_picture,
 )
 
-_ROW_LINE: Final = 0.135
-"""Height in inches of a line of a row's name."""
+_LINE_HEIGHT: Final = 0.135
+"""Height of a line of a row's name, in inches."""
 
-_AROUND: Final = 0.85
-"""Height in inches that a panel's title, axis and what it shows take at most."""
+_MARGIN_HEIGHT: Final = 0.85
+"""Largest height of a panel's title and axis, in inches."""
 
 _LEGEND_COLUMN: Final = 1.4
-"""Width in inches that a word of a legend needs at least."""
+"""Smallest width of a column of a legend, in inches."""
 
-_LEGEND_SIGN: Final = 0.38
-"""Width in inches that a sign and the space around it take."""
+_LEGEND_KEY: Final = 0.38
+"""Width of a key of a legend and the space around it, in inches."""
 
 Hints = dict[str, str]
-"""What a reader sees who points at a part of a figure, by the part's gid."""
+"""Texts shown on hover, by the gid of the part of a figure."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """How much room there is, in inches.
+    """The size of a sheet, in inches.
 
     Attributes
     ----------
-    width, tallest : float
+    width, max_height : float
         Of a sheet.
-    labels : float
-        For the rows' names, at the left, at most.
-    columns, lines : int
-        Panels beside each other, and lines of a row's name, at most.
+    label_width : float
+        The most that the rows' names take at the left.
+    max_columns, max_lines : int
+        The most panels side by side, and the most lines of a row's name.
     """
 
     width: float
-    tallest: float
-    labels: float
-    columns: int
-    lines: int
+    max_height: float
+    label_width: float
+    max_columns: int
+    max_lines: int
 
 
-WIDE: Final = Format(width=WIDTH, tallest=9.0, labels=1.3, columns=3, lines=2)
+WIDE: Final = Format(width=WIDTH, max_height=9.0, label_width=1.3, max_columns=3, max_lines=2)
 """A page of A4, and the screen of a computer."""
 
-NARROW: Final = Format(width=3.6, tallest=1000.0, labels=0.95, columns=1, lines=3)
+NARROW: Final = Format(width=3.6, max_height=1000.0, label_width=0.95, max_columns=1, max_lines=3)
 """The screen of a telephone, which scrolls."""
 
 
 class Row(NamedTuple):
-    """What stands at the left of a row: its name, and a word below it such as 'n = 23'."""
+    """The label of a row: its name, and a word below it such as 'n = 23'."""
 
     name: str
     below: str = ""
 
-    def text(self, room: Format) -> str:
+    def text(self, sheet: Format) -> str:
         """Return both, broken into lines."""
-        name = fitted(self.name, room.labels - 0.1, size=LABEL_SIZE, lines=room.lines)
+        width = sheet.label_width - 0.1
+        name = fit_text(self.name, width, size=LABEL_SIZE, lines=sheet.max_lines)
         return f"{name}\n{self.below}" if self.below else name
 
 
 class Panel(NamedTuple):
-    """Where one panel is drawn: its axes, the beginning of its gids, and its width in inches."""
+    """Where a panel is drawn: its axes, the prefix of its gids, its width in inches, its column."""
 
     axes: Sequence[Axes]
     prefix: str
@@ -97,27 +98,27 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class PanelFigure:
-    """What a figure shows, whatever its panels draw.
+    """A figure with a panel for each question, or for each of something else.
 
     Attributes
     ----------
-    told : mapping of str to str
-        By question, or whatever else heads a panel: what it shows in words, with the numbers.
+    descriptions : mapping of str to str
+        By the title of a panel: what it shows in words, with the numbers.
     draw : callable
-        Draws what a question's panel shows, and returns the panel's hints.
+        Draws the panel of a title, and returns its hints.
     rows : sequence of Row
         From the top, the same in every panel; () for none.
     height : float
         Of a panel in inches; 0 for what the rows need.
     widths : tuple of float
-        Shares of a panel's width that its axes take.
+        Shares of a panel's width for its axes.
     columns : int
-        Panels beside each other on a wide sheet, at most.
+        The most panels side by side on a wide sheet.
     legend : sequence of Artist
-        Signs with their words as labels.
+        Labelled artists.
     """
 
-    told: Mapping[str, str]
+    descriptions: Mapping[str, str]
     draw: Callable[[Panel, str], Hints]
     rows: Sequence[Row] = ()
     height: float = 0.0
@@ -125,102 +126,106 @@ class PanelFigure:
     columns: int = 2
     legend: Sequence[Artist] = ()
 
-    def panel_height(self, room: Format) -> float:
+    def panel_height(self, sheet: Format) -> float:
         """Return the height of a panel in inches."""
         if self.height:
             return self.height
-        lines = max(row.text(room).count("\n") + 1 for row in self.rows)
-        return len(self.rows) * max(lines * _ROW_LINE + 0.08, 0.29)
+        lines = max(row.text(sheet).count("\n") + 1 for row in self.rows)
+        return len(self.rows) * max(lines * _LINE_HEIGHT + 0.08, 0.29)
 
 
-def panel_pictures(figure: PanelFigure, about: About) -> tuple[Picture, ...]:
+def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]:
     """Draw a figure on as many sheets as it needs."""
-    questions = list(figure.told)
-    foot = 0.3 * math.ceil(len(figure.legend) * _LEGEND_COLUMN / WIDE.width) + 0.2
-    lines = max(1, int((WIDE.tallest - foot) / (figure.panel_height(WIDE) + _AROUND)))
-    per_sheet = lines * min(figure.columns, WIDE.columns)
-    sheets = [questions[k : k + per_sheet] for k in range(0, len(questions), per_sheet)]
-    found = []
+    titles = list(figure.descriptions)
+    legend_height = 0.3 * math.ceil(len(figure.legend) * _LEGEND_COLUMN / WIDE.width) + 0.2
+    height = figure.panel_height(WIDE) + _MARGIN_HEIGHT
+    lines = max(1, int((WIDE.max_height - legend_height) / height))
+    per_sheet = lines * min(figure.columns, WIDE.max_columns)
+    sheets = [titles[k : k + per_sheet] for k in range(0, len(titles), per_sheet)]
+    pictures = []
     for number, shown in enumerate(sheets, start=1):
-        own = about
+        sheet_text = text
         if len(sheets) > 1:
-            which = f"{about.caption} ({number} of {len(sheets)})"
-            own = replace(about, name=f"{about.name}-{number}", caption=which)
-        wide, narrow = (draw_sheet(figure, shown, about.mark, room) for room in (WIDE, NARROW))
-        told = " ".join(figure.told[question] for question in shown)
-        found.append(picture(wide, own, told, narrow=narrow))
-    return tuple(found)
+            caption = f"{text.caption} ({number} of {len(sheets)})"
+            sheet_text = replace(text, name=f"{text.name}-{number}", caption=caption)
+        wide, narrow = (draw_sheet(figure, shown, text.mark, sheet) for sheet in (WIDE, NARROW))
+        description = " ".join(figure.descriptions[title] for title in shown)
+        pictures.append(make_picture(wide, narrow, sheet_text, description))
+    return tuple(pictures)
 
 
 def draw_sheet(
-    what: PanelFigure, questions: Sequence[str], mark: str = "", room: Format = WIDE
+    content: PanelFigure, titles: Sequence[str], mark: str = "", sheet: Format = WIDE
 ) -> Drawing:
-    """Draw the panels of some questions.
+    """Draw some of a figure's panels.
 
     Parameters
     ----------
-    what : PanelFigure
-        All that is shown.
-    questions : sequence of str
-        Those whose panels the sheet has.
+    content : PanelFigure
+        The figure.
+    titles : sequence of str
+        Of the panels on the sheet.
     mark : str, optional
         Written on top, so that a copied figure keeps it; empty for none.
-    room : Format, optional
-        Of the sheet.
+    sheet : Format, optional
+        The size of the sheet.
     """
-    columns = min(what.columns, room.columns, len(questions))
-    lines = math.ceil(len(questions) / columns)
-    high, axes_each = what.panel_height(room), len(what.widths)
-    inches = (room.width - (room.labels if what.rows else 0.6)) / columns - 0.15
+    columns = min(content.columns, sheet.max_columns, len(titles))
+    lines = math.ceil(len(titles) / columns)
+    panel_height, axes_per_panel = content.panel_height(sheet), len(content.widths)
+    inches = (sheet.width - (sheet.label_width if content.rows else 0.6)) / columns - 0.15
     hints: Hints = {}
     with mpl.rc_context(STYLE):
-        size = (room.width, lines * (high + 2) + 2)
         layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06)
-        figure = Figure(figsize=size, layout=layout)
+        figure = Figure(figsize=(sheet.width, lines * (panel_height + 2) + 2), layout=layout)
         grid = figure.subplots(
-            lines, columns * axes_each, squeeze=False, width_ratios=what.widths * columns
+            lines, columns * axes_per_panel, squeeze=False, width_ratios=content.widths * columns
         )
-        for number, question in enumerate(questions):
+        for number, title in enumerate(titles):
             line, column = divmod(number, columns)
-            axes = grid[line, column * axes_each : (column + 1) * axes_each]
-            title = fitted(wording.heading(question), inches, size=TITLE_SIZE, lines=3, bold=True)
-            axes[0].set_title(title, loc="left", fontsize=TITLE_SIZE, fontweight="bold")
-            for one, other in zip(axes, grid[0], strict=False):
-                _name_rows(one, what.rows, room, named=not column and one is axes[0])
-                if what.rows and number:
-                    one.sharex(other)
-            panel = Panel(tuple(axes), str(number), inches, not column)
-            hints |= what.draw(panel, question)
-        for unused in grid[-1, (len(questions) - (lines - 1) * columns) * axes_each :]:
+            all_axes = grid[line, column * axes_per_panel : (column + 1) * axes_per_panel]
+            all_axes[0].set_title(
+                fit_text(wording.heading(title), inches, size=TITLE_SIZE, lines=3, bold=True),
+                loc="left",
+                fontsize=TITLE_SIZE,
+                fontweight="bold",
+            )
+            for axes, first_axes in zip(all_axes, grid[0], strict=False):
+                is_labelled = column == 0 and axes is all_axes[0]
+                _label_rows(axes, content.rows, sheet, is_labelled=is_labelled)
+                if content.rows and number:
+                    axes.sharex(first_axes)
+            panel = Panel(tuple(all_axes), str(number), inches, is_first=column == 0)
+            hints |= content.draw(panel, title)
+        for unused in grid[-1, (len(titles) - (lines - 1) * columns) * axes_per_panel :]:
             unused.remove()
-        _add_legend(figure, what.legend, room)
+        _add_legend(figure, content.legend, sheet)
         if mark:
             figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
-        _fit_height(figure, layout, high)
+        _fit_height(figure, layout, panel_height)
     return Drawing(figure=figure, hints=hints)
 
 
-def _name_rows(axes: Axes, rows: Sequence[Row], room: Format, *, named: bool) -> None:
+def _label_rows(axes: Axes, rows: Sequence[Row], sheet: Format, *, is_labelled: bool) -> None:
     if not rows:
         return
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_yticks([])
-    if named:
-        axes.set_yticks(
-            np.arange(len(rows)), labels=[row.text(room) for row in rows], fontsize=LABEL_SIZE
-        )
+    if is_labelled:
+        labels = [row.text(sheet) for row in rows]
+        axes.set_yticks(np.arange(len(rows)), labels=labels, fontsize=LABEL_SIZE)
     axes.tick_params(axis="y", length=0)
 
 
-def _add_legend(figure: Figure, signs: Sequence[Artist], room: Format) -> None:
-    if not signs:
+def _add_legend(figure: Figure, handles: Sequence[Artist], sheet: Format) -> None:
+    if not handles:
         return
-    lines = math.ceil(len(signs) / int(room.width / _LEGEND_COLUMN))
-    columns = math.ceil(len(signs) / lines)
-    wide = room.width / columns - _LEGEND_SIGN
+    lines = math.ceil(len(handles) / int(sheet.width / _LEGEND_COLUMN))
+    columns = math.ceil(len(handles) / lines)
+    width = sheet.width / columns - _LEGEND_KEY
     figure.legend(
-        handles=list(signs),
-        labels=[fitted(str(sign.get_label()), wide, size=7.5, lines=2) for sign in signs],
+        handles=list(handles),
+        labels=[fit_text(str(h.get_label()), width, size=7.5, lines=2) for h in handles],
         loc="outside lower center",
         ncols=columns,
         frameon=False,
@@ -231,19 +236,20 @@ def _add_legend(figure: Figure, signs: Sequence[Artist], room: Format) -> None:
     )
 
 
-def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, wanted: float) -> None:
-    """Lay the figure out once, and give its panels the height that they are to have."""
+def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, panel_height: float) -> None:
+    """Lay the figure out once, then give every panel its height."""
     layout.execute(figure)
     figure.set_layout_engine("none")
     before = figure.get_figheight()
-    more = wanted - figure.axes[0].get_position().height * before
+    growth = panel_height - figure.axes[0].get_position().height * before
     lines = 1 + max(_line_of(axes) for axes in figure.axes)
-    after = before + lines * more
+    after = before + lines * growth
     for axes in figure.axes:
-        # What stands around panels keeps its height: lines of panels move as far as others grew.
-        place = axes.get_position()
-        bottom = after - before * (1 - place.y1) - _line_of(axes) * more - wanted
-        axes.set_position((place.x0, bottom / after, place.width, wanted / after))
+        # The space around panels keeps its height: a line of panels moves as far as the lines
+        # below it have grown.
+        box = axes.get_position()
+        bottom = after - before * (1 - box.y1) - _line_of(axes) * growth - panel_height
+        axes.set_position((box.x0, bottom / after, box.width, panel_height / after))
     if figure.get_suptitle():
         (mark,) = figure.texts
         mark.set_y(1 - (1 - mark.get_position()[1]) * before / after)
@@ -251,5 +257,5 @@ def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, wanted: float) 
 
 
 def _line_of(axes: Axes) -> int:
-    place = axes.get_subplotspec()
-    return 0 if place is None else place.rowspan.start
+    spec = axes.get_subplotspec()
+    return 0 if spec is None else spec.rowspan.start

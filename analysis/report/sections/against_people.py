@@ -1,4 +1,4 @@
-"""The section that sets automatic metrics against what people preferred."""
+"""Whether automatic metrics agree with people's preference."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table
-from analysis.report.figures.dots import MOST, Dot, agreement_pictures, dot_of, dot_pictures
+from analysis.report.figures.dots import (
+    MOST_METRICS,
+    Dot,
+    agreement_pictures,
+    dot_of,
+    dot_pictures,
+)
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
-from analysis.report.sections.metric import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.sections.metric_table import ARROWS
+from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.subject import Subject
-from analysis.report.texts import about, paragraphs, sentence, table
+from analysis.report.texts import figure_text, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
 from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
-from analysis.results.rank_correlations import (
-    FEWEST_FOR_INTERVAL,
-    SamplingRange,
-)
+from analysis.results.rank_correlations import FEWEST_FOR_INTERVAL, SamplingRange
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import Interval
 from motion.errors import listed
@@ -29,27 +32,27 @@ from motion.errors import listed
 
 @dataclass(frozen=True, kw_only=True)
 class _Question:
-    """What was found about one question, without metrics that have no score or are details."""
+    """The agreement on one question, without metrics that have no score or are details."""
 
     set: str
     question: str
-    found: AgainstPeople
+    agreement: AgainstPeople
     metrics: tuple[MetricAgainstPeople, ...]
 
     @property
     def name(self) -> str:
-        """Question, and set before it where there are any."""
+        """Question, and set before it if there are sets."""
         return question_name(self.set, self.question)
 
 
-_UPRIGHT: Final = {
+_PREFERENCE_AXIS: Final = {
     "pairwise": "strength (logits)",
     "rating": "mean rating",
     "ranking": "minus the mean rank",
     "mismatch": "win share of own speech",
 }
 _MOST_ROWS: Final = 24
-"""Metrics that one sheet of the forest has."""
+"""Metrics on one sheet of the forest plot."""
 
 _CORRELATION: Final = Scale(
     limits=(-1.05, 1.05),
@@ -60,42 +63,42 @@ _CORRELATION: Final = Scale(
 
 
 def against_people_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return how metrics and preferences agree; None where nothing was measured or answered."""
-    asked = [
+    """Return how metrics and preferences agree; None if nothing was measured or answered."""
+    questions = [
         _Question(
-            set=of,
+            set=set_name,
             question=question,
-            found=one,
+            agreement=agreement,
             metrics=tuple(
                 metric
-                for metric in one.metrics
+                for metric in agreement.metrics
                 if metric.conditions and not is_detail(metric.metric, report.protocol)
             ),
         )
-        for of, question, one in report.metrics_against_people.rows()
+        for set_name, question, agreement in report.metrics_against_people.rows()
     ]
-    if not asked:
+    if not questions:
         return None
     heading = "Do the metrics agree with people?"
-    measured = [one for one in asked if one.metrics]
+    measured = [question for question in questions if question.metrics]
     if not measured:
-        reasons = dict.fromkeys(one.found.reason for one in asked if one.found.reason)
-        said = paragraphs("against_people.nothing", reasons=[*reasons])
-        return Section(anchor="against-people", heading=heading, paragraphs=said)
+        reasons = dict.fromkeys(q.agreement.reason for q in questions if q.agreement.reason)
+        nothing = paragraphs("against_people.nothing", reasons=[*reasons])
+        return Section(anchor="against-people", heading=heading, paragraphs=nothing)
     ranges = {
-        one.found.conditions: one.found.sampling_range
-        for one in measured
-        if one.found.sampling_range
+        question.agreement.conditions: question.agreement.sampling_range
+        for question in measured
+        if question.agreement.sampling_range
     }
     return Section(
         anchor="against-people",
         heading=heading,
         paragraphs=paragraphs(
             "against_people.section",
-            ranges=[how_little(found) for found in ranges.values()],
-            decided=[
-                _decided("over conditions", measured, "kendall"),
-                _decided("within conditions", measured, "within"),
+            ranges=[sampling_range_sentence(sample) for sample in ranges.values()],
+            intervals=[
+                ("over conditions", *_intervals(measured, "kendall")),
+                ("within conditions", *_intervals(measured, "within")),
             ],
             protocol=report.protocol,
         ),
@@ -104,73 +107,76 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
     )
 
 
-def how_little(found: SamplingRange) -> str:
-    """Return in a sentence how little so many conditions can say."""
-    return sentence("against_people.how_little", found=found, correlation=_correlation)
+def sampling_range_sentence(sample: SamplingRange) -> str:
+    """Return a sentence on how little so many conditions can show."""
+    return sentence("against_people.sampling_range", sample=sample, correlation=_correlation)
 
 
-def _decided(where: str, asked: Sequence[_Question], kind: str) -> tuple[str, int, list[str]]:
-    """Return where, how many intervals there are, and which of them leave out zero."""
-    found = [(f"{m.metric} on {one.name}", getattr(m, kind)) for one in asked for m in one.metrics]
-    known = [(name, number) for name, number in found if not math.isnan(number.low)]
-    clear = [
-        f"{name} ({_correlation_words(number)})"
-        for name, number in known
-        if number.low > 0 or number.high < 0
+def _intervals(questions: Sequence[_Question], correlation: str) -> tuple[int, list[str]]:
+    """Return how many intervals there are, and which correlations have one without zero."""
+    intervals = [
+        (f"{metric.metric} on {question.name}", interval)
+        for question in questions
+        for metric in question.metrics
+        if (interval := getattr(metric, correlation)).has_interval
     ]
-    return where, len(known), clear
+    significant = [
+        f"{name} ({_correlation(interval.estimate)} {_ends(interval)})"
+        for name, interval in intervals
+        if interval.low > 0 or interval.high < 0
+    ]
+    return len(intervals), significant
 
 
 def _scatters(
-    asked: Sequence[_Question], report: TableReport, subject: Subject
+    questions: Sequence[_Question], report: TableReport, subject: Subject
 ) -> Iterator[Picture]:
-    own = [column.metric for column in PAPER_TABLES[PAPER_OF[report.protocol]]]
-    for number, one in enumerate(asked, start=1):
-        drawn = [
+    in_paper = [column.metric for column in PAPER_TABLES[PAPER_OF[report.protocol]]]
+    for number, question in enumerate(questions, start=1):
+        metrics = [
             metric
-            for metric in one.metrics
+            for metric in question.metrics
             if any(not math.isnan(place.preference) for place in metric.places)
         ]
-        if not drawn or one.found.conditions < FEWEST_FOR_INTERVAL:
+        if not metrics or question.agreement.conditions < FEWEST_FOR_INTERVAL:
             continue
-        drawn.sort(key=lambda metric: metric.metric not in own)
-        names = [place.condition for metric in drawn for place in metric.places]
+        metrics.sort(key=lambda metric: metric.metric not in in_paper)
+        names = [place.condition for metric in metrics for place in metric.places]
         order = [name for name in subject.conditions if name in names]
         yield from agreement_pictures(
-            drawn[:MOST],
+            metrics[:MOST_METRICS],
             list(dict.fromkeys([*order, *names])),
-            _UPRIGHT[report.protocol],
-            about(
+            _PREFERENCE_AXIS[report.protocol],
+            figure_text(
                 "metrics-against-people",
-                end=f"-{number}",
+                suffix=f"-{number}",
                 mark=subject.mark,
-                name=one.name,
-                preference=one.found.preference,
+                name=question.name,
+                preference=question.agreement.preference,
                 people=subject.people,
-                shown=MOST,
-                all=len(drawn),
+                shown=MOST_METRICS,
+                all=len(metrics),
             ),
         )
 
 
-def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
-    for number, of in enumerate(dict.fromkeys(one.set for one in asked), start=1):
-        questions = {one.question: one.metrics for one in asked if one.set == of}
-        found = {
-            (question, metric.metric): metric
-            for question, metrics in questions.items()
-            for metric in metrics
+def _forests(questions: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
+    """Draw the correlations of each set in forest plots of at most `_MOST_ROWS` metrics."""
+    for number, set_name in enumerate(dict.fromkeys(q.set for q in questions), start=1):
+        metrics = {
+            (question.question, metric.metric): metric
+            for question in questions
+            if question.set == set_name
+            for metric in question.metrics
         }
-        if all(math.isnan(one.low) for m in found.values() for one in (m.kendall, m.within)):
+        if not any(m.kendall.has_interval or m.within.has_interval for m in metrics.values()):
             continue
-        where = f", set {wording.name(of)}" if of else ""
-        names = list(dict.fromkeys(metric for _, metric in found))
+        series = list(dict.fromkeys(question for question, _ in metrics))
+        names = list(dict.fromkeys(name for _, name in metrics))
         sheets = -(-len(names) // _MOST_ROWS)
         for sheet in range(sheets):
             start, end = (len(names) * (sheet + k) // sheets for k in (0, 1))
-            rows = [[found.get((q, name)) for q in questions] for name in names[start:end]]
-            suffix = (f"-{number}" if of else "") + (f"-{sheet + 1}" if sheets > 1 else "")
-            told = about("metric-correlations", end=suffix, mark=subject.mark, where=where)
+            rows = [[metrics.get((q, name)) for q in series] for name in names[start:end]]
             yield from dot_pictures(
                 {
                     "Over conditions: Kendall's τ-b": [
@@ -182,24 +188,24 @@ def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
                 },
                 [Row(name) for name in names[start:end]],
                 _CORRELATION,
-                told,
-                series=[wording.heading(question) for question in questions],
+                figure_text(
+                    "metric-correlations",
+                    suffix=(f"-{number}" if set_name else "")
+                    + (f"-{sheet + 1}" if sheets > 1 else ""),
+                    mark=subject.mark,
+                    of_set=f", set {wording.name(set_name)}" if set_name else "",
+                ),
+                series=[wording.heading(question) for question in series],
             )
 
 
-def _dot(found: Interval | None) -> Dot:
-    made = dot_of(found, _correlation, missing="–")
-    return replace(made, words="", descriptive=math.isnan(made.low))
+def _dot(interval: Interval | None) -> Dot:
+    dot = dot_of(interval, _correlation, missing="–")
+    return replace(dot, words="", is_descriptive=math.isnan(dot.low))
 
 
-def _correlation_words(found: Interval) -> str:
-    """Return a correlation with its interval where it has one, '.52 [.11, .79]'."""
-    inside = "" if math.isnan(found.low) else f" {_interval_words(found)}"
-    return f"{_correlation(found.estimate)}{inside}"
-
-
-def _interval_words(found: Interval) -> str:
-    return between(_correlation(found.low), _correlation(found.high))
+def _ends(interval: Interval) -> str:
+    return between(_correlation(interval.low), _correlation(interval.high))
 
 
 def _correlation(value: float) -> str:
@@ -209,18 +215,19 @@ def _correlation(value: float) -> str:
     return wording.share(value)
 
 
-def _table(asked: Sequence[_Question], protocol: str) -> Table:
-    rows = [(one, metric) for one in asked for metric in one.metrics]
-    why = [k.reason for _, m in rows for k in (m.kendall, m.spearman, m.within) if k.reason]
-    reasons = {reason: number for number, reason in enumerate(dict.fromkeys(why), start=1)}
+def _table(questions: Sequence[_Question], protocol: str) -> Table:
+    rows = [(question, metric) for question in questions for metric in question.metrics]
+    intervals = [i for _, metric in rows for i in (metric.kendall, metric.spearman, metric.within)]
+    unique = dict.fromkeys(interval.reason for interval in intervals if interval.reason)
+    reasons = {reason: number for number, reason in enumerate(unique, start=1)}
 
-    def ends(found: Interval) -> str:
-        if not math.isnan(found.estimate) and not math.isnan(found.low):
-            return _interval_words(found)
-        number = f"({reasons[found.reason]})" if found.reason else ""
-        return f"–{wording.NO_BREAK}{number}"
+    def ends(interval: Interval) -> str:
+        if not math.isnan(interval.estimate) and interval.has_interval:
+            return _ends(interval)
+        mark = f"({reasons[interval.reason]})" if interval.reason else ""
+        return f"–{wording.NO_BREAK}{mark}"
 
-    made = table(
+    without_notes = table(
         "metrics-against-people",
         rows,
         arrows=ARROWS,
@@ -231,20 +238,20 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
     notes = paragraphs(
         "against_people.notes",
         reasons=reasons,
-        left_out=_left_out(asked),
-        one=asked[0].found,
+        left_out=_left_out(questions),
+        agreement=questions[0].agreement,
         most=max(metric.kendall.degenerate for _, metric in rows),
     )
-    return replace(made, notes=notes)
+    return replace(without_notes, notes=notes)
 
 
-def _left_out(asked: Sequence[_Question]) -> dict[tuple[str, str], list[str]]:
-    """Return the metrics by the conditions that they are not correlated over, and why."""
-    about: dict[tuple[str, str], list[str]] = {}
-    for metric in (metric for one in asked for metric in one.metrics):
+def _left_out(questions: Sequence[_Question]) -> dict[tuple[str, str], list[str]]:
+    """Return metrics by the conditions that are left out of their correlations, and why."""
+    metrics: dict[tuple[str, str], list[str]] = {}
+    for metric in (metric for question in questions for metric in question.metrics):
         for reason in dict.fromkeys(metric.left_out.values()):
             names = [name for name, why in metric.left_out.items() if why == reason]
             key = listed([wording.condition(name) for name in names]), reason
-            if metric.metric not in about.setdefault(key, []):
-                about[key].append(metric.metric)
-    return about
+            if metric.metric not in metrics.setdefault(key, []):
+                metrics[key].append(metric.metric)
+    return metrics

@@ -1,4 +1,4 @@
-"""The report's first words, its methods and its limits: what every test decides, in sentences."""
+"""The report's first sentences, its methods and its limits: the outcome of every test in words."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any, Final, Literal
 
 from analysis.report import wording
 from analysis.report.content import Section
-from analysis.report.sections.heterogeneity import whole_effects
+from analysis.report.sections.heterogeneity import overall_effects
 from analysis.report.sections.participants import looks_sentence, places_words
 from analysis.report.subject import Subject
 from analysis.report.texts import paragraphs
-from analysis.report.wording import SIGNIFICANCE, between, number
+from analysis.report.wording import INTERVAL, SIGNIFICANCE, between, number
 from analysis.results.grouping import ResultKey, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
@@ -23,46 +23,48 @@ from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatedDifference, RatingResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import StrengthDifference
-from analysis.stats.clustered_mean import LEVEL
 
 MOST: Final = 4
 """How many of a kind a sentence names; the tables hold all of them."""
 
 FEW_SEGMENTS: Final = 6
-"""Segments below which the text says what few of them mean."""
+"""Segments below which the text warns of wide intervals."""
 
-ANCHOR: Final = "methods"
-"""Of the section of methods, by which other parts find it."""
+METHODS_ANCHOR: Final = "methods"
 
 _LIBRARIES: Final = ("numpy", "scipy", "pandas", "matplotlib")
 
 _MEASURES: Final = {"clmm": "log-odds", "win_share": "win share", "sign": "share of participants"}
 
-Outcome = Literal["decided", "undecided", "untested", "outside"]
+_ALL_WON: Final = "one of the two never lost to the other"
+
+Outcome = Literal["significant", "not significant", "untested", "outside the family"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What one test of the report decides.
+    """The outcome of one test.
 
     Attributes
     ----------
     place : int
-        Among all of them.
-    outcome : {'decided', 'undecided', 'untested', 'outside'}
-        Whether the corrected test decides, or there is none, or it is not of the report's family.
+        Among all tests.
+    outcome : {'significant', 'not significant', 'untested', 'outside the family'}
+        Of the corrected test.
     better, worse : str
-        What is ahead in the answers, and of what, as readers know them.
+        The two sides, as the answers order them.
     question, set : str
-        What was asked; empty where there are no sets.
-    numbers, measure : str
-        The estimate that the test is about, with its interval; and what that is.
-    apart : bool
-        Whether the interval leaves out no difference.
+        What the test is about; '' without sets.
+    measure, numbers : str
+        What is estimated; the estimate with its interval.
+    excludes_null : bool
+        Whether the interval excludes no difference.
     size : float
-        How far from no difference, to list the largest first; NaN for none.
-    why, reason : str
-        Why this test stands in for the usual one; why there is no test.
+        Distance from no difference; NaN for none.
+    why : str
+        Why this test replaces the usual one.
+    reason : str
+        Why there is no test.
     """
 
     place: int
@@ -71,9 +73,9 @@ class Verdict:
     worse: str
     question: str
     set: str
-    numbers: str
     measure: str
-    apart: bool
+    numbers: str
+    excludes_null: bool
     size: float
     why: str
     reason: str
@@ -85,151 +87,147 @@ class Verdict:
 
 
 def verdicts(report: TableReport) -> tuple[Verdict, ...]:
-    """Return what every test of the report decides, in the report's order."""
+    """Return the outcome of every test, in the report's order."""
     results = report.results
     match results:
         case PairwiseResults(decided_by="comparisons"):
-            return tuple(_preferred(*one) for one in enumerate(results.comparisons))
+            return tuple(_preference_verdict(*item) for item in enumerate(results.comparisons))
         case MismatchResults():
-            return tuple(_preferred(*one) for one in enumerate(results.conditions))
+            return tuple(_preference_verdict(*item) for item in enumerate(results.conditions))
         case RatingResults():
             return tuple(
-                _verdict(place, one, one.difference, "mean difference")
-                for place, one in enumerate(results.contrasts)
+                _verdict(place, contrast, contrast.difference, "mean difference")
+                for place, contrast in enumerate(results.contrasts)
             )
         case _:
-            what = "worths" if isinstance(results, RankingResults) else "strengths"
+            kind = "worths" if isinstance(results, RankingResults) else "strengths"
+            measure = f"difference of {kind} in logits"
             return tuple(
-                _verdict(place, one, one, f"difference of {what} in logits", why=one.remark)
-                for place, one in enumerate(results.contrasts)
+                _verdict(place, contrast, contrast, measure, why=contrast.remark)
+                for place, contrast in enumerate(results.contrasts)
             )
 
 
-def _preferred(place: int, one: Comparison | MatchedCondition) -> Verdict:
-    found = one.decision
+def _preference_verdict(place: int, result: Comparison | MatchedCondition) -> Verdict:
+    decision = result.decision
     return _verdict(
         place,
-        one,
-        found,
-        _MEASURES[found.by],
-        null=found.null,
-        size=abs(one.win_share.estimate - 0.5),
-        why=found.why,
-        unknown=one.win_share.reason,
+        result,
+        decision,
+        _MEASURES[decision.by],
+        null=decision.null,
+        size=abs(result.win_share.estimate - 0.5),
+        why=decision.why,
+        no_interval=result.win_share.reason,
     )
 
 
 def _verdict(
     place: int,
-    of: ResultKey,
-    found: Decision | RatedDifference | StrengthDifference,
+    subject: ResultKey,
+    test: Decision | RatedDifference | StrengthDifference,
     measure: str,
     *,
     null: float = 0.0,
     size: float | None = None,
     why: str = "",
-    unknown: str | None = None,
+    no_interval: str | None = None,
 ) -> Verdict:
-    """Return what a test of `found`, which is `null` without any difference, decides."""
-    names = tuple(map(wording.condition, of.names))
+    """Return the outcome of a test; `null` is the estimate of no difference."""
+    names = tuple(map(wording.condition, subject.names))
     if len(names) == 1:
         names = (f"{names[0]} with its own speech", f"{names[0]} with another's speech")
-    turned = found.estimate < null
-    ends = found.low, found.high
-    estimate, low, high = found.estimate, *ends
-    if turned:
+    estimate, low, high = test.estimate, test.low, test.high
+    second_is_better = estimate < null
+    if second_is_better:
         estimate, low, high = 2 * null - estimate, 2 * null - high, 2 * null - low
-    written = wording.share if null else number
-    reason = found.reason or (NO_END if getattr(found, "by", "") == "sign" and not null else "")
-    why_none = reason if unknown is None else unknown
+    reason = test.reason
+    if isinstance(test, StrengthDifference) and test.by == "sign":
+        reason = reason or _ALL_WON
+    formatted = wording.share if null else number
+    if no_interval is None:
+        no_interval = reason
     if math.isnan(estimate):
-        numbers = f"– ({why_none or 'no answers'})"
+        numbers = f"– ({no_interval or 'no answers'})"
     elif math.isnan(low):
-        numbers = f"{written(estimate)}, no interval: {why_none}"
+        numbers = f"{formatted(estimate)}, no interval: {no_interval}"
     else:
-        numbers = (
-            f"{written(estimate)}, {LEVEL:.0%} interval {between(written(low), written(high))}"
-        )
+        numbers = f"{formatted(estimate)}, {INTERVAL} {between(formatted(low), formatted(high))}"
     return Verdict(
         place=place,
-        outcome=_outcome(found.p_value, found.p_holm),
-        better=names[turned],
-        worse=names[not turned],
-        question=of.question,
-        set=of.set or "",
-        numbers=numbers,
+        outcome=_outcome(test.p_value, test.p_holm),
+        better=names[second_is_better],
+        worse=names[not second_is_better],
+        question=subject.question,
+        set=subject.set or "",
         measure=measure,
-        apart=ends[0] > null or ends[1] < null,
-        size=abs(found.estimate) if size is None else size,
+        numbers=numbers,
+        excludes_null=test.low > null or test.high < null,
+        size=abs(test.estimate) if size is None else size,
         why=why,
         reason=reason,
     )
-
-
-NO_END: Final = "one of the two never lost to the other"
 
 
 def _outcome(p: float, p_holm: float) -> Outcome:
     if math.isnan(p):
         return "untested"
     if math.isnan(p_holm):
-        return "outside"
-    return "decided" if p_holm < SIGNIFICANCE else "undecided"
+        return "outside the family"
+    return "significant" if p_holm < SIGNIFICANCE else "not significant"
 
 
 def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
-    """Return what was found in one sentence, what it rests on, and what it does not show."""
+    """Return the result in one sentence, what it rests on, and what it does not show."""
     if subject.origin == "none":
         scores = subject.metrics.conditions if subject.metrics else ()
-        return paragraphs("answer.nobody", measured=len({one.condition for one in scores}))
-    return paragraphs(
-        "answer.nothing" if report.remark else "answer.answer", **_facts(report, subject)
-    )
+        return paragraphs("answer.nobody", measured=len({score.condition for score in scores}))
+    macro = "answer.nothing" if report.remark else "answer.answer"
+    return paragraphs(macro, **_answer_facts(report, subject))
 
 
 def certainty(report: TableReport, subject: Subject) -> tuple[str, ...]:
-    """Return what a careful reader of the answer wants to know besides; () without one."""
+    """Return what a careful reader of the answer also wants to know; () without an answer."""
     if subject.origin == "none" or report.remark:
         return ()
-    return paragraphs("answer.certainty", **_facts(report, subject))
+    return paragraphs("answer.certainty", **_answer_facts(report, subject))
 
 
-def _facts(report: TableReport, subject: Subject) -> dict[str, object]:
-    """Return what the sentences of the answer rest on; of verdicts, the largest first."""
+def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
+    """Return the facts behind the answer; the verdicts stand in the order of their size."""
     results = report.results
-    found = sorted(
-        verdicts(report), key=lambda one: math.inf if math.isnan(one.size) else -one.size
+    in_order = verdicts(report)
+    by_size = sorted(in_order, key=lambda v: math.inf if math.isnan(v.size) else -v.size)
+    replaced = [v for v in in_order if v.outcome in ("significant", "not significant") and v.why]
+    equivalence = (
+        results.equivalence if isinstance(results, PairwiseResults | RatingResults) else ()
     )
-    people = report.participants
-    tested = [one for one in found if one.outcome in ("decided", "undecided") and one.why]
-    tested.sort(key=lambda one: one.place)
-    equivalent = results.equivalence if isinstance(results, PairwiseResults | RatingResults) else ()
     return {
         "report": report,
         "people": subject.people,
         "rehearsal": subject.origin == "rehearsal",
-        "found": found,
-        "decided": [one for one in found if one.outcome == "decided"],
+        "verdicts": by_size,
+        "significant": [v for v in by_size if v.outcome == "significant"],
         "most": MOST,
-        "equivalent": [one for one in equivalent if one.verdict.startswith("equivalent")],
-        "excluded": people.recruited - people.attentive,
+        "equivalent": [pair for pair in equivalence if pair.verdict.startswith("equivalent")],
+        "excluded": report.participants.recruited - report.participants.attentive,
         "exploratory": sum(rule.removed for rule in report.rules if rule.exploratory),
         "segments": len(subject.excerpts),
         "speakers": len(subject.speakers),
         "places": places_words(report, subject),
         "looks": looks_sentence(report),
-        "together": _together(report),
-        "stand_ins": [*Counter((one.measure, one.why.rstrip(".")) for one in tested).items()],
+        "omnibus": _omnibus_tests(report),
+        "stand_ins": [*Counter((v.measure, v.why.rstrip(".")) for v in replaced).items()],
         "unequal": [
-            f"{wording.against(*names)}: {one.remark}"
-            for (_, _, names), one in whole_effects(results).items()
-            if one.remark
+            f"{wording.against(*names)}: {effect.remark}"
+            for (_, _, names), effect in overall_effects(results).items()
+            if effect.remark
         ],
     }
 
 
-def _together(report: TableReport) -> list[str]:
-    """Return whether conditions differ at all, where strengths or worths decide."""
+def _omnibus_tests(report: TableReport) -> list[str]:
+    """Return the tests of all conditions together, where strengths or worths are tested."""
     match report.results:
         case PairwiseResults(decided_by="strengths", bradley_terry=strengths):
             models: list[Row[Any]] = [*strengths.rows()]
@@ -247,10 +245,10 @@ def _together(report: TableReport) -> list[str]:
 
 
 def methods_section(report: TableReport, subject: Subject) -> Section:
-    """Return the methods text, and what else a reader must know of settings."""
+    """Return the methods text for a paper, and further remarks."""
     facts = _study_facts(report, subject)
     return Section(
-        anchor=ANCHOR,
+        anchor=METHODS_ANCHOR,
         heading="Methods, ready to paste",
         paragraphs=paragraphs("methods.paragraphs", **facts),
         bullets=paragraphs("methods.bullets", **facts),
@@ -258,7 +256,7 @@ def methods_section(report: TableReport, subject: Subject) -> Section:
 
 
 def limits_section(report: TableReport, subject: Subject) -> Section:
-    """Return what a reader may not take from the report."""
+    """Return what a reader may not conclude from the report."""
     return Section(
         anchor="limits",
         heading="What may not be concluded",
@@ -268,14 +266,16 @@ def limits_section(report: TableReport, subject: Subject) -> Section:
 
 def _study_facts(report: TableReport, subject: Subject) -> dict[str, object]:
     results, excerpts = report.results, subject.excerpts.values()
-    emotions = Counter(one.emotion for one in excerpts if one.emotion)
-    seconds = [one.seconds for one in excerpts if one.seconds is not None]
-    heard = [
+    emotions = Counter(excerpt.emotion for excerpt in excerpts if excerpt.emotion)
+    seconds = [excerpt.seconds for excerpt in excerpts if excerpt.seconds is not None]
+    speech = [
         wording.count(count, noun)
         for count, noun in ((len(subject.speakers), "speaker"), (len(emotions), "emotion"))
         if count
     ]
-    found = verdicts(report)
+    if seconds:
+        speech.append(f"{wording.quantity(sum(seconds))} s in all")
+    outcomes = [verdict.outcome for verdict in verdicts(report)]
     fewest = min(emotions.values()) if len(emotions) > 1 else 0
     return {
         "report": report,
@@ -284,12 +284,12 @@ def _study_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "answered": subject.origin != "none",
         "excerpts": excerpts,
         "speakers": subject.speakers,
-        "heard": [*heard, *([f"{wording.quantity(sum(seconds))} s in all"] if seconds else [])],
+        "speech": speech,
         "fewest": FEWEST,
         "few_segments": FEW_SEGMENTS,
         "fewest_of_emotion": fewest if fewest < FEW_SEGMENTS else 0,
-        "tests": sum(one.outcome != "outside" for one in found),
-        "undecided": any(one.outcome == "undecided" for one in found),
+        "tests": sum(outcome != "outside the family" for outcome in outcomes),
+        "undecided": "not significant" in outcomes,
         "family": report.settings.family,
         "by_strengths": isinstance(results, PairwiseResults) and results.decided_by == "strengths",
         "measured": bool(subject.metrics and subject.metrics.conditions),

@@ -1,4 +1,4 @@
-"""Where a difference comes from: effects by emotion, speaker and segment, as forest plots."""
+"""Effects by emotion, speaker and segment, as forest plots and tests."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.preferences import reference_of
 from analysis.report.subject import Subject
-from analysis.report.texts import about, paragraphs, table
-from analysis.report.wording import number
+from analysis.report.texts import figure_text, paragraphs, table
 from analysis.results.grouping import ResultKey
 from analysis.results.heterogeneity import (
     FEW,
@@ -32,21 +31,21 @@ from analysis.results.report import Results, TableReport
 from analysis.stats.clustered_mean import Estimate
 
 MOST_PANELS: Final = 24
-"""Effects up to which forest plots are drawn; more of them stand in the tables alone."""
+"""Effects up to which forest plots are drawn; more of them are only in the tables."""
 
 MOST_ROWS: Final = 26
-"""Levels up to which a forest plot fits a page."""
+"""Levels up to which a forest plot fits on a page."""
 
-_ALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
+_OVERALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Measure:
-    """How effects of one kind are called and written."""
+    """The axis of one kind of effect, its name in a caption, and how its numbers are written."""
 
     scale: Scale
-    says: str
-    written: Callable[[float], str]
+    name: str
+    formatted: Callable[[float], str]
 
 
 _MEASURES: Final = {
@@ -56,157 +55,151 @@ _MEASURES: Final = {
             ticks={0: "0", 0.25: ".25", 0.5: ".5", 0.75: ".75", 1: "1"},
             label="win share",
         ),
-        says="win share, .5 for no preference",
-        written=wording.share,
+        name="win share, .5 for no preference",
+        formatted=wording.share,
     ),
     "difference": _Measure(
         scale=Scale(label="difference in scores"),
-        says="mean difference of paired ratings in scores, 0 for none",
-        written=number,
+        name="mean difference of paired ratings in scores, 0 for none",
+        formatted=wording.number,
     ),
     "mean_rank": _Measure(
-        scale=Scale(label="mean rank"), says="mean rank, 1 is best", written=number
+        scale=Scale(label="mean rank"), name="mean rank, 1 is best", formatted=wording.number
     ),
 }
 
 
 def heterogeneity_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return forest plots and tests, None where neither emotions nor speakers nor segments differ.
-
-    Parameters
-    ----------
-    report : TableReport
-        What was found.
-    subject : Subject
-        Its reference, if it has one, is what pairwise win shares are seen from.
-    """
-    found = effects(report.results, subject.reference)
-    if not found:
+    """Return forest plots and tests; None for one emotion, one speaker and one segment."""
+    all_effects = effects(report.results, subject.reference)
+    if not all_effects:
         return None
-    there = [by for by in KINDS if any(one.found.by == by for one in found)]
-    drawn = [by for by in there if _drawn(found, by)]
+    by_kind = {
+        by: chosen for by in KINDS if (chosen := [e for e in all_effects if e.result.by == by])
+    }
+    drawn = [
+        by
+        for by, chosen in by_kind.items()
+        if len(chosen) <= MOST_PANELS and len(_levels(chosen)) <= MOST_ROWS
+    ]
     return Section(
         anchor="heterogeneity",
         heading="Where the difference comes from",
         paragraphs=paragraphs(
             "effects.section",
-            descriptive=any(level.descriptive for one in found for level in one.found.levels),
+            descriptive=any(level.descriptive for e in all_effects for level in e.result.levels),
             few=FEW,
-            missing=[by for by in there if by not in drawn],
+            missing=[by for by in by_kind if by not in drawn],
         ),
-        pictures=tuple(one for by in drawn for one in _forest(found, by, subject.mark)),
-        tables=(table("heterogeneity-tests", found),),
+        pictures=tuple(
+            picture for by in drawn for picture in _forest(by_kind[by], by, subject.mark)
+        ),
+        tables=(table("heterogeneity-tests", all_effects),),
     )
 
 
 class Effect(NamedTuple):
-    """One effect by emotion, speaker or segment, what it is the effect of, and over all of them."""
+    """One effect by emotion, speaker or segment, its label, and the estimate over all of them."""
 
-    about: str
-    found: PairHeterogeneity | ConditionHeterogeneity
-    whole: Estimate | None
+    label: str
+    result: PairHeterogeneity | ConditionHeterogeneity
+    overall: Estimate | None
 
     @property
     def heading(self) -> str:
-        """What heads its panel."""
-        of = "" if self.found.set is None else f"Set {self.found.set}, "
-        return f"{of}{wording.name(self.found.question)}: {self.about}"
+        """The heading of its panel."""
+        prefix = "" if self.result.set is None else f"Set {self.result.set}, "
+        return f"{prefix}{wording.name(self.result.question)}: {self.label}"
 
 
 def effects(results: Results, reference: str | None) -> tuple[Effect, ...]:
-    """Return all of a report's effects by emotion, speaker and segment.
+    """Return all effects by emotion, speaker and segment.
 
     Parameters
     ----------
     results : PairwiseResults, RatingResults, RankingResults or MismatchResults
-        What was found.
+        The report's results.
     reference : str or None
-        The condition from whose side pairwise win shares are seen, where there is one.
+        The condition that stands first in its pairs, if any.
     """
-    wholes = whole_effects(results)
+    overall = overall_effects(results)
     comparisons = results.comparisons if isinstance(results, PairwiseResults) else ()
-    from_side = {
+    references = {
         name: reference_of([c for c in comparisons if c.set == name], reference)
         for name in dict.fromkeys(c.set for c in comparisons)
     }
     return tuple(
-        _effect(one, wholes.get(_key(one)), from_side.get(one.set)) for one in results.heterogeneity
+        _effect(result, overall.get(_key(result)), references.get(result.set))
+        for result in results.heterogeneity
     )
 
 
 def _effect(
-    found: PairHeterogeneity | ConditionHeterogeneity, whole: Estimate | None, side: str | None
+    result: PairHeterogeneity | ConditionHeterogeneity,
+    overall: Estimate | None,
+    reference: str | None,
 ) -> Effect:
-    if isinstance(found, ConditionHeterogeneity):
-        return Effect(wording.condition(found.condition), found, whole)
-    if found.b != side:
-        return Effect(wording.against(found.a, found.b), found, whole)
-    turned = replace(found, levels=tuple(level.mirrored() for level in found.levels))
-    about = wording.against(found.b, found.a)
-    return Effect(about, turned, None if whole is None else whole.mirrored())
+    if isinstance(result, ConditionHeterogeneity):
+        return Effect(wording.condition(result.condition), result, overall)
+    if result.b != reference:
+        return Effect(wording.against(result.a, result.b), result, overall)
+    turned = replace(result, levels=tuple(level.mirrored() for level in result.levels))
+    label = wording.against(result.b, result.a)
+    return Effect(label, turned, None if overall is None else overall.mirrored())
 
 
 Key = tuple[str | None, str, tuple[str, ...]]
 """Set, question and conditions."""
 
 
-def _key(one: ResultKey) -> Key:
-    return one.set, one.question, one.names
+def _key(place: ResultKey) -> Key:
+    return place.set, place.question, place.names
 
 
-def whole_effects(results: Results) -> dict[Key, Estimate]:
+def overall_effects(results: Results) -> dict[Key, Estimate]:
     """Return the estimates that a report's headline rests on."""
     match results:
         case PairwiseResults():
-            return {_key(one): one.win_share for one in results.comparisons}
+            return {_key(c): c.win_share for c in results.comparisons}
         case RatingResults():
-            return {_key(one): one.difference for one in results.contrasts}
+            return {_key(c): c.difference for c in results.contrasts}
         case RankingResults():
-            return {_key(one): one.mean_rank for one in results.conditions}
+            return {_key(c): c.mean_rank for c in results.conditions}
         case MismatchResults():
-            return {_key(one): one.win_share for one in results.conditions}
+            return {_key(c): c.win_share for c in results.conditions}
 
 
-def _drawn(found: Sequence[Effect], by: By) -> bool:
-    of = [one for one in found if one.found.by == by]
-    return 0 < len(of) <= MOST_PANELS and len(_levels(of)) <= MOST_ROWS
-
-
-def _levels(found: Sequence[Effect]) -> tuple[str, ...]:
-    return tuple(sorted({level.level for one in found for level in one.found.levels}, key=_natural))
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Return a key that puts 's2' before 's10'."""
-    return [
-        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
-    ]
-
-
-def _forest(found: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
-    of = [one for one in found if one.found.by == by]
-    names = _levels(of)
-    measure = _MEASURES[of[0].found.measure]
-    return dot_pictures(
-        {one.heading: _dots(one, names, measure.written) for one in of},
-        [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
-        replace(measure.scale, line=of[0].found.null),
-        about("by", end=f"-{by}", mark=mark, by=by, says=measure.says, few=FEW),
+def _levels(effects: Sequence[Effect]) -> list[str]:
+    """Return the names of all levels, 's2' before 's10'."""
+    names = {level.level for effect in effects for level in effect.result.levels}
+    return sorted(
+        names,
+        key=lambda name: [
+            (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
+        ],
     )
 
 
-def _dots(of: Effect, names: Sequence[str], written: Callable[[float], str]) -> list[Dot]:
-    by_name = {level.level: level for level in of.found.levels}
-    levels = [by_name.get(name) for name in names]
-    return [
-        replace(
-            dot_of(one, written, more=_segments(one), missing="no answers"),
-            descriptive=isinstance(one, Level) and one.descriptive,
-            whole=place == len(levels),
-        )
-        for place, one in enumerate([*levels, of.whole])
-    ]
+def _forest(effects: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
+    names = _levels(effects)
+    measure = _MEASURES[effects[0].result.measure]
+    return dot_pictures(
+        {effect.heading: _dots(effect, names, measure.formatted) for effect in effects},
+        [*(Row(wording.name(name)) for name in names), Row(_OVERALL[by])],
+        replace(measure.scale, line=effects[0].result.null),
+        figure_text("by", suffix=f"-{by}", mark=mark, by=by, measure=measure.name, few=FEW),
+    )
 
 
-def _segments(found: Estimate | None) -> str:
-    return "" if found is None else f", {wording.count(found.segments, 'segment')}"
+def _dots(effect: Effect, names: Sequence[str], formatted: Callable[[float], str]) -> list[Dot]:
+    levels = {level.level: level for level in effect.result.levels}
+    dots = [_dot(levels.get(name), formatted) for name in names]
+    return [*dots, replace(_dot(effect.overall, formatted), is_overall=True)]
+
+
+def _dot(estimate: Estimate | None, formatted: Callable[[float], str]) -> Dot:
+    segments = "" if estimate is None else f", {wording.count(estimate.segments, 'segment')}"
+    return replace(
+        dot_of(estimate, formatted, more=segments, missing="no answers"),
+        is_descriptive=isinstance(estimate, Level) and estimate.descriptive,
+    )

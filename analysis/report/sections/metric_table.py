@@ -1,4 +1,4 @@
-"""Automatic metrics in the shape of the papers' Table 1: conditions as rows, metrics as columns."""
+"""Tables of automatic metrics as in the papers' Table 1: conditions in rows, metrics in columns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Final
 from analysis.measurement.scores import ConditionScore
 from analysis.metrics.result import Better
 from analysis.report import wording
-from analysis.report.content import Cell, Table, counted
+from analysis.report.content import Cell, Table, number_cell
 from analysis.report.texts import paragraphs
 
 
@@ -24,13 +24,13 @@ class TableColumn:
     Attributes
     ----------
     metric : str
-        Name of the score.
+        Name of the metric.
     label : str
-        How the paper heads the column.
+        The paper's heading of the column.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
         Which scores the paper calls better.
     block : str
-        Heading over several columns; empty where the table has none.
+        Heading over several columns; empty for none.
     """
 
     metric: str
@@ -40,7 +40,7 @@ class TableColumn:
 
 
 SCORES: Final = "metrics.csv"
-"""File in the report's ``tables`` folder with all scores of conditions, settings and reasons."""
+"""File in the report's ``tables`` folder with all scores of conditions."""
 
 ARROWS: Final[dict[Better, str]] = {
     "lower": "↓",
@@ -61,7 +61,7 @@ class Systems:
     recorded, broken : str or None
         Recorded motion, and the visibly broken motion of catch trials; neither is ranked.
     generative : mapping of str to bool
-        Whether a condition can move differently to one speech, where that is stated.
+        Whether a condition can move differently to the same speech, if stated.
     """
 
     names: tuple[str, ...]
@@ -71,16 +71,16 @@ class Systems:
 
     @property
     def ranked(self) -> tuple[int, ...]:
-        """Places of the conditions that compete."""
+        """Indices of the conditions that are ranked."""
         return tuple(
-            place
-            for place, name in enumerate(self.names)
+            index
+            for index, name in enumerate(self.names)
             if name not in (self.recorded, self.broken)
         )
 
 
 Scores = Mapping[tuple[str, str], ConditionScore]
-"""By condition and metric."""
+"""Scores by condition and metric."""
 
 
 def metric_table(
@@ -97,54 +97,56 @@ def metric_table(
     Parameters
     ----------
     columns : sequence of TableColumn
-        From the left; those of one block beside each other.
+        From the left; those of a block next to each other.
     scores : mapping of (condition, metric) to ConditionScore
-        What was measured; what is not among them is missing.
+        All that were measured.
     systems : Systems
         The rows.
     caption, name : str
         See `analysis.report.content.Table`.
     marks_generative : bool
-        Whether each block ends with a mark of generative conditions, where any is stated.
+        Whether each block ends with a column that marks generative conditions, if stated.
     """
-    why = {
-        (column, name): _why(column, name, scores, systems)
+    remarks = {
+        (column, name): _remarks(column, name, scores, systems)
         for column in columns
         for name in systems.names
     }
-    reasons = dict.fromkeys(reason for said in why.values() for reason in said)
-    letters = {reason: _letter(number) for number, reason in enumerate(reasons)}
-    header, filled, groups = [], [], [("", 1)]
-    for block, own in groupby(columns, key=lambda column: column.block):
-        inside = list(own)
-        header += [_heading(column, scores, systems) for column in inside]
-        filled += [_column(column, scores, systems, why, letters) for column in inside]
+    unique = dict.fromkeys(remark for in_cell in remarks.values() for remark in in_cell)
+    letters = {remark: _letter(number) for number, remark in enumerate(unique)}
+    header, cells, groups = [], [], [("", 1)]
+    for block, columns_of_block in groupby(columns, key=lambda column: column.block):
+        in_block = list(columns_of_block)
+        header += [_heading(column, scores, systems) for column in in_block]
+        cells += [_column(column, scores, systems, remarks, letters) for column in in_block]
         # DiffSHEG marks its blocks of expression and gesture, not the holistic one.
-        gen = marks_generative and bool(systems.generative) and len(inside) > 1
-        if gen:
+        has_mark = marks_generative and bool(systems.generative) and len(in_block) > 1
+        if has_mark:
             header.append("Gen")
-            filled.append([_generative(system, systems) for system in systems.names])
-        groups.append((block, len(inside) + gen))
-    left = ((systems.recorded, "recorded"), (systems.broken, "catch trials"))
+            cells.append([_generative(name, systems) for name in systems.names])
+        groups.append((block, len(in_block) + has_mark))
+    unranked = ((systems.recorded, "recorded"), (systems.broken, "catch trials"))
     notes = paragraphs(
         "metrics.notes",
         arrows=ARROWS,
         used={column.better for column in columns},
         unranked=[
-            f"{wording.condition(name)} ({what})" for name, what in left if name in systems.names
+            f"{wording.condition(name)} ({kind})"
+            for name, kind in unranked
+            if name in systems.names
         ],
-        has_spread=any("±" in cell.text for column in filled for cell in column),
+        has_spread=any("±" in cell.text for column in cells for cell in column),
         has_recorded=systems.recorded in systems.names,
-        footnotes=[(letters[reason], _said_of(reason, why), reason) for reason in reasons],
+        footnotes=[(letters[remark], _places_of(remark, remarks), remark) for remark in unique],
         systems=len(systems.names),
-        settings=_settings(columns, scores),
+        labels_by_settings=_labels_by_settings(columns, scores),
     )
     return Table(
         caption=caption,
         header=("condition", *header),
         rows=tuple(
-            (Cell(text=wording.condition(system)), *(column[place] for column in filled))
-            for place, system in enumerate(systems.names)
+            (Cell(text=wording.condition(name)), *(column[index] for column in cells))
+            for index, name in enumerate(systems.names)
         ),
         groups=tuple(groups) if any(block for block, _ in groups) else (),
         notes=notes,
@@ -153,66 +155,69 @@ def metric_table(
     )
 
 
-_Why = Mapping[tuple[TableColumn, str], Sequence[str]]
-"""What must be known of a score, or why there is none, by column and condition."""
+_Remarks = Mapping[tuple[TableColumn, str], Sequence[str]]
+"""Remarks on a score, or why there is none, by column and condition."""
 
 
-def _why(column: TableColumn, name: str, scores: Scores, systems: Systems) -> list[str]:
+def _remarks(column: TableColumn, name: str, scores: Scores, systems: Systems) -> list[str]:
     score = scores.get((name, column.metric))
     if score is not None:
-        return [reason for reason in (score.reason, score.remark) if reason]
-    if name == systems.recorded and any((one, column.metric) in scores for one in systems.names):
+        return [remark for remark in (score.reason, score.remark) if remark]
+    is_measured = any((other, column.metric) in scores for other in systems.names)
+    if name == systems.recorded and is_measured:
         return ["recorded motion is not compared with itself"]
     return ["not measured"]
 
 
-def _said_of(reason: str, why: _Why) -> list[tuple[list[str], list[str]]]:
-    """Return columns, and the conditions that a reason is about in all of these."""
-    about: dict[str, list[str]] = {}
-    for (column, name), said in why.items():
-        if reason in said:
+def _places_of(remark: str, remarks: _Remarks) -> list[tuple[list[str], list[str]]]:
+    """Return groups of columns, each with the conditions that have the remark in all of them."""
+    conditions: dict[str, list[str]] = {}
+    for (column, name), in_cell in remarks.items():
+        if remark in in_cell:
             label = f"{column.block.lower()} {column.label}".strip()
-            about.setdefault(label, []).append(wording.condition(name))
-    alike: dict[tuple[str, ...], list[str]] = {}
-    for label, names in about.items():
-        alike.setdefault(tuple(names), []).append(label)
-    return [(labels, [*names]) for names, labels in alike.items()]
+            conditions.setdefault(label, []).append(wording.condition(name))
+    labels: dict[tuple[str, ...], list[str]] = {}
+    for label, names in conditions.items():
+        labels.setdefault(tuple(names), []).append(label)
+    return [(grouped, [*names]) for names, grouped in labels.items()]
 
 
 def _letter(number: int) -> str:
-    rest, place = divmod(number, len(ascii_lowercase))
-    return (_letter(rest - 1) if rest else "") + ascii_lowercase[place]
+    """Return a, b, …, z, aa, ab, … for 0, 1, …."""
+    before, last = divmod(number, len(ascii_lowercase))
+    return (_letter(before - 1) if before else "") + ascii_lowercase[last]
 
 
 def _heading(column: TableColumn, scores: Scores, systems: Systems) -> str:
-    found = (scores.get((name, column.metric)) for name in systems.names)
-    unit = next((score.unit for score in found if score is not None), "")
+    of_column = (scores.get((name, column.metric)) for name in systems.names)
+    unit = next((score.unit for score in of_column if score is not None), "")
     return f"{column.label} {ARROWS[column.better]}".strip() + (f" ({unit})" if unit else "")
 
 
 def _column(
-    column: TableColumn, scores: Scores, systems: Systems, why: _Why, letters: Mapping[str, str]
+    column: TableColumn,
+    scores: Scores,
+    systems: Systems,
+    remarks: _Remarks,
+    letters: Mapping[str, str],
 ) -> list[Cell]:
-    found = {name: scores.get((name, column.metric)) for name in systems.names}
-    values = {name: math.nan if one is None else one.value for name, one in found.items()}
-    decimals = _decimals([score for score in found.values() if score is not None])
+    by_name = {name: scores.get((name, column.metric)) for name in systems.names}
+    values = {name: math.nan if s is None else s.value for name, s in by_name.items()}
+    decimals = _decimals([score for score in by_name.values() if score is not None])
     ranked = [
-        values[name] if place in systems.ranked else math.nan
-        for place, name in enumerate(systems.names)
+        value if index in systems.ranked else math.nan
+        for index, value in enumerate(values.values())
     ]
     recorded = values.get(systems.recorded or "", math.nan)
     best, second = first_and_second(ranked, column.better, recorded, decimals)
-    marks = {name: ", ".join(letters[one] for one in why[column, name]) for name in systems.names}
-    return [
-        counted(
-            value,
-            _text(found[name], decimals)
-            + (f"{wording.NO_BREAK}({marks[name]})" if marks[name] else ""),
-            best=place in best,
-            second=place in second,
-        )
-        for place, (name, value) in enumerate(values.items())
-    ]
+    cells = []
+    for index, (name, value) in enumerate(values.items()):
+        text = _text(by_name[name], decimals)
+        if remarks[column, name]:
+            marks = ", ".join(letters[remark] for remark in remarks[column, name])
+            text += f"{wording.NO_BREAK}({marks})"
+        cells.append(number_cell(value, text, best=index in best, second=index in second))
+    return cells
 
 
 def _text(score: ConditionScore | None, decimals: int) -> str:
@@ -221,15 +226,15 @@ def _text(score: ConditionScore | None, decimals: int) -> str:
     value = wording.fixed(score.value, decimals)
     if score.interval is not None:
         low, high = (wording.fixed(end, decimals) for end in score.interval)
-        return f"{value}{wording.NO_BREAK}[{low},{wording.NO_BREAK}{high}]"
+        return f"{value}{wording.NO_BREAK}{wording.between(low, high)}"
     if math.isnan(score.spread):
         return value
     return f"{value}{wording.NO_BREAK}±{wording.NO_BREAK}{wording.fixed(score.spread, decimals)}"
 
 
 def _decimals(scores: Sequence[ConditionScore]) -> int:
-    """Return how many decimals show what differs between conditions and no more."""
-    spreads = [abs(score.spread) for score in scores if score.spread > 0]
+    """Return as many decimals as show the differences between conditions, and no more."""
+    spreads = [score.spread for score in scores if score.spread > 0]
     if spreads:
         return min(4, wording.decimals([statistics.median(spreads)], digits=2))
     values = [abs(score.value) for score in scores if abs(score.value) > 0]
@@ -237,62 +242,61 @@ def _decimals(scores: Sequence[ConditionScore]) -> int:
 
 
 def _generative(name: str, systems: Systems) -> Cell:
-    known = systems.generative.get(name)
-    if name == systems.recorded or known is None:
+    is_generative = systems.generative.get(name)
+    if name == systems.recorded or is_generative is None:
         return Cell(text="–")
-    return Cell(text="✓" if known else "✗", value=float(known))
+    return Cell(text="✓" if is_generative else "✗", value=float(is_generative))
 
 
-def _settings(columns: Sequence[TableColumn], scores: Scores) -> dict[str, list[str]]:
-    """Return the metrics that share them by settings, in words."""
-    shared: dict[str, list[str]] = {}
+def _labels_by_settings(columns: Sequence[TableColumn], scores: Scores) -> dict[str, list[str]]:
+    """Return settings in words, each with the metrics that have them."""
+    labels: dict[str, list[str]] = {}
     for column in columns:
-        found = [score for (_, metric), score in scores.items() if metric == column.metric]
-        settings = found[0].settings if found else {}
-        words = "; ".join(f"{key}: {value}" for key, value in settings.items())
+        of_column = [score for (_, metric), score in scores.items() if metric == column.metric]
+        settings = of_column[0].settings if of_column else {}
+        words = "; ".join(f"{name}: {value}" for name, value in settings.items())
         if words:
-            shared.setdefault(words.replace("_", " "), []).append(column.label)
-    return shared
+            labels.setdefault(words.replace("_", " "), []).append(column.label)
+    return labels
 
 
 def first_and_second(
     scores: Sequence[float], better: Better, recorded: float, decimals: int
 ) -> tuple[frozenset[int], frozenset[int]]:
-    """Return the places of the best scores and of the second best.
+    """Return the indices of the best scores and of the second best.
 
-    Scores that are the same as they are printed share a rank. Where all are the same, or there is
-    one, none is best.
+    Scores that are printed alike share a rank. If all are printed alike, none is best.
 
     Parameters
     ----------
     scores : sequence of float
-        NaN where there is none, which has no rank.
+        NaN for no score, which has no rank.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
         Which scores are better.
     recorded : float
-        The score of recorded motion, for nearness to it; NaN where it is not known.
+        The score of recorded motion; NaN if unknown.
     decimals : int
-        As many as are printed.
+        How many are printed.
     """
     printed = round(recorded, decimals)
     distances = {}
-    for place, score in enumerate(scores):
+    for index, score in enumerate(scores):
         distance = _distance(round(score, decimals), better, printed)
         if not math.isnan(distance):
-            # Rounded once more: differences of decimal numbers are not exact.
-            distances[place] = round(distance, decimals)
+            # Rounded again: differences of decimal numbers are not exact.
+            distances[index] = round(distance, decimals)
     ranks = sorted(set(distances.values()))
     if len(ranks) < 2:
         return frozenset(), frozenset()
     best, second = (
-        frozenset(place for place, distance in distances.items() if distance == rank)
+        frozenset(index for index, distance in distances.items() if distance == rank)
         for rank in ranks[:2]
     )
     return best, second
 
 
 def _distance(score: float, better: Better, recorded: float) -> float:
-    """Return how far a score is from the best that there could be; NaN where that is not said."""
+    """Return a number that is smallest for the best score; NaN if no direction is better."""
     match better:
         case "lower":
             return score

@@ -1,4 +1,4 @@
-"""Who is analysed, and what they saw: participant flow, looks on the way, how they answered."""
+"""Participants: their flow, exclusions, interim looks and diagnostics; stills of the videos."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ MOST_LOOKS: Final = 100
 
 
 def flow_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return who took part, who was left out by which rule, and why."""
+    """Return who took part, and who was excluded by which rule and why."""
     if subject.origin == "none":
         return None
-    flows = report.flow if len(report.flow) == 1 else (*report.flow, _sum(report.flow))
+    flows = report.flow if len(report.flow) == 1 else (*report.flow, _total(report.flow))
     by_hand = [rule for rule in report.rules if rule.rule == BY_HAND]
     tables = (
         table(
@@ -48,9 +48,9 @@ def flow_section(report: TableReport, subject: Subject) -> Section | None:
             people=subject.people,
             rules=report.rules,
             stages=[
-                stage
-                for stage in _STAGES
-                if any(getattr(flow, stage[0]) is not None for flow in report.flow)
+                (name, heading)
+                for name, heading in _STAGES
+                if any(getattr(flow, name) is not None for flow in report.flow)
             ],
         ),
         table("exclusions", report.exclusions.items()),
@@ -65,39 +65,30 @@ def flow_section(report: TableReport, subject: Subject) -> Section | None:
             by_hand=sum(rule.removed for rule in by_hand),
             unwatched=sum(flow.unwatched or 0 for flow in report.flow),
         ),
-        tables=tuple(one for one in tables if one.rows),
+        tables=tuple(item for item in tables if item.rows),
     )
 
 
-def _sum(flows: tuple[Flow, ...]) -> Flow:
-    columns: dict[str, Any] = {
-        one.name: [getattr(flow, one.name) for flow in flows] for one in fields(Flow)
-    }
-    totals: dict[str, Any] = {
-        name: sum(known) if (known := [one for one in column if one is not None]) else None
-        for name, column in columns.items()
-        if name not in ("arm", "removed")
-    }
-    removed = tuple(map(sum, zip(*columns["removed"], strict=True)))
+def _total(flows: tuple[Flow, ...]) -> Flow:
+    """Return the sum of all arms; None where no arm has a number."""
+    totals: dict[str, Any] = {}
+    for name in (field.name for field in fields(Flow) if field.name not in ("arm", "removed")):
+        numbers = [n for flow in flows if (n := getattr(flow, name)) is not None]
+        totals[name] = sum(numbers) if numbers else None
+    removed = tuple(map(sum, zip(*(flow.removed for flow in flows), strict=True)))
     return replace(flows[0], arm="all", removed=removed, **totals)
 
 
-def is_half_finished(report: TableReport, subject: Subject) -> bool:
-    """Tell whether places of the study are still waiting for somebody to complete them."""
-    return subject.origin == "participants" and any(
-        flow.places is not None and (flow.completed or 0) < flow.places for flow in report.flow
-    )
-
-
 def places_words(report: TableReport, subject: Subject) -> str:
-    """Return how many places are filled; '' where none waits."""
-    if not is_half_finished(report, subject):
+    """Return how many places are filled; '' if none is open."""
+    arms = [flow for flow in report.flow if flow.places is not None]
+    is_open = any((flow.completed or 0) < (flow.places or 0) for flow in arms)
+    if subject.origin != "participants" or not is_open:
         return ""
-    known = [flow for flow in report.flow if flow.places is not None]
     return sentence(
         "participants.places",
-        wanted=sum(flow.places or 0 for flow in known),
-        filled=sum(min(flow.completed or 0, flow.places or 0) for flow in known),
+        planned=sum(flow.places or 0 for flow in arms),
+        filled=sum(min(flow.completed or 0, flow.places or 0) for flow in arms),
     )
 
 
@@ -114,23 +105,23 @@ def flow_line(report: TableReport, subject: Subject) -> str:
 
 
 def looks_section(report: TableReport) -> Section | None:
-    """Return what is logged of looks; None where there were none."""
-    found = report.looks
-    if not found.count:
+    """Return the logged looks at results; None if there were none."""
+    looks = report.looks
+    if not looks.count:
         return None
     return Section(
         anchor="looks",
         heading="Looks at results before the end",
-        paragraphs=paragraphs("participants.before", looks=found, told=_looked(report)),
-        tables=(table("looks", found.looks[-MOST_LOOKS:], all=len(found.looks)),),
+        paragraphs=paragraphs("participants.looks_before", looks=looks, sentence=_looked(report)),
+        tables=(table("looks", looks.looks[-MOST_LOOKS:], all=len(looks.looks)),),
     )
 
 
 def looks_sentence(report: TableReport) -> str:
-    """Return in one sentence that there were looks; '' where there were none."""
+    """Return in one sentence that there were looks; '' if there were none."""
     if not report.looks.count:
         return ""
-    return f"{_looked(report)}; the p values and intervals do not allow for that."
+    return f"{_looked(report)}; the p values and intervals do not correct for that."
 
 
 def _looked(report: TableReport) -> str:
@@ -138,7 +129,7 @@ def _looked(report: TableReport) -> str:
 
 
 def diagnostics_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return what the answers say about themselves; None where there are none."""
+    """Return side bias, agreement and response times; None without answers."""
     if subject.origin == "none" or not report.participants.recruited:
         return None
     results, tables = report.results, []
@@ -154,35 +145,35 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
     if isinstance(results, RankingResults):
         tables.append(table("kendall_w_table", results.kendall_w.rows()))
     else:
-        again = [row for row in results.test_retest.rows() if row.found.n]
+        retested = [row for row in results.test_retest.rows() if row.found.n]
         tables.append(table("agreement_table", results.agreement.rows()))
-        tables.append(table("test_retest_table", again))
+        tables.append(table("test_retest_table", retested))
     return Section(
         anchor="diagnostics",
         heading="How the answers were given",
         paragraphs=paragraphs(
-            "participants.given",
+            "participants.diagnostics",
             people=subject.people,
             times=report.quality.response_seconds,
-            alike=report.quality.straight_lining,
+            straight_lining=report.quality.straight_lining,
         ),
-        tables=tuple(one for one in tables if one.rows),
+        tables=tuple(item for item in tables if item.rows),
     )
 
 
 def sensitivity_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return the headline numbers with and without exclusions; None where nobody is left out."""
+    """Return the headline numbers with and without exclusions; None if nobody is excluded."""
     if not report.sensitivity:
         return None
-    results, side = report.results, None
+    results, reference = report.results, None
     if isinstance(results, PairwiseResults) and results.comparisons:
-        side = reference_of(results.comparisons, subject.reference)
+        reference = reference_of(results.comparisons, subject.reference)
     # The reference stands first, as in the headline.
     shown = [
-        _turned(one) if side is not None and one.conditions[1:] == (side,) else one
-        for one in report.sensitivity
+        _turned(entry) if reference is not None and entry.conditions[1:] == (reference,) else entry
+        for entry in report.sensitivity
     ]
-    is_planned = all(one.is_as_planned for one in shown)
+    is_planned = all(entry.is_as_planned for entry in shown)
     groups = {"analysed": "analysed", "as_planned": "as planned", "everyone": "nobody excluded"}
     if is_planned:
         del groups["as_planned"]
@@ -197,35 +188,35 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
                 shown,
                 measure=wording.MEASURES[measure],
                 groups=groups,
-                of=lambda one: " – ".join(map(wording.condition, one.conditions)),
-                words=wording.number_style(measure),
+                names=lambda entry: " – ".join(map(wording.condition, entry.conditions)),
+                formatted=wording.number_style(measure),
             ),
         ),
     )
 
 
-def _turned(one: Sensitivity) -> Sensitivity:
+def _turned(entry: Sensitivity) -> Sensitivity:
     return replace(
-        one,
-        conditions=one.conditions[::-1],
-        analysed=one.analysed.mirrored(),
-        as_planned=one.as_planned.mirrored(),
-        everyone=one.everyone.mirrored(),
+        entry,
+        conditions=entry.conditions[::-1],
+        analysed=entry.analysed.mirrored(),
+        as_planned=entry.as_planned.mirrored(),
+        everyone=entry.everyone.mirrored(),
     )
 
 
 def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section | None:
-    """Return how a rehearsal's estimates compare with what its raters were given."""
+    """Return how a rehearsal's estimates compare with the true values of its raters."""
     pairs = found_values(reports, subject.truth)
     if not pairs:
         return None
-    intervals = sum(found.has_interval for _, found in pairs)
+    intervals = sum(estimate.has_interval for _, estimate in pairs)
     return Section(
         anchor="truth",
         heading="Known truth against estimate",
         paragraphs=paragraphs(
             "participants.truth",
-            inside=sum(found.covers(known.value) for known, found in pairs),
+            inside=sum(estimate.covers(truth.value) for truth, estimate in pairs),
             intervals=intervals,
             missing=f"{100 * (1 - LEVEL**intervals):.0f}",
         ),
@@ -233,30 +224,26 @@ def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section |
     )
 
 
-ANCHOR = "stills"
-HEADING = "What the conditions look like"
-
-
-def strip_section(subject: Subject) -> Section | None:
-    """Return a row of stills for each condition; None where there cannot be any."""
+def stills_section(subject: Subject) -> Section | None:
+    """Return a row of stills for each condition, or why there are none; None for a table."""
+    section = Section(anchor="stills", heading="What the conditions look like")
     if not subject.stills:
-        said = (subject.no_stills,)
-        return Section(anchor=ANCHOR, heading=HEADING, paragraphs=said) if said[0] else None
+        no_stills = subject.no_stills
+        return replace(section, paragraphs=(no_stills,)) if no_stills else None
     segment = subject.stills[0].segment
-    rows = {name: list(own) for name, own in groupby(subject.stills, lambda one: one.condition)}
+    rows = {name: list(row) for name, row in groupby(subject.stills, lambda s: s.condition)}
     excerpt = subject.excerpts.get(segment)
     picture = Picture(
         svg=_strip(rows),
-        caption=f"Segment {wording.name(segment)}: each row is a condition, each column a moment "
-        "in seconds from the beginning.",
+        caption=f"Segment {wording.name(segment)}: a row for each condition and a column for each "
+        "time, in seconds from the start.",
     )
-    return Section(
-        anchor=ANCHOR,
-        heading=HEADING,
+    return replace(
+        section,
         paragraphs=paragraphs(
             "participants.stills",
             segment=segment,
-            said=excerpt.transcript if excerpt else "",
+            transcript=excerpt.transcript if excerpt else "",
             missing=[wording.condition(name) for name in subject.conditions if name not in rows],
         ),
         pictures=(picture,),
@@ -264,7 +251,7 @@ def strip_section(subject: Subject) -> Section | None:
 
 
 def _strip(rows: dict[str, list[Still]]) -> Markup:
-    """Return the stills as a table of pictures, each with words for those who cannot see it."""
+    """Return the stills as a table of pictures, each with a text alternative."""
     head = (
         Markup('<th scope="col">{:.1f} s{}</th>').format(
             still.seconds, f" “{still.word}”" if still.word else ""
@@ -273,7 +260,7 @@ def _strip(rows: dict[str, list[Still]]) -> Markup:
     )
     body = (
         Markup('<tr><th scope="row">{}</th>{}</tr>').format(
-            wording.condition(name), Markup("").join(map(_cell, stills))
+            wording.condition(name), Markup("").join(map(_image_cell, stills))
         )
         for name, stills in rows.items()
     )
@@ -282,7 +269,7 @@ def _strip(rows: dict[str, list[Still]]) -> Markup:
     ).format(Markup("").join(head), Markup("").join(body))
 
 
-def _cell(still: Still) -> Markup:
-    said = f", at “{still.word}”" if still.word else ""
-    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds{said}"
+def _image_cell(still: Still) -> Markup:
+    word = f", at “{still.word}”" if still.word else ""
+    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds{word}"
     return Markup('<td><img src="{}" alt="{}"></td>').format(still.image, words)

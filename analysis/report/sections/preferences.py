@@ -1,7 +1,4 @@
-"""Preferences as AMUSE shows them, and what several conditions allow beyond that.
-
-Pairwise comparisons, and the same motion with its own and with other speech.
-"""
+"""Preferences as AMUSE shows them, matrices of many conditions, and mismatched speech."""
 
 from __future__ import annotations
 
@@ -12,10 +9,10 @@ from itertools import groupby
 from typing import Final, TypeVar
 
 from analysis.report import wording
-from analysis.report.content import About, Picture, Section, Table, headline_section
-from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
+from analysis.report.content import FigureText, Picture, Section, Table, headline_section
+from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
 from analysis.report.figures.panels import Row
-from analysis.report.figures.style import FIVE, Scale
+from analysis.report.figures.style import DIVERGING, Scale
 from analysis.report.sections.rankings import (
     contrasts_table,
     standings_table,
@@ -23,74 +20,76 @@ from analysis.report.sections.rankings import (
     strongest_first,
 )
 from analysis.report.subject import Subject
-from analysis.report.texts import about, table
-from analysis.report.wording import SIGNIFICANCE, share_words, suffix, why_no_figure
+from analysis.report.texts import figure_text, table
+from analysis.report.wording import SIGNIFICANCE, reason_for_no_figure, set_suffix, share_words
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import Comparison, MatchedCondition
+from analysis.results.strengths import StrengthModel
 
 MOST_BARS: Final = 15
-"""Comparisons up to which each has its bar; more of them are shown as a matrix."""
+"""Comparisons up to which each has a bar; more of them are shown as a matrix."""
 
 _SHARES: Final = Scale(
     limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share", line=0.5
 )
 
-Placed = TypeVar("Placed", Comparison, MatchedCondition)
+ResultT = TypeVar("ResultT", Comparison, MatchedCondition)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreferenceRow:
-    """One question about one thing (`one`) against another (`other`).
+    """The answers to one question about two sides, `one` against `other`.
 
     Attributes
     ----------
     label : str
-        Names the row beside the others of its group.
+        Names the row within its group.
     one, other : str
-        What it is about, for reading.
-    found : Comparison or MatchedCondition
-        What the answers say for the one.
+        The names of the sides.
+    result : Comparison or MatchedCondition
+        From the side of `one`.
     """
 
     label: str
     one: str
     other: str
-    found: Comparison | MatchedCondition
+    result: Comparison | MatchedCondition
 
     @property
     def levels(self) -> tuple[int, ...]:
         """How many answered clearly one, slightly one, no difference, slightly, clearly other."""
-        return tuple(self.found.counts.values())
+        return tuple(self.result.counts.values())
 
     @property
     def percentages(self) -> tuple[float, ...]:
-        """The levels in percent of all answers; zeros without any."""
-        return tuple(100 * level / max(self.found.n, 1) for level in self.levels)
+        """The levels in percent of all answers; zeros without answers."""
+        return tuple(100 * level / max(self.result.n, 1) for level in self.levels)
 
     @property
     def sides(self) -> tuple[float, ...]:
-        """Percent for the one, for the other and for neither; NaN without any answers."""
-        clearly, slightly, equal, less, least = self.percentages
-        found = (clearly + slightly, less + least, equal)
-        return found if self.found.n else (math.nan,) * 3
+        """Percent for one, for other and for neither; NaN without answers."""
+        if not self.result.n:
+            return (math.nan,) * 3
+        clearly, slightly, neither, slightly_other, clearly_other = self.percentages
+        return clearly + slightly, slightly_other + clearly_other, neither
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreferenceGroup:
-    """The rows of one set, which one figure shows together.
+    """The rows of one set, which share a figure.
 
     Attributes
     ----------
     set : str or None
-        None where the table has no sets.
+        None without sets.
     one, other : str
-        What the two sides of every row are called together.
+        Names of the two sides that fit every row.
     heading : str
         Of the column that names the rows.
     data : str
-        File in the report's ``tables`` folder with all that is known of them.
+        File in the report's ``tables`` folder with the full results.
     rows : tuple of PreferenceRow
-        By question, emotion first as in AMUSE's Figure 6, and within it by win share on the first
+        By question, emotion first as in AMUSE's Figure 6, and then by win share on the first
         question.
     """
 
@@ -103,22 +102,22 @@ class PreferenceGroup:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The rows' labels, in order."""
+        """The labels of the rows, in order."""
         return tuple(dict.fromkeys(row.label for row in self.rows))
 
     @property
     def questions(self) -> tuple[str, ...]:
-        """What was asked, in order."""
-        return tuple(dict.fromkeys(row.found.question for row in self.rows))
+        """The questions, in order."""
+        return tuple(dict.fromkeys(row.result.question for row in self.rows))
 
     @property
-    def why_no_figure(self) -> str:
-        """Why nothing is drawn; '' where there is something to see."""
-        answers = sum(row.found.n for row in self.rows)
+    def reason_for_no_figure(self) -> str:
+        """Why no figure is drawn, or '' if one can be drawn."""
+        answers = sum(row.result.n for row in self.rows)
         is_tied = answers == sum(row.levels[2] for row in self.rows)
-        return why_no_figure(
+        return reason_for_no_figure(
             answers=answers,
-            participants=max(row.found.attentive for row in self.rows),
+            participants=max(row.result.attentive for row in self.rows),
             tied=f"Every one of the {answers} answers is “no difference”: nobody preferred "
             "anything, so there is nothing to draw and nothing to test."
             if is_tied
@@ -127,41 +126,46 @@ class PreferenceGroup:
 
 
 def levels(one: str, other: str) -> tuple[str, ...]:
-    """Return what the five answers are called."""
-    ours, theirs = (f"clearly {one}", f"slightly {one}"), (f"slightly {other}", f"clearly {other}")
-    return (*ours, "no difference", *theirs)
+    """Return the names of the five answers."""
+    return (
+        f"clearly {one}",
+        f"slightly {one}",
+        "no difference",
+        f"slightly {other}",
+        f"clearly {other}",
+    )
 
 
 def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[PreferenceGroup, ...]:
     """Return the comparisons of each set, seen from the reference where there is one."""
-    found = []
-    for members in _by_set(results.comparisons):
-        side = reference_of(members, reference)
-        rows = [_compared(comparison, side) for comparison in members]
+    groups = []
+    for comparisons in _by_set(results.comparisons):
+        first = reference_of(comparisons, reference)
+        rows = [_row(comparison, first) for comparison in comparisons]
         names = ("the first", "the second", "first against second")
-        if side is not None:
-            names = (wording.condition(side), "the other", "against")
-        found.append(_group(names, "comparisons.csv", rows))
-    return tuple(found)
+        if first is not None:
+            names = (wording.condition(first), "the other", "against")
+        groups.append(_group(names, "comparisons.csv", rows))
+    return tuple(groups)
 
 
-def _compared(comparison: Comparison, reference: str | None) -> PreferenceRow:
-    found = comparison.mirrored() if comparison.b == reference else comparison
-    one, other = wording.condition(found.a), wording.condition(found.b)
+def _row(comparison: Comparison, reference: str | None) -> PreferenceRow:
+    result = comparison.mirrored() if comparison.b == reference else comparison
+    one, other = wording.condition(result.a), wording.condition(result.b)
     label = f"{one} against {other}" if reference is None else other
-    return PreferenceRow(label=label, one=one, other=other, found=found)
+    return PreferenceRow(label=label, one=one, other=other, result=result)
 
 
 def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
-    """Return the condition from whose side comparisons are seen.
+    """Return the condition that stands first in all comparisons, or None.
 
     Parameters
     ----------
     comparisons : sequence of Comparison
         Of one set.
     reference : str or None
-        What the study says; without it, the condition that all comparisons have in common, the
-        first one of two.
+        The study's reference; without it, the condition that all comparisons share, or the first
+        of two such conditions.
     """
     candidates = (comparisons[0].a, comparisons[0].b) if reference is None else (reference,)
     common = [name for name in candidates if all(name in (c.a, c.b) for c in comparisons)]
@@ -169,188 +173,194 @@ def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> st
 
 
 def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
-    """Return the conditions of each set, seen from their own speech."""
+    """Return the conditions of each set, from the side of their own speech."""
     one, other = "own speech", "other speech"
     return tuple(
         _group(
             (one, other, "condition"),
             "conditions.csv",
             [
-                PreferenceRow(label=wording.condition(c.condition), one=one, other=other, found=c)
-                for c in members
+                PreferenceRow(label=wording.condition(c.condition), one=one, other=other, result=c)
+                for c in conditions
             ],
         )
-        for members in _by_set(results.conditions)
+        for conditions in _by_set(results.conditions)
     )
 
 
-def _by_set(members: Sequence[Placed]) -> Iterable[list[Placed]]:
-    return (list(inside) for _, inside in groupby(members, key=lambda one: one.set))
+def _by_set(results: Sequence[ResultT]) -> Iterable[list[ResultT]]:
+    return (list(of_set) for _, of_set in groupby(results, key=lambda result: result.set))
 
 
 def _group(
     names: tuple[str, str, str], data: str, rows: Sequence[PreferenceRow]
 ) -> PreferenceGroup:
-    questions = dict.fromkeys(row.found.question for row in rows)
+    questions = dict.fromkeys(row.result.question for row in rows)
     ordered = sorted(questions, key=lambda question: "emotion" not in question)
     shares = {
-        row.label: row.found.win_share.estimate
+        row.label: row.result.win_share.estimate
         for row in rows
-        if row.found.question == ordered[0] and row.found.n
+        if row.result.question == ordered[0] and row.result.n
     }
 
-    def place(row: PreferenceRow) -> tuple[int, float]:
-        return ordered.index(row.found.question), -shares.get(row.label, -1.0)
+    def order(row: PreferenceRow) -> tuple[int, float]:
+        return ordered.index(row.result.question), -shares.get(row.label, -1.0)
 
     one, other, heading = names
     return PreferenceGroup(
-        set=rows[0].found.set,
+        set=rows[0].result.set,
         one=one,
         other=other,
         heading=heading,
         data=data,
-        rows=tuple(sorted(rows, key=place)),
+        rows=tuple(sorted(rows, key=order)),
     )
 
 
 def pairwise_sections(results: PairwiseResults, subject: Subject) -> tuple[Section, ...]:
-    """Return one section for each set; a reference is what all others are compared with."""
+    """Return one section for each set."""
     return tuple(
-        _pairwise_section(results, group, subject.mark, suffix(group.set, number))
+        _pairwise_section(results, group, subject.mark, set_suffix(group.set, number))
         for number, group in enumerate(pairwise_groups(results, subject.reference), start=1)
     )
 
 
 def _pairwise_section(
-    results: PairwiseResults, group: PreferenceGroup, mark: str, end: str
+    results: PairwiseResults, group: PreferenceGroup, mark: str, suffix: str
 ) -> Section:
     strengths = results.bradley_terry.of_set(group.set)
-    contrasts = [one for one in results.contrasts if one.set == group.set]
+    contrasts = [contrast for contrast in results.contrasts if contrast.set == group.set]
+    has_reference = group.heading == "against"
 
     def pictures() -> tuple[Picture, ...]:
-        bars = (
-            preference_pictures(group, about("preferences", end=end, mark=mark, group=group))
-            if group.heading == "against" or len(group.labels) <= MOST_BARS
-            else ()
-        )
-        if group.heading == "against":
-            return bars
-        fitted = {name: strengths[name] for name in group.questions if name in strengths}
-        told = about("strengths", end=end, mark=mark)
-        return (
-            *(bars or _matrix(results, group, about("win-share-matrix", end=end, mark=mark))),
-            *strength_pictures(fitted, "strength in logits", told),
-        )
+        if has_reference or len(group.labels) <= MOST_BARS:
+            text = figure_text("preferences", suffix=suffix, mark=mark, group=group)
+            drawn = preference_pictures(group, text)
+        else:
+            text = figure_text("win-share-matrix", suffix=suffix, mark=mark)
+            drawn = _matrix_pictures(results, group, text)
+        if has_reference:
+            return drawn
+        text = figure_text("strengths", suffix=suffix, mark=mark)
+        fitted = _fitted(results, group)
+        return (*drawn, *strength_pictures(fitted, "strength in logits", text))
 
-    few = len({name for one in contrasts for name in one.names}) < 3
+    tables = _tables(group, "preferences")
+    if strengths:
+        tables.append(standings_table(strengths, "strengths"))
+        if len({name for contrast in contrasts for name in contrast.names}) > 2:
+            tables.append(contrasts_table(contrasts, strengths, "strengths"))
     return headline_section(
         group.set,
-        end,
+        suffix,
         "What was preferred",
-        reason=group.why_no_figure,
+        no_figure=group.reason_for_no_figure,
         pictures=pictures,
-        tables=(
-            *_tables(group, "preferences"),
-            *([standings_table(strengths, "strengths")] if strengths else []),
-            *([] if few or not strengths else [contrasts_table(contrasts, strengths, "strengths")]),
-        ),
+        tables=tables,
     )
+
+
+def _fitted(results: PairwiseResults, group: PreferenceGroup) -> dict[str, StrengthModel]:
+    strengths = results.bradley_terry.of_set(group.set)
+    return {question: strengths[question] for question in group.questions if question in strengths}
 
 
 def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Section, ...]:
     """Return one section for each set."""
 
-    def section(group: PreferenceGroup, end: str) -> Section:
-        told = about("preferences", mark=subject.mark, group=group)
+    def section(group: PreferenceGroup, suffix: str) -> Section:
+        text = figure_text("preferences", mark=subject.mark, group=group)
         sums, shares, *others = _tables(group, "own-speech")
         return headline_section(
             group.set,
-            end,
+            suffix,
             "Whether the motion fits its own speech",
-            reason=group.why_no_figure,
-            paragraph="A win share of .5 is what a condition gets whose motion fits any speech as "
-            "well as its own; a higher one says that its motion belongs to what is said.",
-            pictures=lambda: preference_pictures(group, replace(told, name=f"own-speech{end}")),
+            no_figure=group.reason_for_no_figure,
+            paragraph="A condition whose motion fits any speech as well as its own has a win share "
+            "of .5; a higher one means that its motion belongs to what is said.",
+            pictures=lambda: preference_pictures(group, replace(text, name=f"own-speech{suffix}")),
             tables=(shares, sums, *others),
         )
 
     return tuple(
-        section(group, suffix(group.set, number))
+        section(group, set_suffix(group.set, number))
         for number, group in enumerate(mismatch_groups(results), start=1)
     )
 
 
-def _tables(group: PreferenceGroup, name: str) -> tuple[Table, ...]:
-    names = levels(group.one, group.other)
-    return (
+def _tables(group: PreferenceGroup, name: str) -> list[Table]:
+    answers = levels(group.one, group.other)
+    return [
         table("preferences", group.rows, group=group, name=name),
         *(
-            table(kind, group.rows, group=group, levels=names)
+            table(kind, group.rows, group=group, levels=answers)
             for kind in ("win-shares", "counts", "as-published")
         ),
-    )
+    ]
 
 
-def preference_pictures(group: PreferenceGroup, told: About) -> tuple[Picture, ...]:
-    """Draw answers as bars around 'no difference', win shares beside: AMUSE's Figure 6."""
-    by_place = {(row.label, row.found.question): row for row in group.rows}
+def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Picture, ...]:
+    """Draw answers as bars around 'no difference', with win shares: AMUSE's Figure 6."""
+    by_name = {(row.label, row.result.question): row for row in group.rows}
     panels = {
-        question: [_bar(by_place.get((label, question))) for label in group.labels]
+        question: [_bar(by_name.get((label, question))) for label in group.labels]
         for question in group.questions
     }
-    sides = [
+    ends = [
         abs(end)
         for bars in panels.values()
         for bar in bars
         for end in (bar.start, bar.start + sum(part.percent for part in bar.parts))
     ]
-    reach = min(100, max(60, math.ceil(max(sides)) + 5))
-    people = {
-        label: max(row.found.attentive for row in group.rows if row.label == label)
+    limit = min(100, max(60, math.ceil(max(ends)) + 5))
+    participants = {
+        label: max(row.result.attentive for row in group.rows if row.label == label)
         for label in group.labels
     }
     return bar_pictures(
         panels,
-        [Row(label, f"n = {people[label]}") for label in group.labels],
-        dict(zip(levels(group.one, group.other), FIVE, strict=True)),
+        [Row(label, f"n = {participants[label]}") for label in group.labels],
+        dict(zip(levels(group.one, group.other), DIVERGING, strict=True)),
         Scale(
-            limits=(-reach, reach),
+            limits=(-limit, limit),
             ticks={-50: "50%", 0: "0", 50: "50%"},
             ends=(group.one.removeprefix("the "), group.other.removeprefix("the ")),
             line=0,
         ),
         _SHARES,
-        told,
+        text,
     )
 
 
 def _bar(row: PreferenceRow | None) -> Bar:
-    if row is None or not row.found.n:
+    if row is None or not row.result.n:
         return Bar()
     percents = row.percentages
-    named = zip(percents, FIVE, row.levels, levels(row.one, row.other), strict=True)
+    parts = zip(percents, DIVERGING, row.levels, levels(row.one, row.other), strict=True)
     return Bar(
         start=-(percents[0] + percents[1] + percents[2] / 2),
         parts=tuple(
-            Part(percent, colour, f"{level}: {count} of {row.found.n} answers ({percent:.0f}%)")
-            for percent, colour, count, level in named
+            Part(percent, colour, f"{level}: {count} of {row.result.n} answers ({percent:.0f}%)")
+            for percent, colour, count, level in parts
         ),
-        beside=row.found.win_share,
-        written=wording.share,
+        estimate=row.result.win_share,
+        formatted=wording.share,
     )
 
 
-def _matrix(results: PairwiseResults, group: PreferenceGroup, told: About) -> tuple[Picture, ...]:
-    comparisons = [one for one in results.comparisons if one.set == group.set and one.n]
-    shares: dict[str, dict[tuple[str, str], Won]] = {name: {} for name in group.questions}
-    for one in comparisons:
-        for seen in (one, one.mirrored()):
-            shares[one.question][seen.a, seen.b] = Won(
-                seen.win_share.estimate,
-                share_words(seen.win_share),
-                one.decision.p_holm < SIGNIFICANCE,
+def _matrix_pictures(
+    results: PairwiseResults, group: PreferenceGroup, text: FigureText
+) -> tuple[Picture, ...]:
+    comparisons = [c for c in results.comparisons if c.set == group.set]
+    cells: dict[str, dict[tuple[str, str], MatrixCell]] = {name: {} for name in group.questions}
+    for comparison in comparisons:
+        if not comparison.n:
+            continue
+        for side in (comparison, comparison.mirrored()):
+            cells[side.question][side.a, side.b] = MatrixCell(
+                side.win_share.estimate,
+                share_words(side.win_share),
+                comparison.decision.p_holm < SIGNIFICANCE,
             )
-    strengths = results.bradley_terry.of_set(group.set)
-    fitted = {name: strengths[name] for name in group.questions if name in strengths}
-    names = [name for one in results.comparisons if one.set == group.set for name in one.names]
-    return matrix_pictures(shares, strongest_first(fitted, names), told)
+    names = [name for comparison in comparisons for name in comparison.names]
+    return matrix_pictures(cells, strongest_first(_fitted(results, group), names), text)

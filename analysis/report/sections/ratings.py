@@ -1,4 +1,4 @@
-"""Ratings as the user study of Speech2UnifiedExpressions shows them, and every contrast."""
+"""Ratings as Speech2UnifiedExpressions shows them, and pairwise differences."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from analysis.report.content import Picture, Section, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
-from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, sign_of
+from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, series_style
 from analysis.report.subject import Subject
-from analysis.report.texts import about, table
-from analysis.report.wording import number, suffix, why_no_figure
+from analysis.report.texts import figure_text, table
+from analysis.report.wording import number, reason_for_no_figure, set_suffix
 from analysis.results.rating import RatedCondition, RatingContrast, RatingResults
 
 MOST_PAIRS: Final = 15
@@ -24,41 +24,45 @@ MOST_PAIRS: Final = 15
 
 
 def rating_sections(results: RatingResults, subject: Subject) -> tuple[Section, ...]:
-    """Return one section for each set; the subject names the points of the scales."""
+    """Return one section for each set."""
     sets = dict.fromkeys(c.set for c in results.conditions)
     return tuple(
-        _section(results, name, subject, suffix(name, place)) for place, name in enumerate(sets, 1)
+        _section(results, name, subject, set_suffix(name, number))
+        for number, name in enumerate(sets, start=1)
     )
 
 
-def _section(results: RatingResults, name: str | None, subject: Subject, end: str) -> Section:
-    conditions = [c for c in results.conditions if c.set == name]
-    contrasts = [c for c in results.contrasts if c.set == name]
+def _section(
+    results: RatingResults, set_name: str | None, subject: Subject, suffix: str
+) -> Section:
+    conditions = [c for c in results.conditions if c.set == set_name]
+    contrasts = [c for c in results.contrasts if c.set == set_name]
     tables = [_scores(conditions), table("means", conditions)]
     if contrasts:
         tables.append(table("rating-contrasts", contrasts))
-        tables.append(table("model", contrasts, models=results.clmm.of_set(name)))
+        tables.append(table("model", contrasts, models=results.clmm.of_set(set_name)))
 
     def pictures() -> tuple[Picture, ...]:
         labels, mark = subject.scale_labels, subject.mark
-        few = 0 < len(contrasts) <= MOST_PAIRS * len({c.question for c in contrasts})
+        questions = {c.question for c in contrasts}
+        draws_contrasts = 0 < len(contrasts) <= MOST_PAIRS * len(questions)
         return (
-            *distribution_pictures(conditions, labels, end=end, mark=mark),
-            *_cumulative_pictures(conditions, end, mark),
-            *(_contrast_pictures(contrasts, end, mark) if few else ()),
+            *distribution_pictures(conditions, labels, suffix=suffix, mark=mark),
+            *_cumulative_pictures(conditions, suffix, mark),
+            *(_contrast_pictures(contrasts, suffix, mark) if draws_contrasts else ()),
         )
 
-    given = {score for c in conditions for score, count in c.counts.items() if count}
+    scores = {score for c in conditions for score, count in c.counts.items() if count}
     return headline_section(
-        name,
-        end,
+        set_name,
+        suffix,
         "How the conditions were rated",
-        reason=why_no_figure(
+        no_figure=reason_for_no_figure(
             answers=sum(c.n for c in conditions),
             participants=max(c.participants for c in conditions),
-            tied=f"Every rating is {given.pop()}: nothing tells the conditions apart, so there is "
+            tied=f"Every rating is {scores.pop()}: nothing tells the conditions apart, so there is "
             "nothing to draw and nothing to test."
-            if len(given) == 1
+            if len(scores) == 1
             else "",
         ),
         pictures=pictures,
@@ -67,17 +71,17 @@ def _section(results: RatingResults, name: str | None, subject: Subject, end: st
 
 
 def _scores(conditions: Sequence[RatedCondition]) -> Table:
-    """Return the table of means, the best and the second best marked, as they are shown."""
-    shown: dict[str, list[float]] = {}
+    """Return the table of means, the best and the second best as printed marked."""
+    printed: dict[str, set[float]] = {}
     for c in conditions:
         if not math.isnan(c.estimate):
-            shown.setdefault(c.question, []).append(round(c.estimate, 2))
-    ranked = {question: sorted(set(means), reverse=True) for question, means in shown.items()}
+            printed.setdefault(c.question, set()).add(round(c.estimate, 2))
+    ranked = {q: sorted(means, reverse=True) for q, means in printed.items() if len(means) > 1}
     best, second = (
         [
             c
             for c in conditions
-            if ranked.get(c.question, [])[1:] and round(c.estimate, 2) == ranked[c.question][place]
+            if c.question in ranked and round(c.estimate, 2) == ranked[c.question][place]
         ]
         for place in (0, 1)
     )
@@ -88,45 +92,47 @@ def distribution_pictures(
     conditions: Sequence[RatedCondition],
     labels: Mapping[str, Sequence[str]],
     *,
-    end: str = "",
+    suffix: str = "",
     mark: str = "",
 ) -> tuple[Picture, ...]:
-    """Draw how often each score was given, with means beside: S2UE's Figure 6.
+    """Draw how often each score was given, with means: S2UE's Figure 6.
 
     Parameters
     ----------
     conditions : sequence of RatedCondition
         Of one set.
     labels : mapping of str to sequence of str
-        By question, what its scores are called, worst first; the legend says so where all
-        questions agree, and otherwise the caption.
-    end, mark
-        See `analysis.report.texts.about`.
+        By question, the labels of its scores, worst first; they are in the legend if all questions
+        have the same ones, otherwise in the caption.
+    suffix, mark
+        See `analysis.report.texts.figure_text`.
     """
     scores = tuple(conditions[0].counts)
     questions = tuple(dict.fromkeys(c.question for c in conditions))
     names = tuple(dict.fromkeys(c.condition for c in conditions))
-    by_place = {(c.condition, c.question): c for c in conditions}
-    ratings = {one: max(c.n for c in conditions if c.condition == one) for one in names}
-    called = {question: tuple(labels.get(question, ())) for question in questions}
-    own, *others = set(called.values())
-    words = [str(score) for score in scores]
-    if len(own) == len(scores) and not others:
-        words = [f"{score} {label}" for score, label in zip(scores, own, strict=True)]
+    by_name = {(c.condition, c.question): c for c in conditions}
+    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
+    by_question = {question: tuple(labels.get(question, ())) for question in questions}
+    first, *others = set(by_question.values())
+    legend = [str(score) for score in scores]
+    if len(first) == len(scores) and not others:
+        legend = [f"{score} {label}" for score, label in zip(scores, first, strict=True)]
     else:
-        words[0], words[-1] = f"{words[0]} (worst)", f"{words[-1]} (best)"
-    said = {name: own for name, own in called.items() if others and len(own) == len(scores)}
+        legend[0], legend[-1] = f"{legend[0]} (worst)", f"{legend[-1]} (best)"
+    in_caption = {q: own for q, own in by_question.items() if others and len(own) == len(scores)}
     ends = (scores[0], scores[-1])
     return bar_pictures(
         {
-            question: [_bar(by_place.get((one, question))) for one in names]
+            question: [_bar(by_name.get((name, question))) for name in names]
             for question in questions
         },
-        [Row(wording.condition(one), f"n = {ratings[one]}") for one in names],
-        dict(zip(words, scale_colours(len(scores)), strict=True)),
+        [Row(wording.condition(name), f"n = {counts[name]}") for name in names],
+        dict(zip(legend, scale_colours(len(scores)), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of ratings"),
         Scale(limits=ends, ticks={score: str(score) for score in ends}, label="mean"),
-        about("ratings", end=end, mark=mark, called=said, scores=scores),
+        figure_text(
+            "ratings", suffix=suffix, mark=mark, labels_by_question=in_caption, scores=scores
+        ),
     )
 
 
@@ -141,16 +147,16 @@ def _bar(rated: RatedCondition | None) -> Bar:
                 shares, scale_colours(len(shares)), strict=True
             )
         ),
-        beside=rated,
+        estimate=rated,
     )
 
 
 def _cumulative_pictures(
-    conditions: Sequence[RatedCondition], end: str, mark: str
+    conditions: Sequence[RatedCondition], suffix: str, mark: str
 ) -> tuple[Picture, ...]:
     """Draw how many ratings reach each score, a line per condition: S2UE's Figure 7."""
     scores = tuple(conditions[0].counts)
-    by_place = {(c.condition, c.question): c for c in conditions}
+    by_name = {(c.condition, c.question): c for c in conditions}
     names = tuple(dict.fromkeys(c.condition for c in conditions))
     scale = Scale(
         limits=(scores[0] - 0.1, scores[-1] + 0.1),
@@ -160,39 +166,40 @@ def _cumulative_pictures(
 
     def draw(panel: Panel, question: str) -> Hints:
         axes = panel.axes[0]
-        for place, one in enumerate(names):
-            if rated := by_place.get((one, question)):
-                axes.add_line(_curve(place, rated.at_least))
-        scale.dress(axes, panel.inches)
+        for index, name in enumerate(names):
+            if rated := by_name.get((name, question)):
+                axes.add_line(_curve(index, rated.at_least))
+        scale.apply(axes, panel.inches)
         axes.set_ylim(0, 104)
         axes.set_yticks([0, 50, 100], labels=["0", "50", "100%"] if panel.is_first else [""] * 3)
         axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
         axes.grid(axis="y", color=LINE, linewidth=0.5)
         return {}
 
-    told = {
+    descriptions = {
         question: f"{wording.heading(question)}. "
         + "; ".join(
-            f"{wording.condition(c.condition)}: {_reached(c)}"
+            f"{wording.condition(c.condition)}: "
+            + ", ".join(f"{percent:.0f}% at least {s}" for s, percent in c.at_least.items())
             for c in conditions
             if c.question == question
         )
         + "."
         for question in dict.fromkeys(c.question for c in conditions)
     }
-    legend = [_curve(place, {}, wording.condition(one)) for place, one in enumerate(names)]
+    legend = [_curve(index, {}, wording.condition(name)) for index, name in enumerate(names)]
     return panel_pictures(
-        PanelFigure(told=told, draw=draw, height=1.9, legend=legend),
-        about("cumulative", end=end, mark=mark),
+        PanelFigure(descriptions=descriptions, draw=draw, height=1.9, legend=legend),
+        figure_text("cumulative", suffix=suffix, mark=mark),
     )
 
 
-def _curve(place: int, at_least: Mapping[int, float], label: str = "") -> Line2D:
-    colour, marker = sign_of(place)
+def _curve(index: int, at_least: Mapping[int, float], label: str = "") -> Line2D:
+    colour, marker = series_style(index)
     return Line2D(
         *(list(at_least), list(at_least.values())),
         color=colour,
-        linestyle=("-", "--", ":")[place // 3 % 3],
+        linestyle=("-", "--", ":")[index // 3 % 3],
         marker=marker,
         markersize=4,
         linewidth=1.3,
@@ -200,30 +207,24 @@ def _curve(place: int, at_least: Mapping[int, float], label: str = "") -> Line2D
     )
 
 
-def _reached(rated: RatedCondition) -> str:
-    return ", ".join(
-        f"{percent:.0f}% at least {score}" for score, percent in rated.at_least.items()
-    )
-
-
 def _contrast_pictures(
-    contrasts: Sequence[RatingContrast], end: str, mark: str
+    contrasts: Sequence[RatingContrast], suffix: str, mark: str
 ) -> tuple[Picture, ...]:
-    """Draw how much better each condition is rated than each other one, in scores."""
+    """Draw how much better the first condition of each pair is rated, in scores."""
     pairs = list(dict.fromkeys((c.a, c.b) for c in contrasts))
-    by_place = {(c.a, c.b, c.question): c for c in contrasts}
+    by_pair = {(c.a, c.b, c.question): c for c in contrasts}
     return dot_pictures(
         {
-            question: [_difference(by_place.get((a, b, question))) for a, b in pairs]
+            question: [_dot(by_pair.get((a, b, question))) for a, b in pairs]
             for question in dict.fromkeys(c.question for c in contrasts)
         },
         [Row(wording.against(a, b)) for a, b in pairs],
         Scale(label="difference in scores", line=0.0),
-        about("contrasts", end=end, mark=mark),
+        figure_text("contrasts", suffix=suffix, mark=mark),
     )
 
 
-def _difference(contrast: RatingContrast | None) -> Dot:
+def _dot(contrast: RatingContrast | None) -> Dot:
     if contrast is None:
         return dot_of(None, number)
     p = contrast.difference.p_holm

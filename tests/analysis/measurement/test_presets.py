@@ -5,7 +5,7 @@ import pytest
 from analysis.evaluators import network_names
 from analysis.measurement.presets import PRESETS, combined
 from analysis.metrics.result import Better
-from analysis.report.sections.metric import PAPER_TABLES
+from analysis.report.sections.metrics import PAPER_TABLES
 from motion.errors import InputError
 
 

@@ -61,7 +61,7 @@ def test_the_headline_names_what_is_decided(report: TableReport) -> None:
     effect = answer(report, subject_of(report))[0]
 
     assert effect.startswith("Participants preferred system-")
-    assert f"of the other {PAIRS - 1} tests decide too" in effect
+    assert f"of the other {PAIRS - 1} tests are also significant" in effect
 
 
 def test_the_best_and_the_worst_have_no_rank_in_common(report: TableReport) -> None:
@@ -77,4 +77,6 @@ def test_the_best_and_the_worst_have_no_rank_in_common(report: TableReport) -> N
 def test_equal_systems_are_left_undecided(tmp_path: Path) -> None:
     found = report_of(leaderboard(0.0, seed=2), "pairwise", tmp_path)
 
-    assert answer(found, subject_of(found))[0].startswith(f"None of {PAIRS} tests decides")
+    assert answer(found, subject_of(found))[0].startswith(
+        f"None of the {PAIRS} tests is significant"
+    )

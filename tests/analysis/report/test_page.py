@@ -163,7 +163,7 @@ def test_the_policy_lets_the_pages_own_script_run_and_no_other(page: BeautifulSo
 def test_results_keep_what_stands_beside_the_protocols_own_keys(tmp_path: Path) -> None:
     report = report_of(pairwise_table(participants=4, segments=4), "pairwise", tmp_path)
 
-    write_report(report, subject_of(report), tmp_path / "out", beside={"study": {"seed": 3}})
+    write_report(report, subject_of(report), tmp_path / "out", extra_keys={"study": {"seed": 3}})
 
     found = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))
     assert found["study"] == {"seed": 3}

@@ -5,8 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from analysis.report.content import Cell, Table, cells
+from analysis.report.content import Cell, Table
 from analysis.report.tables import LONGEST, as_latex, booktabs
+
+
+def cells(*texts: str) -> tuple[Cell, ...]:
+    return tuple(Cell(text=text) for text in texts)
+
 
 TABLE = Table(
     caption="Answers in %.",

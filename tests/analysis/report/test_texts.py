@@ -47,6 +47,6 @@ def test_a_name_that_a_template_does_not_know_is_an_error() -> None:
 
 
 def test_a_line_break_in_a_name_ends_no_paragraph() -> None:
-    said = paragraphs("participants.stills", segment="s1", said="one\n\ntwo", missing=[])
+    said = paragraphs("participants.stills", segment="s1", transcript="one\n\ntwo", missing=[])
     assert len(said) == 1
-    assert said[0].endswith("It says: “one two”")
+    assert said[0].endswith("The speech: “one two”")

@@ -4,14 +4,14 @@ import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
-from analysis.report.content import About
+from analysis.report.content import FigureText
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import NARROW, WIDE, Row
-from analysis.report.figures.style import POINTS, Scale, fitted
+from analysis.report.figures.style import POINTS_PER_INCH, Scale, fit_text
 from tests.analysis.report.sections.reading import drawn
 
 SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")
-ABOUT = About(name="forest", title="A forest", caption="Effects.")
+TEXT = FigureText(name="forest", title="A forest", caption="Effects.")
 
 NAMES = (
     "AMUSE",
@@ -33,12 +33,12 @@ def test_a_rows_name_is_broken_into_the_lines_that_there_are() -> None:
 
 def test_marks_tell_what_is_descriptive_and_what_is_the_whole() -> None:
     dots = [
-        Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40", descriptive=True),
-        Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint=".50", whole=True),
+        Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40", is_descriptive=True),
+        Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint=".50", is_overall=True),
     ]
-    about = About(name="forest", title="A forest", caption="", mark="Rehearsal")
+    text = FigureText(name="forest", title="A forest", caption="", mark="Rehearsal")
 
-    (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, about)
+    (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, text)
 
     svg = drawn(picture)
     hollow, full = (svg.find(id=f"forest-dot0-{row}") for row in (0, 1))
@@ -52,7 +52,7 @@ def test_marks_tell_what_is_descriptive_and_what_is_the_whole() -> None:
 def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
     dots = [Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40")]
 
-    (picture,) = dot_pictures({"emotion": dots, "rhythm": dots}, [Row("ours")], SCALE, ABOUT)
+    (picture,) = dot_pictures({"emotion": dots, "rhythm": dots}, [Row("ours")], SCALE, TEXT)
 
     wide, narrow = (drawn(picture, place) for place in (0, 1))
     assert (wide["class"], narrow["class"]) == (["wide"], ["narrow"])
@@ -69,7 +69,7 @@ def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
     dots = [Dot(estimate=0.4, hint=".40")] * 12
     questions = [f"question {number}" for number in range(5)]
 
-    pictures = dot_pictures(dict.fromkeys(questions, dots), [Row("ours")] * 12, SCALE, ABOUT)
+    pictures = dot_pictures(dict.fromkeys(questions, dots), [Row("ours")] * 12, SCALE, TEXT)
 
     assert [picture.name for picture in pictures] == ["forest-1", "forest-2"]
     assert pictures[1].caption == "Effects. (2 of 2)"
@@ -79,25 +79,25 @@ def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
     ]
     for picture in pictures:
         height = float(str(drawn(picture)["viewbox"]).split()[3]) / 72
-        assert height <= WIDE.tallest
+        assert height <= WIDE.max_height
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("lines", [1, 2, 3])
 def test_words_never_need_more_room_than_there_is(name: str, lines: int) -> None:
-    found = fitted(name, 1.1, size=8, lines=lines).split("\n")
+    found = fit_text(name, 1.1, size=8, lines=lines).split("\n")
     assert len(found) <= lines
     for line in found:
         font = FontProperties(family="DejaVu Sans", size=8)
         width, _, _ = TextToPath().get_text_width_height_descent(line, font, ismath=False)
-        assert width / POINTS <= 1.1 + 1e-6
+        assert width / POINTS_PER_INCH <= 1.1 + 1e-6
 
 
 def test_words_that_fit_stay_as_they_are() -> None:
-    assert fitted("no difference", 2, size=8) == "no difference"
-    assert fitted("", 2, size=8) == ""
+    assert fit_text("no difference", 2, size=8) == "no difference"
+    assert fit_text("", 2, size=8) == ""
 
 
 def test_words_that_are_cut_end_in_dots() -> None:
-    assert fitted(NAMES[1], 1, size=8).endswith("…")
-    assert "…" not in fitted(NAMES[1], 1, size=8, lines=9)
+    assert fit_text(NAMES[1], 1, size=8).endswith("…")
+    assert "…" not in fit_text(NAMES[1], 1, size=8, lines=9)

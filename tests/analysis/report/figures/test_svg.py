@@ -7,20 +7,20 @@ import pytest
 from bs4 import BeautifulSoup
 from matplotlib.figure import Figure
 
-from analysis.report.content import About, Picture
+from analysis.report.content import FigureText, Picture
 from analysis.report.figures.style import (
-    FIVE,
-    FOLLOWS_THE_PAGE,
+    DIVERGING,
     FORMATS,
     INK,
+    PAGE_COLOURS,
     SERIES,
     STYLE,
     Drawing,
     as_file,
-    on,
-    picture,
+    make_picture,
     place_colours,
     scale_colours,
+    text_colour,
 )
 
 
@@ -30,9 +30,11 @@ def drawn(name: str = "one") -> Picture:
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1], gid="line")
         axes.set_title("a < b & c")
-        return picture(
-            Drawing(figure=figure, hints={"line": "1 < 2"}),
-            About(name=name, title='It says "hi"', caption=""),
+        drawing = Drawing(figure=figure, hints={"line": "1 < 2"})
+        return make_picture(
+            drawing,
+            drawing,
+            FigureText(name=name, title='It says "hi"', caption=""),
             "a is 1 & b is 2",
         )
 
@@ -57,8 +59,8 @@ def test_letters_of_every_script_are_drawn_without_a_warning() -> None:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2, 1))
         figure.subplots().set_title("条件 条件")
-    about = About(name="one", title="", caption="")
-    found = picture(Drawing(figure=figure, hints={}), about, "")
+    drawing = Drawing(figure=figure, hints={})
+    found = make_picture(drawing, drawing, FigureText(name="one", title="", caption=""), "")
     assert "条件" in found.svg
     assert found.figure is not None
     assert all(as_file(found.figure, ending) for ending in FORMATS)
@@ -88,13 +90,13 @@ def test_a_figure_says_what_it_shows_to_those_who_cannot_see_it() -> None:
 
 def test_words_and_lines_follow_the_colours_of_the_page() -> None:
     svg = drawn().svg
-    assert FOLLOWS_THE_PAGE[INK] in svg
-    assert not any(re.search(rf"(?<!, ){colour}", svg) for colour in FOLLOWS_THE_PAGE)
+    assert PAGE_COLOURS[INK] in svg
+    assert not any(re.search(rf"(?<!, ){colour}", svg) for colour in PAGE_COLOURS)
 
 
-@pytest.mark.parametrize("colour", [*FIVE, *SERIES, *place_colours(12), *scale_colours(21)])
+@pytest.mark.parametrize("colour", [*DIVERGING, *SERIES, *place_colours(12), *scale_colours(21)])
 def test_words_on_a_coloured_part_can_be_read(colour: str) -> None:
-    light, dark = sorted((_luminance(colour), _luminance(on(colour))), reverse=True)
+    light, dark = sorted((_luminance(colour), _luminance(text_colour(colour))), reverse=True)
     assert (light + 0.05) / (dark + 0.05) >= 3
 
 

@@ -10,7 +10,7 @@ from analysis.answers.reading import read_answers
 from analysis.answers.table import ANALYSED_KINDS, LAYOUTS
 from analysis.measurement.scores import StudyMetrics
 from analysis.report.content import Section
-from analysis.report.sections.against_people import against_people_section, how_little
+from analysis.report.sections.against_people import against_people_section, sampling_range_sentence
 from analysis.report.subject import Subject
 from analysis.results.against_people import metrics_against_people
 from analysis.results.grouping import ByQuestion
@@ -60,10 +60,12 @@ def section(found: SimpleNamespace) -> Section | None:
 
 
 def test_the_sentence_has_the_studys_own_number_of_conditions() -> None:
-    assert "With 10 conditions" in how_little(sampling_range(10))
-    assert "anything from .07 to .82 in 95 of 100 studies" in how_little(sampling_range(10))
-    assert "could look the same" not in how_little(sampling_range(10))
-    assert "could look the same" in how_little(sampling_range(4))
+    assert "With 10 conditions" in sampling_range_sentence(sampling_range(10))
+    assert "anything from .07 to .82 in 95 of 100 studies" in sampling_range_sentence(
+        sampling_range(10)
+    )
+    assert "could look the same" not in sampling_range_sentence(sampling_range(10))
+    assert "could look the same" in sampling_range_sentence(sampling_range(4))
 
 
 def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_bytes(
@@ -91,7 +93,7 @@ def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_byt
 def test_two_conditions_are_said_to_tell_nothing(tmp_path: Path) -> None:
     shown = section(report(tmp_path, conditions=("c00", "c01")))
     assert shown is not None
-    assert shown.paragraphs[0].startswith("Two conditions always agree")
+    assert shown.paragraphs[0].startswith("Two conditions agree")
     assert any("2 conditions have scores" in note for note in shown.tables[0].notes)
 
 

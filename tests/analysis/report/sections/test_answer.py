@@ -48,7 +48,7 @@ def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_
         f"Participants preferred ours to other on emotion (win share {share}, 95% interval [."
     )
     assert "14 of 14 participants and 1 segment of 1 speaker; nobody was excluded" in basis
-    assert limits.startswith("It does not show how other systems")
+    assert limits.startswith("This says nothing about other systems")
 
 
 def test_the_better_condition_comes_first_whichever_the_table_names_first(
@@ -62,7 +62,7 @@ def test_what_is_not_decided_is_not_called_equal(answered: Answered) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=10, segments=8)
     effect, sure = answered(table, "pairwise")
 
-    assert effect.startswith("None of 1 test decides")
+    assert effect.startswith("The test is not significant")
     assert "no evidence that two conditions are equally good" in sure
 
 
@@ -70,7 +70,7 @@ def test_what_is_equivalent_within_the_margin_is_named(answered: Answered) -> No
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
     effect, _ = answered(table, "pairwise", margin=0.2)
 
-    assert effect.endswith("; equivalent within 0.2 are twin and ours on emotion.")
+    assert effect.endswith("; equivalent within 0.2: twin and ours on emotion.")
 
 
 def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
@@ -81,7 +81,7 @@ def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
     effect, sure = answered(table, "pairwise")
 
     assert effect.startswith("Participants preferred ours to other on emotion (share of ")
-    assert "1 test is of the share of participants, because the usual test cannot be used" in sure
+    assert "1 test uses the share of participants, because the usual test cannot be used" in sure
 
 
 def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
@@ -104,12 +104,12 @@ def test_rankings_are_answered_by_differences_of_worths(answered: Answered) -> N
     effect, sure = answered(ranking_table(participants=16, segments=10), "ranking")
 
     assert "preferred truth to static on realism (difference of worths in logits " in effect
-    assert "One test of all conditions together: on realism (F(2, " in sure
+    assert "All conditions tested together: on realism (F(2, " in sure
 
 
 def test_no_condition_is_called_best_where_all_share_one_rank(answered: Answered) -> None:
     assert answered(ranking_table(participants=4).assign(rank=1), "ranking")[0].startswith(
-        "No test could be made: every ranking ties all that it places"
+        "No test could be run: every ranking ties all that it places"
     )
 
 
@@ -159,8 +159,8 @@ def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_ex
 
     assert "(difference of strengths in logits " in answer(report, subject_of(report))[0]
     assert (
-        "Intervals stand for one test at a time: 1 of them leaves out no difference, although p, "
-        "corrected over 6 tests, does not decide."
+        "Intervals are not corrected for multiple tests: 1 of them excludes no difference, "
+        "although p, corrected over 6 tests, is not significant."
     ) in certainty(seen, subject_of(report))
 
 
@@ -170,7 +170,7 @@ def test_a_very_busy_participant_is_warned_of(answered: Answered) -> None:
     table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
     basis = answered(table, "pairwise")[1]
 
-    assert "Participants answered very unequally often. " in basis
+    assert "Some participants gave far more answers than others. " in basis
     assert "without any one participant the estimate lies between 0." in basis
 
 
@@ -183,9 +183,9 @@ def test_own_speech_is_named_against_anothers(answered: Answered) -> None:
 @pytest.mark.parametrize(
     ("effects", "end"),
     [
-        ((3.0, 3.0, 0.0), "; 1 of the other 2 tests decides too."),
-        ((0.0, 0.0, 3.0), "; 1 of the other 2 tests decides too."),
-        ((4.0, 0.0, -4.0), "; 2 of the other 2 tests decide too."),
+        ((3.0, 3.0, 0.0), "; 1 of the other 2 tests is also significant."),
+        ((0.0, 0.0, 3.0), "; 1 of the other 2 tests is also significant."),
+        ((4.0, 0.0, -4.0), "; 2 of the other 2 tests are also significant."),
     ],
 )
 def test_the_first_sentence_names_the_largest_and_counts_the_others(
@@ -205,7 +205,7 @@ def test_a_rehearsal_says_that_no_person_answered(tmp_path: Path) -> None:
     effect, _, limits = answer(report, subject_of(report, origin="rehearsal"))
 
     assert "imulated raters" in effect + limits
-    assert "It does not show what any person prefers" in limits
+    assert "This says nothing about what people prefer" in limits
 
 
 def test_a_study_with_open_places_says_how_many(tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 import pandas as pd
 import pytest
 
-from analysis.report.content import About, Section
-from analysis.report.page import first_picture
+from analysis.report.content import FigureText, Section
+from analysis.report.page import take_first_picture
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.results.pairwise import PairwiseResults
@@ -62,7 +62,9 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
     results = analyse("pairwise", table).results
     assert isinstance(results, PairwiseResults)
     (group,) = pairwise_groups(results, None)
-    (picture,) = preference_pictures(group, About(name="preferences", title="Answers", caption=""))
+    (picture,) = preference_pictures(
+        group, FigureText(name="preferences", title="Answers", caption="")
+    )
     assert "no answers" in drawn(picture).get_text()
     assert "other against static: no answers" in told(picture)
 
@@ -84,10 +86,10 @@ def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
 
 def test_the_first_figure_is_taken_out_of_its_section(sections: Sections) -> None:
     for found in sections.values():
-        picture, rest = first_picture(found)
+        picture, rest = take_first_picture(found)
         assert picture is found[0].pictures[0]
         assert rest[0].pictures == found[0].pictures[1:]
-    assert first_picture(()) == (None, ())
+    assert take_first_picture(()) == (None, [])
 
 
 def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
@@ -111,8 +113,8 @@ def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
     results = analyse("pairwise", table).results
     (forward,), (turned,) = (effects(results, name) for name in ("ours", "other"))
-    assert forward.about == "ours against other"
-    assert turned.about == "other against ours"
-    for one, other in zip(forward.found.levels, turned.found.levels, strict=True):
+    assert forward.label == "ours against other"
+    assert turned.label == "other against ours"
+    for one, other in zip(forward.result.levels, turned.result.levels, strict=True):
         assert other.estimate == pytest.approx(1 - one.estimate)
         assert other.descriptive == one.descriptive

@@ -52,7 +52,7 @@ def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
     (group,) = pairwise_groups(results(all_pairs), None)
     picture = named_picture(section, "preferences")
     for row, label in enumerate(group.labels):
-        found = next(r for r in group.rows if r.label == label and r.found.question == "emotion")
+        found = next(r for r in group.rows if r.label == label and r.result.question == "emotion")
         parts, percent = bar(picture, row, 5)
         assert percent == pytest.approx(found.percentages, abs=0.01)
         if not row:
@@ -100,9 +100,9 @@ def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
             continue
         turned += 1
         assert row.levels == tuple(one.counts.values())[::-1]
-        assert row.found.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
-        assert row.found.win_share.low == pytest.approx(1 - one.win_share.high)
-        assert row.found.clmm.estimate == -one.clmm.estimate
+        assert row.result.win_share.estimate == pytest.approx(1 - one.win_share.estimate)
+        assert row.result.win_share.low == pytest.approx(1 - one.win_share.high)
+        assert row.result.clmm.estimate == -one.clmm.estimate
     assert 0 < turned < len(group.rows)
     (section,) = sections["against one"]
     assert [picture.name for picture in section.pictures] == ["preferences"]

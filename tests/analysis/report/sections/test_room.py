@@ -14,17 +14,17 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from analysis.metrics.result import Better
-from analysis.report.content import About, Picture
+from analysis.report.content import FigureText, Picture
 from analysis.report.figures import panels
-from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
+from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
 from analysis.report.figures.dots import Dot, agreement_pictures, dot_pictures
 from analysis.report.figures.panels import Row
-from analysis.report.figures.style import FIVE, STYLE, Drawing, Scale
+from analysis.report.figures.style import DIVERGING, STYLE, Drawing, Scale
 from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
 from analysis.stats.clustered_mean import Estimate
 
 LONG = "a condition whose name is so long that it has to be broken into several lines"
-ABOUT = About(name="n", title="t", caption="c", mark="Rehearsal")
+TEXT = FigureText(name="n", title="t", caption="c", mark="Rehearsal")
 NONE = cast(Any, None)
 
 
@@ -33,11 +33,11 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """Return the figures that are drawn, wide and narrow, before they are written."""
     figures: list[Figure] = []
 
-    def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing) -> Picture:
+    def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: str) -> Picture:
         figures.extend([wide.figure, narrow.figure])
         return Picture(svg=Markup(""), caption="")
 
-    monkeypatch.setattr(panels, "picture", picture)
+    monkeypatch.setattr(panels, "make_picture", make_picture)
     return figures
 
 
@@ -86,17 +86,17 @@ def rows(count: int) -> tuple[Row, ...]:
 def test_bars(drawn: list[Figure], questions: int, count: int) -> None:
     bar = Bar(
         start=-60,
-        parts=tuple(Part(percent=20.0, colour=colour, hint="") for colour in FIVE),
-        beside=Estimate(estimate=0.98, low=0.9, high=1.0),
-        written=lambda value: f"{11.5 + value:.2f}",
+        parts=tuple(Part(percent=20.0, colour=colour, hint="") for colour in DIVERGING),
+        estimate=Estimate(estimate=0.98, low=0.9, high=1.0),
+        formatted=lambda value: f"{11.5 + value:.2f}",
     )
     bar_pictures(
         {f"question {k} {LONG}": (bar,) * count for k in range(questions)},
         rows(count),
-        {f"slightly {k} {LONG}": colour for k, colour in enumerate(FIVE)},
+        {f"slightly {k} {LONG}": colour for k, colour in enumerate(DIVERGING)},
         Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, ends=(LONG, LONG)),
         Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
-        ABOUT,
+        TEXT,
     )
     check(drawn)
 
@@ -108,7 +108,7 @@ def test_dots(drawn: list[Figure], questions: int, count: int) -> None:
         {f"question {k} {LONG}": [dot] * count for k in range(questions)},
         rows(count),
         Scale(label="strength in logits", line=0.0),
-        ABOUT,
+        TEXT,
     )
     check(drawn)
     for axes in drawn[0].axes:
@@ -123,7 +123,7 @@ def test_several_dots_of_a_row(drawn: list[Figure]) -> None:
         {"over conditions": [dots] * 20, "within conditions": [dots] * 20},
         [Row(f"{k} {LONG}") for k in range(20)],
         Scale(limits=(-1, 1), ends=("disagrees", "agrees")),
-        ABOUT,
+        TEXT,
         series=[f"question {k} {LONG}" for k in range(3)],
     )
     check(drawn)
@@ -133,12 +133,12 @@ def test_several_dots_of_a_row(drawn: list[Figure]) -> None:
 def test_matrices(drawn: list[Figure], count: int) -> None:
     names = [f"{k} {LONG}" for k in range(count)]
     shares = {
-        (one, other): Won(share=1.0, words="", decided=True)
+        (one, other): MatrixCell(share=1.0, words="", is_significant=True)
         for one in names
         for other in names
         if one != other
     }
-    matrix_pictures({f"question {LONG}": shares, "another": shares}, names, ABOUT)
+    matrix_pictures({f"question {LONG}": shares, "another": shares}, names, TEXT)
     check(drawn)
 
 
@@ -165,5 +165,5 @@ def test_metrics_beside_preference(drawn: list[Figure]) -> None:
         )
         for k, better in enumerate(directions)
     ]
-    agreement_pictures(metrics, names, "strength (logits)", ABOUT)
+    agreement_pictures(metrics, names, "strength (logits)", TEXT)
     check(drawn)

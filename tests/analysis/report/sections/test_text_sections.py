@@ -17,7 +17,7 @@ from analysis.report.sections.participants import (
     flow_section,
     looks_section,
     sensitivity_section,
-    strip_section,
+    stills_section,
     truth_section,
 )
 from analysis.report.subject import Excerpt, Still, Subject
@@ -51,7 +51,7 @@ def test_the_methods_text_says_what_was_done_and_with_what(tmp_path: Path) -> No
         "failed more than 1 catch trial (1)",
         "Holm's method over 3 tests",
         "two one-sided tests against a margin of 0.1",
-        "The videos held face still.",
+        "The videos kept face still.",
         "1 segment of speech was used (1 speaker, 1 emotion, 4.00 s in all).",
         "Which fits [emotion] better?",
         "study with SHA-256 abc, seed 7",
@@ -77,7 +77,7 @@ def test_every_protocol_has_its_method_its_diagnostics_and_its_limits(
     assert "nan" not in " ".join(texts).split()
     assert ("Kendall's W" if protocol == "ranking" else "Krippendorff's α") in texts[1]
     assert ("Side bias" in texts[1]) == (protocol in ("pairwise", "mismatch"))
-    assert "One speaker tells nothing about other speakers." in texts[2]
+    assert "One speaker says nothing about other speakers." in texts[2]
 
 
 def test_the_flow_adds_up(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_a_rehearsals_truth_is_held_against_estimates_of_either_direction(tmp_pa
     assert first[6] == "inside"
     assert second[6] == "outside"
     assert float(second[4]) == pytest.approx(1 - share.estimate, abs=0.005)
-    assert "1 of 2 intervals contain theirs" in section.paragraphs[0]
+    assert "1 of 2 intervals contain their true value" in section.paragraphs[0]
     assert truth_section((report,), subject_of(report)) is None
 
 
@@ -137,13 +137,13 @@ def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_
     assert section is not None
     assert section.paragraphs[0].startswith(SENTENCE)
     assert (
-        f"in {100 * before.false_positive_rate:.1f}% of cases instead of 5%"
+        f"a false positive rate of {100 * before.false_positive_rate:.1f}% instead of 5%"
         in (section.paragraphs[1])
     )
     [table] = section.tables
     assert [[cell.text for cell in row] for row in table.rows] == [
         ["2026-05-04", "researcher 1", "researchers' page", "a video broke", "2", "30", "1"],
-        ["2026-05-04", "researcher 1", "researchers' page", "not said", "4", "30", "1"],
+        ["2026-05-04", "researcher 1", "researchers' page", "not stated", "4", "30", "1"],
     ]
     subject = subject_of(seen)
     assert answer(seen, subject)[-1].startswith(SENTENCE)
@@ -187,7 +187,7 @@ def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
 
 
 def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture() -> None:
-    section = strip_section(subject_with_stills("ours", "theirs"))
+    section = stills_section(subject_with_stills("ours", "theirs"))
     assert section is not None
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
@@ -198,25 +198,23 @@ def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_p
 
 
 def test_a_condition_without_video_is_named() -> None:
-    section = strip_section(subject_with_stills("ours"))
+    section = stills_section(subject_with_stills("ours"))
     assert section is not None
-    assert section.paragraphs[1] == (
-        "There is no video of this segment, or none that can be read, of theirs."
-    )
+    assert section.paragraphs[1] == ("There is no readable video of this segment of theirs.")
 
 
 def test_where_there_are_none_the_reason_stands_in_their_place() -> None:
-    section = strip_section(subject_with_stills(no_stills="There are no videos yet."))
+    section = stills_section(subject_with_stills(no_stills="There are no videos yet."))
     assert section is not None
     assert section.paragraphs == ("There are no videos yet.",)
 
 
 def test_a_table_of_answers_has_no_such_section() -> None:
-    assert strip_section(subject_with_stills()) is None
+    assert stills_section(subject_with_stills()) is None
 
 
 def test_names_cannot_become_markup() -> None:
-    section = strip_section(subject_with_stills("<b>ours</b>"))
+    section = stills_section(subject_with_stills("<b>ours</b>"))
     assert section is not None
     assert "<b>" not in section.pictures[0].svg
 

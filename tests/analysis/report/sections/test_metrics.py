@@ -11,12 +11,12 @@ from analysis.measurement.scores import ConditionScore, SkippedFile, StudyMetric
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.metrics.result import Better
 from analysis.report.content import Table
-from analysis.report.sections.metric import (
+from analysis.report.sections.metric_table import first_and_second
+from analysis.report.sections.metrics import (
     confusion_tables,
     metric_tables,
     metrics_not_tabled,
 )
-from analysis.report.sections.metric_table import first_and_second
 from analysis.report.subject import Subject
 from analysis.report.tables import booktabs
 
