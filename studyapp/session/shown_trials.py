@@ -60,8 +60,6 @@ class ShownTrial:
         The answers it asks for.
     instructed : int or None
         The value that the page asks to choose, on an attention check.
-    is_practice : bool
-        Whether its answers are discarded; only some studies tell.
     minutes_left : int
         See `minutes_left`.
     """
@@ -77,7 +75,6 @@ class ShownTrial:
     begins_part: bool
     asks: tuple[Ask, ...]
     instructed: int | None
-    is_practice: bool
     emotion: str
     minutes_left: int
 
@@ -173,7 +170,6 @@ def _shown(
         begins_part=trial is next(each for each in trials if each.part == trial.part),
         asks=study.asks(trial),
         instructed=trial.instructed,
-        is_practice=trial.kind == "practice",
         emotion=emotion,
         minutes_left=minutes,
     )

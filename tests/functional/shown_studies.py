@@ -132,7 +132,6 @@ reference = "first"
 participants = 50
 trials = 2
 practice = 1
-announce_practice = true
 catch = {{ trials = 0 }}
 {_conditions(3)}
 [[questions]]

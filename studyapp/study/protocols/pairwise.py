@@ -82,8 +82,6 @@ class PairwiseStudy(Study):
         in AMUSE.
     practice : int
         The first so many trials are discarded and shown again at the end.
-    announce_practice : bool
-        Whether participants learn which trials are practice.
     layout : {'composed', 'players'}
         One video with both sides exactly in step, or two players.
     """
@@ -95,7 +93,6 @@ class PairwiseStudy(Study):
     participants: int = Field(60, ge=1, le=100_000)
     trials: int = Field(24, ge=1, le=500)
     practice: int = Field(3, ge=0, le=20)
-    announce_practice: bool = False
     layout: Literal["composed", "players"] = "composed"
     conditions: dict[Name, Condition] = Field(min_length=2)
 
