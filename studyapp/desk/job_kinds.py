@@ -108,7 +108,7 @@ def _rehearse(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     participants = form.get("participants", "").strip()
     if not participants:
         return ("rehearse",)
-    count = read_count(participants, MAX_PARTICIPANTS, what="participants")
+    count = read_count(participants, MAX_PARTICIPANTS, unit="participants")
     return ("rehearse", "--participants", str(count))
 
 

@@ -147,7 +147,7 @@ def _condition_rows() -> list[tuple[str, str]]:
 
 def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
     count = form.get(key, "")
-    return read_count(count, most, what=key) if count else None
+    return read_count(count, most, unit=key) if count else None
 
 
 def _template_and_language(form: Mapping[str, str]) -> tuple[str, str]:

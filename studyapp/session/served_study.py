@@ -16,7 +16,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, VideoFile
 from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.study import Study
-from studyapp.study.versioning import arm_digest, design_digest
+from studyapp.study.versioning import design_digest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,9 +111,12 @@ class ServedStudy:
 
     @cached_property
     def arms(self) -> Mapping[tuple[str, str], Arm]:
-        """The study's arms, each under its name and the digest of what its participants see."""
+        """The study's arms, by their names and the digests of what their participants see."""
         return {
-            (arm.name, arm_digest(self.study, arm, self.segments, self.videos)): arm
+            (
+                arm.name,
+                design_digest(self.study.design_of(arm), self.segments, self.videos),
+            ): arm
             for arm in self.study.arms
         }
 

@@ -1,1 +1,1 @@
-"""What a study is: its file, its folder, its protocol, its trials and its stimuli."""
+"""A study: its file, folder, protocol, trial design and stimuli."""

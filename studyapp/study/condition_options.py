@@ -1,4 +1,4 @@
-"""Conditions of a new study, as options and answers state them."""
+"""Conditions of a new study, read from options and answers."""
 
 from __future__ import annotations
 
@@ -19,124 +19,108 @@ FILES: Final = "files"
 VIDEOS: Final = "videos"
 
 
-def read_conditions(given: Sequence[str], folder: Path) -> dict[str, Condition] | None:
-    """Return conditions from ``NAME=SOURCE`` each, None where there are none.
-
-    Raises
-    ------
-    InputError
-        As `read_condition`, and where two have the same name.
-    """
-    named = [read_condition(text, folder) for text in given]
-    names = [name for name, _ in named]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
-    return dict(named) or None
-
-
-def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
-    """Return a condition from ``NAME=SOURCE``.
+def read_conditions(texts: Sequence[str], folder: Path) -> dict[str, Condition] | None:
+    """Return the conditions that ``NAME=SOURCE`` each describe; None for no text.
 
     Parameters
     ----------
-    text : str
-        The source is ``files``, ``videos``, a generator, ``mismatched:NAME``, or a network and
-        the file of its weights, ``NETWORK:FILE``, ``NETWORK:FILE,FILE`` where it has several.
+    texts : sequence of str
+        A source is ``files``, ``videos``, a generator, ``mismatched:NAME``, or a network and its
+        weights: ``NETWORK:FILE``, or ``NETWORK:FILE,FILE`` if it has several files.
     folder : Path
-        The study's, from which files are named.
+        The study folder.
 
     Raises
     ------
     InputError
-        If it is none of these, or there is no such file.
+        If a source is none of these, a file is missing, or two conditions have the same name.
     """
-    name, equals, source = text.partition("=")
-    if not equals:
-        raise InputError(
-            f"{text!r} does not say where its motion comes from",
-            remedy="Give NAME=files, NAME=videos, NAME=rule_based or NAME=mismatched:OTHER",
-        )
-    return check_name(name.strip(), "condition"), read_source(source.strip(), folder)
+    conditions: dict[str, Condition] = {}
+    for text in texts:
+        name, equals, source = text.partition("=")
+        if not equals:
+            raise InputError(
+                f"{text!r} does not say where its motion comes from",
+                remedy="Give NAME=files, NAME=videos, NAME=rule_based or NAME=mismatched:OTHER",
+            )
+        name = check_name(name.strip(), "condition")
+        if name in conditions:
+            raise InputError(f"the condition {name!r} is given twice", remedy="Name each once")
+        conditions[name] = _read_source(source.strip(), folder)
+    return conditions or None
 
 
-def read_source(text: str, folder: Path) -> Condition:
-    """Return a condition from where its motion comes from; see `read_condition`."""
+def _read_source(text: str, folder: Path) -> Condition:
     kind, _, details = text.partition(":")
     if kind in (FILES, VIDEOS) and not details:
         return Condition(videos=kind == VIDEOS)
     if kind not in generator_names():
         raise InputError(
             f"unknown source {text!r}",
-            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_notations())}",
+            remedy=f"Use {FILES}, {VIDEOS}, or a generator: "
+            f"{', '.join(map(source_notation, generator_names()))}",
         )
-    if needed := _required_files(kind):
-        weights = zip(needed, _read_weight_files(kind, details, needed), strict=True)
+    if required := _required_files(kind):
+        weights = zip(required, _read_weight_files(kind, details, required), strict=True)
         return make_condition(kind, dict(weights), folder)
     if needs_source(kind) != bool(details):
-        says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
-        example = f"{kind}:OTHER" if needs_source(kind) else kind
-        raise InputError(f"the generator {kind!r} {says}", remedy=f"Give {example}")
+        need = "needs the condition it starts from" if needs_source(kind) else "takes no source"
+        raise InputError(f"the generator {kind!r} {need}", remedy=f"Give {source_notation(kind)}")
     return Condition(generator=kind, source=check_name(details, "condition") if details else None)
 
 
 def _required_files(generator: str) -> list[str]:
-    """Return the keys of the files that a generator cannot do without."""
+    """Return the keys of the files that a generator needs."""
     settings = settings_of(settings_type(generator))
     return [setting.key for setting in settings if setting.type == File and setting.required]
 
 
-def _read_weight_files(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
+def _read_weight_files(generator: str, text: str, required: Sequence[str]) -> list[Path]:
     """Return the files of a network's weights."""
-    files = given.split(",") if len(needed) > 1 else [given]
-    if not all(files) or len(files) != len(needed):
+    files = text.split(",") if len(required) > 1 else [text]
+    if not all(files) or len(files) != len(required):
         raise InputError(
             f"the generator {generator!r} is a network and needs its weights",
-            remedy=f"Give {source_notation(generator)}, its {listed(needed)}",
+            remedy=f"Give {source_notation(generator)}, its {listed(required)}",
         )
     paths = [Path(file.strip()).expanduser() for file in files]
     for path in paths:
         if not path.is_file():
-            raise InputError("there is no such file of weights", where=path)
+            raise InputError("this file of weights does not exist", where=path)
     return paths
 
 
 def source_notation(generator: str) -> str:
-    """Return a generator as a source is written."""
+    """Return how a generator is given as a source."""
     details = (
         "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _required_files(generator))
     )
     return f"{generator}:{details}" if details else generator
 
 
-def generator_notations() -> tuple[str, ...]:
-    """Return the generators as sources are written."""
-    return tuple(map(source_notation, generator_names()))
-
-
 def make_condition(
-    generator: str | None, given: Mapping[str, Any], folder: Path = Path()
+    generator: str | None, options: Mapping[str, Any], folder: Path = Path()
 ) -> Condition:
-    """Return the condition of a study in `folder` that options describe.
+    """Return the condition that options describe.
 
     Parameters
     ----------
     generator : str or None
-        Who moves.
-    given : mapping
-        What was stated in options of `SettingsCommand`, None where nothing was.
+        None for imported motion.
+    options : mapping
+        Options of `SettingsCommand`; None where one is not given.
     folder : Path
-        Files that lie outside it are named by their full path.
+        The study folder; files elsewhere are named by their full path.
 
     Raises
     ------
     InputError
-        If an option is of another generator, or its value cannot be used.
+        If an option belongs to another generator, or its value is unusable.
     """
     values: dict[str, Any] = {"generator": generator}
-    stated = {name: value for name, value in given.items() if value is not None}
+    unused = {name: value for name, value in options.items() if value is not None}
     for setting in () if generator is None else settings_of(settings_type(generator)):
-        value = stated.pop(setting.key, None)
+        value = unused.pop(setting.key, None)
         if value is None:
             continue
         if isinstance(value, Path):
@@ -144,11 +128,12 @@ def make_condition(
         elif isinstance(value, str) and value.isdecimal():
             value = int(value) if int in (setting.type, *get_args(setting.type)) else value
         values[setting.key] = value
-    for option in stated:
+    for option in unused:
+        takers = [name for name in generator_names() if option in settings_type(name).model_fields]
         raise InputError(
-            f"--{option.replace('_', '-')} is of a learned generator, not of "
-            f"{generator or 'motion that is brought in'}",
-            remedy=f"Leave it out, or give --generator {' or '.join(_generators_with(option))}",
+            f"--{option.replace('_', '-')} belongs to a learned generator, not to "
+            f"{generator or 'imported motion'}",
+            remedy=f"Leave it out, or give --generator {' or '.join(takers)}",
         )
     try:
         return Condition.model_validate(values)
@@ -157,14 +142,6 @@ def make_condition(
 
 
 def _path_from(folder: Path, path: Path) -> str:
-    """Return how a study in `folder` names a file: from there, or in full where it lies outside."""
-    there, base = path.resolve(), folder.resolve()
-    return str(there.relative_to(base) if there.is_relative_to(base) else there)
-
-
-def _generators_with(option: str) -> list[str]:
-    return [
-        generator
-        for generator in generator_names()
-        if option in settings_type(generator).model_fields
-    ]
+    """Return `path` relative to `folder`, or in full if it lies elsewhere."""
+    file, base = path.resolve(), folder.resolve()
+    return str(file.relative_to(base) if file.is_relative_to(base) else file)

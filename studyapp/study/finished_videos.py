@@ -1,8 +1,7 @@
-"""Finished videos from any other tool: ``videos/<condition>/<segment>.mp4``.
+"""Finished videos from other tools: ``videos/<condition>/<segment>.mp4``.
 
-The same motion heard with another segment's speech lies beside it as
-``<segment>@<speech>.mp4``; no segment's name holds an @. Participants are shown copies: the files
-that were brought stay as they are.
+The same motion with another segment's speech is ``<segment>@<speech>.mp4`` beside it; segment names
+contain no @. Participants see copies, so the original files stay untouched.
 """
 
 from __future__ import annotations
@@ -21,14 +20,14 @@ from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
 MIN_SIMILARITY: Final = 0.8
-"""How alike two names must be (see `difflib`) for one to be taken for the other misspelt."""
+"""Similarity (see `difflib`) from which one name counts as a misspelling of another."""
 
 
 def shows_copy(study: Study, content: Content) -> bool:
-    """Tell whether participants are shown a copy of the video of `content`.
+    """Tell whether participants see a copy of the video of `content`.
 
-    They are of all single videos where some were brought finished, since these differ in what
-    their files tell, and of every one without sound.
+    They do for every video without sound, and for every single video of a study that has finished
+    ones: their files would give the condition away.
     """
     (first, *others) = content
     finished = any(map(study.is_finished, (*study.conditions, study.catch.condition)))
@@ -36,53 +35,47 @@ def shows_copy(study: Study, content: Content) -> bool:
 
 
 def finished_video_path(videos: Path, stimulus: Stimulus) -> Path:
-    """Return where the finished video of `stimulus` lies in the folder `videos`.
+    """Return the path of the finished video of `stimulus` in the folder `videos`.
 
-    A stimulus without sound is the video with its own speech, copied without it.
+    A stimulus without sound is copied from the video with its own speech.
     """
-    other = stimulus.speech not in (None, stimulus.segment)
-    name = f"{stimulus.segment}@{stimulus.speech}" if other else stimulus.segment
+    is_mismatched = stimulus.speech not in (None, stimulus.segment)
+    name = f"{stimulus.segment}@{stimulus.speech}" if is_mismatched else stimulus.segment
     return videos / stimulus.condition / f"{name}.mp4"
 
 
 def video_duration(video: Path) -> float:
-    """Return how long a video lasts.
-
-    Raises
-    ------
-    InputError
-        If it cannot be opened.
-    """
+    """Return the duration of a video in seconds; `InputError` if it cannot be opened."""
     try:
         with av.open(str(video), options=dict(WHOLE_FORMATS)) as container:
             return (container.duration or 0) / av.time_base
     except (av.FFmpegError, OSError):
         raise InputError(
-            "this is not a video that can be played",
+            "this is not a playable video",
             where=video,
-            remedy="Bring it as H.264 and AAC in MP4",
+            remedy="Provide an MP4 file with H.264 video and AAC audio",
         ) from None
 
 
 def finished_segments(
     videos: Path, conditions: Sequence[str], *, allow_gaps: bool = False
 ) -> tuple[Segment, ...]:
-    """Return the segments that `conditions` have finished videos of.
+    """Return the segments named by the finished videos of `conditions`.
 
-    For studies without speech files: nothing is known of a speaker or an emotion.
+    For studies without speech files: speaker and emotion are unknown.
 
     Parameters
     ----------
     allow_gaps : bool
-        Whether a segment that one of the conditions lacks is left out. Otherwise it is a segment
-        of the study, and `motionjury check` names the missing video.
+        Whether to leave out segments that a condition lacks. Otherwise they stay in the study,
+        and `motionjury check` names the missing videos.
 
     Raises
     ------
     InputError
-        If there is no video, no segment is left, or a file's name is not a segment's.
+        If there is no video, no segment is left, or a file name is not a valid segment name.
     """
-    brought = {
+    videos_of = {
         condition: {
             path.stem: path
             for path in sorted((videos / condition).glob("*.mp4"))
@@ -91,29 +84,28 @@ def finished_segments(
         for condition in conditions
     }
     owners: dict[str, list[str]] = {}
-    for condition, files in brought.items():
+    for condition, files in videos_of.items():
         for name, path in files.items():
             owners.setdefault(check_name(name, "segment", path), []).append(condition)
     if allow_gaps:
-        names = {name for name, having in owners.items() if len(having) == len(conditions)}
+        names = {name for name, owning in owners.items() if len(owning) == len(conditions)}
     else:
         names = set(owners) - _misspelt_names(owners, conditions[0])
     if not names:
+        paths = ", ".join(f"{condition}/<segment>.mp4" for condition in conditions)
         raise InputError(
             "no segment has a finished video of every condition"
             if owners
             else "there are no finished videos yet",
             where=videos,
-            remedy="Bring them as "
-            + ", ".join(f"{condition}/<segment>.mp4" for condition in conditions)
-            + ", with the same names in each folder",
+            remedy=f"Save them as {paths}, with the same names in each folder",
         )
     return tuple(
         Segment(
             name=name,
             wav="",
             start=0.0,
-            end=video_duration(brought[owners[name][0]][name]),
+            end=video_duration(videos_of[owners[name][0]][name]),
             speaker="",
             emotion=EMOTIONS[0],
         )
@@ -127,34 +119,32 @@ def similar_file(file: Path, needed: Collection[Path]) -> Path | None:
     Parameters
     ----------
     needed : collection of Path
-        Files that are what their names say.
+        Files that the study needs under their own names.
     """
-    spare = {
+    unneeded = {
         path.name.casefold(): path
         for path in sorted(file.parent.glob("*"))
         if path.is_file() and path not in needed
     }
-    found = get_close_matches(file.name.casefold(), spare, n=1, cutoff=MIN_SIMILARITY)
-    return spare[found[0]] if found else None
+    matches = get_close_matches(file.name.casefold(), unneeded, n=1, cutoff=MIN_SIMILARITY)
+    return unneeded[matches[0]] if matches else None
 
 
 def _misspelt_names(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:
-    """Return the names that are another one misspelt: alike, and no condition has both.
+    """Return the names that misspell another one: they are similar, and no condition has both.
 
-    Of two such names, the one that more conditions have is right; of two that as many have, the
-    one of the condition `first`.
+    The name that more conditions have is right; on a tie, that of the condition `first`.
     """
-    found: set[str] = set()
-    right: list[str] = []
+    misspelt: set[str] = set()
+    correct: list[str] = []
     for name in sorted(
         owners, key=lambda name: (-len(owners[name]), first not in owners[name], name)
     ):
-        apart = [other for other in right if not set(owners[other]) & set(owners[name])]
-        alike = get_close_matches(
-            name.casefold(), map(str.casefold, apart), n=1, cutoff=MIN_SIMILARITY
-        )
-        if alike:
-            found.add(name)
+        candidates = [
+            other.casefold() for other in correct if not set(owners[other]) & set(owners[name])
+        ]
+        if get_close_matches(name.casefold(), candidates, n=1, cutoff=MIN_SIMILARITY):
+            misspelt.add(name)
         else:
-            right.append(name)
-    return found
+            correct.append(name)
+    return misspelt

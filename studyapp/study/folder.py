@@ -1,4 +1,4 @@
-"""Where everything lies in a study's folder, and the lock of one command at a time on it."""
+"""The paths in a study folder, and a lock that admits one command at a time."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ SPEECH_ENDINGS: Final = (
 )  # fmt: skip
 VIDEO_ENDING: Final = ".mp4"
 COMPANION_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
-"""Of tables of joints or of segments, and of what may lie beside a motion or its speech."""
+"""Tables of joints or segments, and files that accompany a motion or its speech."""
 
 IMPORTABLE_ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *COMPANION_ENDINGS)
-"""Endings of files that can be brought into a study."""
+"""Files that can be imported into a study."""
 
 
 class _PathInFolder:
-    """A path within a study's folder."""
+    """A path below the study folder."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -40,7 +40,7 @@ class _PathInFolder:
 
 @dataclass(frozen=True)
 class StudyFolder:
-    """The paths of one study; making one touches no disk."""
+    """The paths of one study; creating one does not touch the disk."""
 
     root: Path
 
@@ -48,13 +48,13 @@ class StudyFolder:
     """The study file."""
 
     speech = _PathInFolder("speech")
-    """Folder of ``segments.csv`` and the recordings it names."""
+    """Folder of ``segments.csv`` and the recordings that it names."""
 
     videos = _PathInFolder("videos")
     """Folder of the rendered media."""
 
     stimuli = _PathInFolder("stimuli.json")
-    """What each rendered file is."""
+    """What each rendered file shows."""
 
     responses = _PathInFolder("responses.db")
     """SQLite database of real participants."""
@@ -63,25 +63,25 @@ class StudyFolder:
     """SQLite database of simulated participants; never mixed with the real one."""
 
     inbox = _PathInFolder("inbox")
-    """Folder of what was uploaded at a desk, until it is in the study."""
+    """Folder of uploads at a desk that are not in the study yet."""
 
     tries = _PathInFolder("tries.db")
-    """SQLite database of test participations; never mixed with the real one."""
+    """SQLite database of tryouts; never mixed with the real one."""
 
     rehearsal_truth = _PathInFolder("rehearsal.json")
-    """Whom a rehearsal simulated, and the true values that follow."""
+    """The simulated participants, and the true values that follow from them."""
 
     rehearsal_findings = _PathInFolder("rehearsal")
-    """Folder of what a rehearsal's participants were told, and of what came of it."""
+    """Folder of what a rehearsal recorded and found."""
 
     acknowledged = _PathInFolder("rehearsal/acknowledged.jsonl")
-    """What the simulated participants were told is stored, line by line."""
+    """The answers that the server acknowledged to simulated participants, one a line."""
 
     pseudonym_key = _PathInFolder("pseudonyms.key")
     """Key of the participants' pseudonyms; it is never exported."""
 
     shared_answers = _PathInFolder("shared_answers")
-    """Folder of answers that another lab has passed on, in place of a database."""
+    """Folder of answers that another lab has shared, in place of a database."""
 
     report = _PathInFolder("report")
     """Folder of the report."""
@@ -90,13 +90,13 @@ class StudyFolder:
     """Folder of figures for a paper; they name conditions and are never served."""
 
     joint_positions = _PathInFolder(".joint-positions")
-    """Folder in which metrics keep what they computed; it may be removed at any time."""
+    """Cache of the metrics; it may be removed at any time."""
 
     jobs = _PathInFolder("jobs")
-    """Folder of what the desk has run, a sub-folder for each kind of job."""
+    """Folder of the desk's jobs, a sub-folder for each kind."""
 
     evaluators = _PathInFolder("evaluators")
-    """Folder of feature networks with which metrics measure, ``*.safetensors``."""
+    """Folder of the metrics' feature networks, ``*.safetensors``."""
 
     metrics = _PathInFolder("metrics.parquet")
     """Automatic metrics, by condition and by clip."""
@@ -106,7 +106,7 @@ class StudyFolder:
         return self.root / "motion" / condition / f"{segment}.npz"
 
     def semantics(self, segment: str) -> Path:
-        """Return the semantic scores of a recording's gestures, as BEAT annotates them."""
+        """Return BEAT's annotations of semantic gestures in a recording."""
         return self.speech / f"{segment}.txt"
 
     def study(self) -> Study:
@@ -114,7 +114,7 @@ class StudyFolder:
         return read_study(self.definition)
 
     def segments(self) -> Sequence[Segment]:
-        """Read the segments; a study without any is an error that says what to do."""
+        """Read the segments; `InputError` if there are none yet."""
         if not (self.speech / "segments.csv").exists():
             raise InputError(
                 "the study has no speech yet",
@@ -124,11 +124,11 @@ class StudyFolder:
         return read_segments(self.speech)
 
     def segments_of(self, study: Study) -> Sequence[Segment]:
-        """Read the segments of `study`, as `segments` does.
+        """Read the segments of `study`.
 
-        A study of finished videos alone needs no speech files: without them, its segments are
-        those that the videos are named after. A study that allows gaps has only segments that
-        every condition with finished videos has one of.
+        A study with nothing but finished videos needs no speech files: the videos' names are its
+        segments. A study that allows gaps has only segments with a finished video of every
+        condition that brings them.
         """
         finished = [name for name, condition in study.conditions.items() if condition.videos]
         if len(finished) == len(study.conditions) and not (self.speech / "segments.csv").exists():
@@ -145,22 +145,17 @@ class StudyFolder:
 
 @contextmanager
 def lock_folder(folder: Path, *, busy: InputError) -> Iterator[None]:
-    """Hold a lock on `folder` during the block.
+    """Hold a lock on `folder` during the block; raise `busy` if another process holds it.
 
-    The lock is the system's and lies on the folder itself: it leaves no file behind, and ends
-    with the process that holds it, however that ends.
-
-    Raises
-    ------
-    InputError
-        `busy`, if another process holds it.
+    It is the operating system's lock on the folder itself: it leaves no file behind, and ends with
+    the process that holds it, however that ends.
     """
-    held = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
         try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise busy from None
         yield
     finally:
-        os.close(held)
+        os.close(descriptor)

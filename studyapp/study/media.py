@@ -1,8 +1,8 @@
-"""`stimuli.json`, all that rendering made of a study, and which file shows participants what."""
+"""`stimuli.json`, the record of all rendered videos, and the video of each content."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal, Self
@@ -26,7 +26,7 @@ class _Record(BaseModel):
 
 
 class _RenderedVideo(_Record):
-    """What all rendered videos have.
+    """What all rendered videos share.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class _RenderedVideo(_Record):
     duration : float
         Seconds.
     key : str
-        Digest of everything the picture depends on; rendering is skipped while it stays.
+        Digest of everything the picture depends on; while it stays, nothing is rendered again.
     """
 
     segment: str
@@ -50,7 +50,7 @@ class ClipVideo(_RenderedVideo):
     Attributes
     ----------
     speech : str or None
-        The segment that is heard with it where that is another one than its own.
+        The segment heard with it; None for its own.
     """
 
     condition: str
@@ -58,9 +58,9 @@ class ClipVideo(_RenderedVideo):
 
 
 class PairVideo(_RenderedVideo):
-    """One composed pair, `left` under the label A and `right` under B.
+    """Two motions in one video, `left` labelled A and `right` B.
 
-    Its file name says nothing of the conditions.
+    Its file name does not reveal the conditions.
     """
 
     left: str
@@ -68,16 +68,16 @@ class PairVideo(_RenderedVideo):
 
 
 class VideoCopy(_RenderedVideo):
-    """What participants are shown of a finished video, or of a clip without its sound.
+    """A copy for participants of a finished video, or of a clip without its sound.
 
-    Its picture is encoded as in the original; its name says nothing of the condition.
+    The picture stream is that of the original; the file name does not reveal the condition.
 
     Attributes
     ----------
     heard : str or None
-        The segment whose speech is heard; None for no sound at all.
+        The segment whose speech is heard; None for silence.
     original : str
-        Digest of the finished video, or the key of the clip, that it is a copy of.
+        Digest of the finished video, or key of the clip.
     """
 
     condition: str
@@ -86,7 +86,7 @@ class VideoCopy(_RenderedVideo):
 
 
 class Stimuli(_Record):
-    """All media of a study that were made by `motionjury render`."""
+    """All videos that `motionjury render` has made."""
 
     format: Literal[1] = 1
     clips: tuple[ClipVideo, ...] = ()
@@ -95,10 +95,8 @@ class Stimuli(_Record):
 
     def pair(self, segment: str, left: str, right: str) -> PairVideo | None:
         """Return the pair video of `segment` with these sides, or None."""
-        for pair in self.pairs:
-            if (pair.segment, pair.left, pair.right) == (segment, left, right):
-                return pair
-        return None
+        sides = (segment, left, right)
+        return next((p for p in self.pairs if (p.segment, p.left, p.right) == sides), None)
 
 
 def read_stimuli(path: Path) -> Stimuli:
@@ -107,7 +105,7 @@ def read_stimuli(path: Path) -> Stimuli:
     Raises
     ------
     InputError
-        If it is missing or damaged, or names a file outside the study's folder. The folder of the
+        If it is missing or damaged, or names a file outside the study folder. The folder of
         videos may be a link to another disk.
     """
     try:
@@ -120,9 +118,11 @@ def read_stimuli(path: Path) -> Stimuli:
         raise InputError(
             explain_errors(error), where=path, remedy="Delete it and run 'motionjury render' again"
         ) from None
-    inside = (path.parent.resolve(), (path.parent / VIDEOS).resolve())
+    folders = (path.parent.resolve(), (path.parent / VIDEOS).resolve())
     for video in (*stimuli.clips, *stimuli.pairs, *stimuli.copies):
-        if not _is_within(inside, path.parent, video.file):
+        if "\0" in video.file or not any(
+            (path.parent / video.file).resolve().is_relative_to(folder) for folder in folders
+        ):
             raise InputError(
                 f"the video {video.file!r} lies outside the study's folder",
                 where=path,
@@ -132,16 +132,8 @@ def read_stimuli(path: Path) -> Stimuli:
     return stimuli
 
 
-def _is_within(folders: Sequence[Path], root: Path, file: str) -> bool:
-    """Tell whether `file`, as `root` names it, leads into one of `folders`, links followed."""
-    if "\0" in file:
-        return False
-    place = (root / file).resolve()
-    return any(place.is_relative_to(folder) for folder in folders)
-
-
 def write_stimuli(path: Path, stimuli: Stimuli) -> None:
-    """Write `stimuli.json` in one step, so that no reader sees half of it."""
+    """Write `stimuli.json`."""
     write_text(path, stimuli.model_dump_json(indent=1) + "\n")
 
 
@@ -154,8 +146,8 @@ class VideoFile:
     duration : float
         Seconds.
     made_from : str
-        Digest of all that its picture and sound depend on. It stays where the file is made again
-        from the same, or is only padded or copied anew.
+        Digest of everything its picture and sound depend on. Rendering, padding or copying it
+        again from the same does not change it.
     """
 
     file: Path
@@ -165,17 +157,7 @@ class VideoFile:
 
 @dataclass(frozen=True, kw_only=True)
 class Media:
-    """All videos that a study's participants are shown.
-
-    Attributes
-    ----------
-    study : Study
-        Tells of which videos copies are shown.
-    rendered : mapping of Content to VideoFile
-        What `motionjury render` has rendered.
-    copies : mapping of Content to VideoFile
-        What it has copied.
-    """
+    """All videos that participants of `study` may see, rendered and copied."""
 
     study: Study
     rendered: Mapping[Content, VideoFile]
@@ -183,13 +165,7 @@ class Media:
 
     @classmethod
     def of(cls, folder: StudyFolder, study: Study) -> Self:
-        """Read what the study in `folder` has.
-
-        Raises
-        ------
-        InputError
-            If nothing was rendered yet.
-        """
+        """Read the videos in `folder`; `InputError` if nothing has been rendered yet."""
         stimuli = read_stimuli(folder.stimuli)
         return cls(
             study=study,
@@ -203,13 +179,13 @@ class Media:
         )
 
     def find(self, content: Content) -> VideoFile | None:
-        """Return the video that shows `content`, whether or not its file is there; else None."""
-        made = self.copies if shows_copy(self.study, content) else self.rendered
-        return made.get(content)
+        """Return the recorded video of `content`, whether or not its file exists; else None."""
+        videos = self.copies if shows_copy(self.study, content) else self.rendered
+        return videos.get(content)
 
 
 def stimulus_of_copy(copy: VideoCopy) -> Stimulus:
-    """Return what a copy shows."""
+    """Return the stimulus that a copy shows."""
     return Stimulus(condition=copy.condition, segment=copy.segment, speech=copy.heard)
 
 
@@ -235,14 +211,13 @@ def _rendered_videos(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, Vid
 
 @dataclass(frozen=True)
 class StimulusVideo:
-    """A video, rendered or brought.
+    """A rendered or finished video.
 
     Attributes
     ----------
     file : Path
-        Where it is.
     rendered : str
-        Digest of everything that a rendered one depends on; empty for one that was brought.
+        The key of a rendered one; empty for a finished one.
     """
 
     file: Path
@@ -250,14 +225,14 @@ class StimulusVideo:
 
     @property
     def key(self) -> str:
-        """What tells it from every other video."""
+        """Tells it from every other video."""
         return self.rendered or digest(self.file)
 
 
 def stimulus_videos(
     folder: StudyFolder, study: Study, shown: Iterable[tuple[str, str]]
 ) -> dict[tuple[str, str], StimulusVideo]:
-    """Return the videos that are there of each (segment, condition), with its own speech."""
+    """Return the existing videos of each (segment, condition) with its own speech."""
     rendered = () if study.only_finished else read_stimuli(folder.stimuli).clips
     videos = {
         (clip.segment, clip.condition): StimulusVideo(folder.root / clip.file, clip.key)

@@ -1,4 +1,4 @@
-"""What a new study is to be, and what its template is told of its own conditions."""
+"""The options of a new study, and the template variables that follow from its conditions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from studyapp.study.settings.study import GROUND_TRUTH
 
 @dataclass(frozen=True, kw_only=True)
 class StudyOptions:
-    """What a study file is made from; what is None stays as its template has it.
+    """What a study file is made from; None leaves the template's own value.
 
     Attributes
     ----------
@@ -27,33 +27,32 @@ class StudyOptions:
     template : str
         One of `studyapp.study.study_file.TEMPLATES`.
     language : {'en', 'de', 'ja'}
-        What participants read in.
+        Language of the participants' pages.
     title : str or None
-        What participants see as its title.
+        The title that participants see.
     reference : str or None
-        The condition every other one is compared with; also the source of the template's
-        mismatched condition. For pairwise studies. For rankings, the condition that is shown
-        apart.
+        In pairwise studies, the condition that every other one is compared with; also the source
+        of the template's mismatched condition. In rankings, the condition that is not ranked.
     trials : int or None
-        Pairs each participant judges. For pairwise studies.
+        Pairs that each participant judges; for pairwise studies.
     participants : int or None
-        How many; of pairwise studies, for each comparison.
+        In pairwise studies, for each comparison.
     conditions : mapping of str to Condition, or None
         Replaces the template's conditions.
     catch_videos : bool
-        Whether finished videos of a visibly broken motion will be brought for catch trials.
+        Whether there will be finished videos of a visibly broken motion for catch trials.
     channel : {'link', 'prolific', 'mturk', 'invitations'} or None
         Where participants come from.
     pay : Pay or None
-        What each of them gets.
+        The pay of each participant.
     minutes : int or None
-        How long it takes.
+        Duration of the study.
     organisation, contact, ethics : str or None
         See `studyapp.study.settings.presentation.Page`.
     avatar : str or None
-        Who moves in the videos.
+        The avatar in the videos.
     wording : mapping of str to str
-        Texts of questions in place of the template's, by the questions' names.
+        Question texts that replace the template's, by question name.
     """
 
     name: str
@@ -91,57 +90,53 @@ def condition_variables(
     reference: str | None,
     catch_videos: bool,
 ) -> dict[str, Any]:
-    """Return what the template of `protocol` is told of conditions that replace its own.
+    """Return the variables of the template of `protocol` for conditions that replace its own.
 
     Parameters
     ----------
-    conditions : mapping of str to Condition
-        In their order.
     reference : str or None
-        The condition that all others are compared with, or that is shown apart.
+        The condition that all others are compared with, or that is not ranked.
     catch_videos : bool
-        Whether finished videos of a broken motion will be brought.
+        Whether there will be finished videos of a broken motion.
 
     Raises
     ------
     InputError
-        If they are too few or too many, or the reference is none of them.
+        If there are too few or too many conditions, or the reference is not one of them.
     """
     names = [check_name(name, "condition") for name in conditions]
     if len(names) < MIN_CONDITIONS:
-        raise InputError(
-            f"{len(names)} condition is nothing to compare", remedy="Name two or more of them"
-        )
+        raise InputError("one condition cannot be compared", remedy="Name at least two")
     if reference is not None and reference not in names:
         raise InputError(
-            f"the reference {reference!r} is none of the conditions",
+            f"the reference {reference!r} is not one of the conditions",
             remedy=f"Use one of {', '.join(names)}",
         )
-    moved = any(not condition.videos for condition in conditions.values())
-    stated: dict[str, Any] = {
+    has_motion = any(not condition.videos for condition in conditions.values())
+    variables: dict[str, Any] = {
         "names": names,
         "conditions": conditions_text(conditions),
-        "nothing_breaks": not moved and not catch_videos,
+        "nothing_breaks": not has_motion and not catch_videos,
         **_catch_variables(protocol, conditions, reference, catch_videos=catch_videos),
     }
-    if not moved:
+    if not has_motion:
         # Nothing in a finished video can be held still.
-        stated["freeze"] = []
+        variables["freeze"] = []
     if protocol == "pairwise":
-        stated["reference"] = reference or (GROUND_TRUTH if GROUND_TRUTH in names else names[0])
+        variables["reference"] = reference or (GROUND_TRUTH if GROUND_TRUTH in names else names[0])
         if any(condition.videos for condition in conditions.values()):
             # Finished videos cannot be composed.
-            stated["layout"] = "players"
+            variables["layout"] = "players"
     elif protocol in ("rating", "ranking"):
         shown = [name for name in names if name != reference or protocol == "rating"]
         if not 2 <= len(shown) <= MAX_VIDEOS_PER_PAGE:
             raise InputError(
                 f"a page would show {len(shown)} motions, but it can show 2 to "
                 f"{MAX_VIDEOS_PER_PAGE}",
-                remedy="Name other conditions, or make the study and write parts of your own",
+                remedy="Name other conditions, or create the study and edit its parts",
             )
-        stated["shown"] = shown
-    return stated
+        variables["shown"] = shown
+    return variables
 
 
 def _catch_variables(
@@ -151,21 +146,21 @@ def _catch_variables(
     *,
     catch_videos: bool,
 ) -> dict[str, str | bool]:
-    """Return what catch trials show, where it is not what the template says."""
+    """Return the keys of catch trials that differ from the template's."""
     names = list(conditions)
-    first = GROUND_TRUTH if GROUND_TRUTH in names else (reference or names[0])
-    ranked = [name for name in names if protocol != "ranking" or name != reference]
+    default = GROUND_TRUTH if GROUND_TRUTH in names else (reference or names[0])
+    judged = [name for name in names if protocol != "ranking" or name != reference]
     if catch_videos:
-        return {"videos": True, **({"against": ranked[0]} if first not in ranked else {})}
-    moved = [name for name in ranked if not conditions[name].videos]
-    if protocol in _WITH_CATCH and moved and first not in moved:
+        return {"videos": True, **({"against": judged[0]} if default not in judged else {})}
+    with_motion = [name for name in judged if not conditions[name].videos]
+    if protocol in _WITH_CATCH and with_motion and default not in with_motion:
         # Only motion can be broken.
-        return {"against": moved[0]}
+        return {"against": with_motion[0]}
     return {}
 
 
 def conditions_text(conditions: Mapping[str, Condition]) -> str:
-    """Return conditions as a study file has them."""
+    """Return conditions as tables of a study file."""
     tables = {
         name: condition.model_dump(exclude_none=True, exclude_defaults=True)
         for name, condition in conditions.items()

@@ -1,4 +1,4 @@
-"""What participants read of a template, in the language of the study's pages."""
+"""Rendering the templates of study files, and their texts for participants in other languages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TEMPLATES: Final = Environment(
 
 
 def _key(name: str, example: object, value: object) -> str:
-    """Return a line of a study file, in a comment where nothing is stated."""
+    """Return a key as a line of a study file, commented out if it has no value."""
     if isinstance(value, Undefined):
         return f"# {name} = {example}"
     return f"{name} = {_toml(value)}"
@@ -39,23 +39,22 @@ _TEMPLATES.globals["key"] = _key
 _TEMPLATES.filters["toml"] = _toml
 
 
-def render_template(file: str, language: str = TEMPLATE_LANGUAGE, **stated: object) -> str:
-    """Return a template with what is stated in it, or its texts in another language."""
+def render_template(file: str, language: str = TEMPLATE_LANGUAGE, **variables: object) -> str:
+    """Return a template filled with `variables`, or its texts in another language."""
     name = file if language == TEMPLATE_LANGUAGE else f"{language}/{file}"
-    return _TEMPLATES.get_template(name).render(stated)
+    return _TEMPLATES.get_template(name).render(variables)
 
 
 def translate_study_file(text: str, file: str, language: str, *, title: str | None) -> str:
-    """Return a study file with what participants read in a language, and its pages too.
+    """Return a study file with the texts and pages for participants in `language`.
 
     Parameters
     ----------
     text : str
-        The study file, made from a template.
+        The study file, rendered from a template.
     file : str
-        Name of the template's file.
+        The template's file name.
     language : {'en', 'de', 'ja'}
-        The language.
     title : str or None
         The study's own title, which stays; None for the template's.
     """
@@ -75,7 +74,7 @@ def translate_study_file(text: str, file: str, language: str, *, title: str | No
 
 
 def _replace_texts(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
-    """Replace what `texts` say of each of `questions`, found by its name."""
+    """Replace the texts of `questions` by the translated `texts` of the same names."""
     by_name = {text["name"]: text for text in texts}
     for question in questions:
         for key, translation in by_name[question["name"]].items():
@@ -86,37 +85,35 @@ def _replace_texts(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
-    """Return a list with a line for each item."""
+    """Return an array with one item a line."""
     array = tomlkit.array()
-    for each in items:
-        if isinstance(each, dict):
+    for item in items:
+        if isinstance(item, dict):
             table = tomlkit.inline_table()
-            table.update(each)
+            table.update(item)
             array.append(table)
         else:
-            array.append(each)
+            array.append(item)
     return array.multiline(multiline=True)
 
 
 def untranslated_keys(study: Study) -> tuple[str, ...]:
-    """Return the keys that still say what an English template says, though the pages do not.
+    """Return the keys with the text of an English template, if the pages are not in English.
 
-    Nothing can be said of texts that a researcher has written.
+    Texts that a researcher wrote cannot be judged.
     """
     if study.page.language == TEMPLATE_LANGUAGE:
         return ()
-    sources = [
+    templates = [
         tomllib.loads(render_template(name))
         for name in _TEMPLATES.list_templates()
         if "/" not in name
     ]
-    asked = {question["text"] for source in sources for question in source["questions"]}
-    same = {
-        "title": study.title in {source["title"] for source in sources},
-        "page.consent": study.page.consent in {source["page"]["consent"] for source in sources},
-        **{
-            f"the question {question.name!r}": question.text in asked
-            for question in study.questions
-        },
-    }
-    return tuple(key for key, is_same in same.items() if is_same)
+    titles = {template["title"] for template in templates}
+    consents = {template["page"]["consent"] for template in templates}
+    texts = {question["text"] for template in templates for question in template["questions"]}
+    return (
+        *(["title"] if study.title in titles else []),
+        *(["page.consent"] if study.page.consent in consents else []),
+        *(f"the question {each.name!r}" for each in study.questions if each.text in texts),
+    )

@@ -1,4 +1,4 @@
-"""What of a study may change while it runs, and a digest of what may not."""
+"""Which keys of a study may change while it runs, and a digest of those that may not."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from motion.segment import Segment
-from studyapp.study.design.trial import Arm, Content
+from studyapp.study.design.trial import Content
 from studyapp.study.media import VideoFile
 from studyapp.study.settings.study import Study
 
@@ -22,14 +22,13 @@ OPERATION: Final[dict[str, Any]] = {
     "watching": {"megabytes_per_page"},
     "recruitment": {"channel", "unpaid_failed_checks"},
 }
-"""Keys that may change while the study runs, and whose changes are noted."""
+"""Keys that may change while the study runs; changes are logged."""
 
 RECRUITERS: Final[dict[str, Any]] = {"recruitment": True}
-"""Keys that may change too, and are noted nowhere: completion codes are among them."""
+"""Keys that may change and are never logged: completion codes are among them."""
 
 UNTRACKED: Final[dict[str, Any]] = {"rehearsal": True, "alarms": True}
-"""Keys that say whom a rehearsal simulates, and what researchers are told: nothing that
-participants meet."""
+"""Keys about rehearsals and alarms, which participants never notice."""
 
 ANALYSIS: Final[dict[str, Any]] = {
     "exclusions": True,
@@ -38,20 +37,20 @@ ANALYSIS: Final[dict[str, Any]] = {
     "family": True,
     "conditions": {"__all__": {"generative", "label"}},
 }
-"""Keys that say what is done with the answers. They may change too, but then the report says that
-they did. All keys that are neither these nor of the operation are the study's design."""
+"""Keys about the analysis. They may change too, but the report says so. All other keys are the
+study's design."""
 
 
 def operation_part(study: Study) -> dict[str, Any]:
-    """Return what of `study` may change while it runs, as plain data."""
-    rules = [each.shorthand() for each in study.settled_exclusions]
+    """Return what may change while `study` runs, as plain data."""
+    rules = [rule.shorthand() for rule in study.settled_exclusions]
     return study.model_dump(mode="json", include=OPERATION) | {"exclusions": rules}
 
 
 def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[str, ...]:
     """Return what differs between two operation parts, as ``key: before -> after``.
 
-    A key that only one of them has is known to one release and not to the other: no change.
+    A key that only one of them has comes with a release of this program and is no change.
     """
     old, new = _flatten(before), _flatten(after)
     return tuple(
@@ -64,10 +63,10 @@ def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[st
 def changeable_keys() -> tuple[str, ...]:
     """Return the keys that may change while people take part, without those of conditions."""
     return tuple(
-        f"{key}.{each}" if isinstance(inner, set) else key
+        f"{key}.{inner_key}" if isinstance(inner, set) else key
         for key, inner in (OPERATION | ANALYSIS | RECRUITERS | UNTRACKED).items()
         if key != "conditions"
-        for each in (sorted(inner) if isinstance(inner, set) else [""])
+        for inner_key in (sorted(inner) if isinstance(inner, set) else [""])
     )
 
 
@@ -82,35 +81,26 @@ def design_changes(before: Study, after: Study) -> tuple[str, ...]:
 def design_digest(
     study: Study, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
 ) -> str:
-    """Return what changes with anything that decides what participants see and are asked.
+    """Return a digest of everything that decides what participants see and are asked.
 
     Parameters
     ----------
     videos : mapping of Content to VideoFile
-        What shows participants each of the study's contents.
+        The videos that show the study's contents.
     """
-    design = _design(study)
-    heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
-    seen = sorted(
+    speech = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
+    shown = sorted(
         [*([s.condition, s.segment, s.speech or ""] for s in content), [videos[content].made_from]]
         for content in study.contents(segments)
         if content in videos
     )
-    state = json.dumps([study.protocol, design, heard, seen])
+    state = json.dumps([study.protocol, _design(study), speech, shown])
     return hashlib.sha256(state.encode()).hexdigest()
 
 
-def arm_digest(
-    study: Study, arm: Arm, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
-) -> str:
-    """Return what changes with anything that decides what participants of `arm` see."""
-    return design_digest(study.design_of(arm), segments, videos)
-
-
 def _design(study: Study) -> dict[str, Any]:
-    """Return what of `study` decides what participants see and are asked, as plain data."""
-    # Keys that say what would be so without them do not count: writing one down, or a new
-    # release that knows more of them, is no other design.
+    """Return the keys that decide what participants see and are asked, as plain data."""
+    # Defaults do not count: writing one down, or a release with more keys, changes no design.
     keys = study.model_dump(
         mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | UNTRACKED, exclude_defaults=True
     )
@@ -120,6 +110,8 @@ def _design(study: Study) -> dict[str, Any]:
 def _flatten(part: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in part.items():
-        inner = value if isinstance(value, dict) else None
-        flat |= {key: value} if inner is None else {f"{key}.{k}": v for k, v in inner.items()}
+        if isinstance(value, dict):
+            flat |= {f"{key}.{inner_key}": inner for inner_key, inner in value.items()}
+        else:
+            flat[key] = value
     return flat

@@ -22,7 +22,7 @@ class MotionPages:
 
     Attributes
     ----------
-    videos : mapping of (segment, condition) to ShownVideo
+    videos : mapping of (segment, condition) to StimulusVideo
         The study's videos.
     """
 

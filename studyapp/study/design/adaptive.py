@@ -1,10 +1,10 @@
-"""Which pair of conditions to ask about next: the one whose answer is worth most.
+"""Adaptive pairs: ask about the pair of conditions whose answer is the most informative.
 
-The strengths of the conditions have a Bradley–Terry likelihood and a wide normal prior; their
-posterior is taken as normal around its mode (Laplace). What an answer to a pair is worth is the
-entropy it is expected to take from that posterior, ½ log(1 + p (1 − p) v), with p the probability
-that the first is preferred and v the posterior variance of the difference (Chaloner & Verdinelli
-1995, Bayesian experimental design: a review; D-optimality).
+The strengths of the conditions have a Bradley–Terry likelihood and a wide normal prior; the
+posterior is approximated by a normal distribution around its mode (Laplace). The information in an
+answer is the expected drop in entropy, ½ log(1 + p (1 − p) v), with p the probability that the
+first is preferred and v the posterior variance of the difference (D-optimality; Chaloner &
+Verdinelli 1995, Bayesian experimental design: a review).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from studyapp.study.design.trial import Tally
 Pair = tuple[str, str]
 
 PRIOR_SD: Final = 2.0
-"""Standard deviation of a condition's strength before anybody has answered, in logits."""
+"""Prior standard deviation of a condition's strength, in logits."""
 
 MAX_NEWTON_STEPS: Final = 50
 TOLERANCE: Final = 1e-9
@@ -30,24 +30,24 @@ TOLERANCE: Final = 1e-9
 def most_informative_pairs(
     conditions: Sequence[str], votes: Tally, count: int, chance: np.random.Generator
 ) -> list[Pair]:
-    """Return the next `count` pairs to ask one participant about, the worthiest first.
+    """Return the next `count` pairs for one participant, the most informative first.
 
-    After each choice the posterior is narrowed as its answer is expected to, so that one pair is
-    not asked again and again. Among equally worthy pairs `chance` decides.
+    Each choice narrows the posterior as its answer is expected to, so that one pair is not asked
+    again and again. Ties are broken at random.
 
     Parameters
     ----------
     conditions : sequence of str
         At least two.
     votes : Tally
-        What was answered so far; pairs of other conditions are left aside.
+        The answers so far; other conditions are ignored.
     """
     strengths, covariance = posterior(conditions, votes)
     indices = list(combinations(range(len(conditions)), 2))
     chosen: list[Pair] = []
     for _ in range(count):
-        worth = np.array([_expected_information(strengths, covariance, i, j) for i, j in indices])
-        best = np.flatnonzero(worth >= worth.max() - TOLERANCE)
+        gains = np.array([_expected_information(strengths, covariance, i, j) for i, j in indices])
+        best = np.flatnonzero(gains >= gains.max() - TOLERANCE)
         i, j = indices[int(chance.choice(best))]
         chosen.append((conditions[i], conditions[j]))
         covariance = _update_covariance(strengths, covariance, i, j)
@@ -57,7 +57,7 @@ def most_informative_pairs(
 def posterior(
     conditions: Sequence[str], votes: Tally
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return mode and covariance of the strengths of `conditions`, in logits.
+    """Return the mode and covariance of the strengths of `conditions`, in logits.
 
     Returns
     -------
@@ -67,36 +67,31 @@ def posterior(
     size = len(conditions)
     wins = np.array([[votes.get((a, b), 0.0) for b in conditions] for a in conditions])
     np.fill_diagonal(wins, 0.0)
-    asked = wins + wins.T
+    comparisons = wins + wins.T
     prior = np.eye(size) / PRIOR_SD**2
     strengths = np.zeros(size)
     for _ in range(MAX_NEWTON_STEPS):
-        chances = _preference_probabilities(strengths)
-        slope = (wins - asked * chances).sum(axis=1) - prior @ strengths
-        weights = asked * chances * (1 - chances)
+        probabilities = 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
+        gradient = (wins - comparisons * probabilities).sum(axis=1) - prior @ strengths
+        weights = comparisons * probabilities * (1 - probabilities)
         precision = np.diag(weights.sum(axis=1)) - weights + prior
-        step = np.linalg.solve(precision, slope)
+        step = np.linalg.solve(precision, gradient)
         strengths = strengths + step
         if np.abs(step).max() < TOLERANCE:
             break
     return strengths, np.linalg.inv(precision)
 
 
-def _preference_probabilities(strengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how probable it is that the row's condition is preferred to the column's."""
-    return 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
-
-
 def _information(strengths: NDArray[np.float64], i: int, j: int) -> float:
-    chance = 1 / (1 + np.exp(strengths[j] - strengths[i]))
-    return float(chance * (1 - chance))
+    probability = 1 / (1 + np.exp(strengths[j] - strengths[i]))
+    return float(probability * (1 - probability))
 
 
 def _expected_information(
     strengths: NDArray[np.float64], covariance: NDArray[np.float64], i: int, j: int
 ) -> float:
-    spread = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
-    return float(0.5 * np.log1p(_information(strengths, i, j) * spread))
+    variance = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
+    return float(0.5 * np.log1p(_information(strengths, i, j) * variance))
 
 
 def _update_covariance(
@@ -105,8 +100,6 @@ def _update_covariance(
     """Return the covariance after one more answer about a pair (Sherman–Morrison)."""
     information = _information(strengths, i, j)
     row = covariance[i] - covariance[j]
-    spread = row[i] - row[j]
-    narrowed: NDArray[np.float64] = covariance - np.outer(row, row) * (
-        information / (1 + information * spread)
-    )
-    return narrowed
+    gain = information / (1 + information * (row[i] - row[j]))
+    updated: NDArray[np.float64] = covariance - np.outer(row, row) * gain
+    return updated

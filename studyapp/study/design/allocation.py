@@ -1,4 +1,4 @@
-"""Which segments a participant sees, and how many trials these make."""
+"""The segments of each participant, and the number of trials."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ T = TypeVar("T")
 
 
 def even_quotas(available: Mapping[str, int], total: int, number: int) -> dict[str, int]:
-    """Share `total` out over the emotions as evenly as what is available allows.
+    """Divide `total` segments among the emotions as evenly as `available` allows.
 
-    Every emotion gets the same, except those with fewer segments, which give all they have.
-    What cannot be shared evenly goes to different emotions for consecutive participants.
+    Every emotion gets the same, except those with too few segments, which give all they have. The
+    remainder goes to different emotions for consecutive participants.
 
     Parameters
     ----------
     available : mapping of emotion to int
-        How many segments each emotion has.
+        Number of segments.
     total : int
-        How many segments are wanted; more than there are means all.
+        At most all segments are used.
     number : int
         The participant's number within the comparison, from 0.
 
@@ -39,11 +39,11 @@ def even_quotas(available: Mapping[str, int], total: int, number: int) -> dict[s
 
 @dataclass(frozen=True)
 class _Share:
-    """What every participant gets of each emotion, and the `rest` that goes round the larger."""
+    """An even share of each emotion, and a `remainder` that rotates among the larger emotions."""
 
     even: Mapping[str, int]
     larger: Sequence[str]
-    rest: int
+    remainder: int
 
     @classmethod
     def of(cls, available: Mapping[str, int], total: int) -> Self:
@@ -57,14 +57,14 @@ class _Share:
         larger = [emotion for emotion, count in available.items() if count > level]
         return cls(even, larger, total - sum(even.values()))
 
-    def more(self, number: int) -> Sequence[str]:
+    def additional(self, number: int) -> Sequence[str]:
         """Return the emotions of which this participant gets one more."""
-        first = number * self.rest
-        return [self.larger[(first + step) % len(self.larger)] for step in range(self.rest)]
+        first = number * self.remainder
+        return [self.larger[(first + step) % len(self.larger)] for step in range(self.remainder)]
 
     def taken_before(self, number: int) -> dict[str, int]:
         """Return how many segments of each emotion the participants before `number` got."""
-        rounds, first = divmod(number * self.rest, max(1, len(self.larger)))
+        rounds, first = divmod(number * self.remainder, max(1, len(self.larger)))
         taken = {emotion: number * count for emotion, count in self.even.items()}
         for index, emotion in enumerate(self.larger):
             taken[emotion] += rounds + (index < first)
@@ -72,7 +72,7 @@ class _Share:
 
     def quotas(self, number: int) -> dict[str, int]:
         quotas = dict(self.even)
-        for emotion in self.more(number):
+        for emotion in self.additional(number):
             quotas[emotion] += 1
         return quotas
 
@@ -114,24 +114,24 @@ def allocate_segments(
     for segment in shuffled(segments, chance):
         rings.setdefault(segment.emotion, []).append(segment)
     available = {emotion: len(ring) for emotion, ring in rings.items()}
-    own = _Share.of(available, total)
-    taken = own.taken_before(number) if before is None else _count_taken(available, before)
+    share = _Share.of(available, total)
+    taken = share.taken_before(number) if before is None else _count_taken(available, before)
     return tuple(
         rings[emotion][(taken[emotion] + step) % available[emotion]]
-        for emotion, count in own.quotas(number).items()
+        for emotion, count in share.quotas(number).items()
         for step in range(count)
     )
 
 
 def _count_taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping[str, int]:
-    """Return how many segments of each emotion participants got who got `before` in all."""
+    """Return how many segments of each emotion the participants with totals `before` got."""
     shares = {count: _Share.of(available, count) for count in set(before)}
     taken = Counter(dict.fromkeys(available, 0))
     for count, times in Counter(before).items():
         for emotion, even in shares[count].even.items():
             taken[emotion] += times * even
     for earlier, count in enumerate(before):
-        for emotion in shares[count].more(earlier):
+        for emotion in shares[count].additional(earlier):
             taken[emotion] += 1
     return taken
 
@@ -143,14 +143,14 @@ def shuffled(items: Sequence[T], chance: np.random.Generator) -> list[T]:
 
 @dataclass(frozen=True, kw_only=True)
 class TrialCount:
-    """The pairs of one participant, and why they are not what the study file asks for.
+    """The number of pairs of one participant, and why it differs from the study file.
 
     Attributes
     ----------
     practice, analysed : int
-        Pairs that are discarded, all of which are shown again, and pairs that are not.
+        Pairs that are discarded and shown again, and all pairs that are analysed.
     sentences : tuple of str
-        What differs from the study file and why, for people; empty where nothing does.
+        How and why the numbers differ from the study file.
     """
 
     practice: int
@@ -161,10 +161,9 @@ class TrialCount:
 def planned_trials(
     segments: Sequence[Segment], *, trials: int, practice: int, rounds: int = 1
 ) -> TrialCount:
-    """Count the pairs of one participant with these segments.
+    """Count the pairs of one participant.
 
-    A segment comes in at most `rounds` analysed trials, so a study with fewer segments than its
-    file asks for shows each of them so often.
+    A segment is analysed in at most `rounds` trials, so few segments limit the number of trials.
     """
     pairs = min(trials, rounds * len(segments))
     discarded = min(practice, pairs)
@@ -184,16 +183,13 @@ def planned_trials(
 
 
 def _uneven_emotions(segments: Sequence[Segment], pairs: float) -> list[str]:
-    """Say which emotions have too few segments for an even share of `pairs` different ones."""
+    """Say which emotions have too few segments for an even share of `pairs`."""
     available = Counter(segment.emotion for segment in segments)
-    if not available:
-        return []
-    share = int(pairs // len(available))
-    short = {emotion: count for emotion, count in available.items() if count < share}
+    share = int(pairs // max(1, len(available)))
+    short = [f"{emotion} ({count})" for emotion, count in available.items() if count < share]
     if not short:
         return []
-    listed = ", ".join(f"{emotion} {count}" for emotion, count in short.items())
     return [
         f"the emotions are not shown equally often: an even share is {share} segments each, "
-        f"but there are fewer of {listed}"
+        f"but there are fewer of {', '.join(short)}"
     ]

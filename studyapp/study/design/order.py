@@ -1,4 +1,4 @@
-"""Putting trials in order: sides of pairs, and extra trials scattered among the others."""
+"""The order of trials: sides of pairs, and catch trials and attention checks among the others."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from studyapp.study.design.trial import Answers, Content, Kind, PlannedTrial, St
 
 
 def draw_sides(count: int, chance: np.random.Generator) -> list[bool]:
-    """Return `count` random sides, half of them True; an odd one is either by chance."""
+    """Return `count` random sides, half of them True; the odd one is random."""
     start = int(chance.integers(2))
     return shuffled([bool((start + index) % 2) for index in range(count)], chance)
 
@@ -26,19 +26,19 @@ def draw_segments(
     count: int,
     chance: np.random.Generator,
     *,
-    heard: Iterable[Segment] = (),
+    used: Iterable[Segment] = (),
 ) -> list[Segment]:
-    """Return `count` random segments; one comes twice only when there are too few.
+    """Return `count` random segments; one is repeated only if there are too few.
 
-    Those that other trials have are taken last and the least often heard of them first: speech
-    that comes again would tell an extra trial from an ordinary one.
+    Segments of other trials are drawn last, the rarest first: repeated speech would tell an extra
+    trial from an ordinary one.
 
     Parameters
     ----------
-    heard : iterable of Segment
-        The speech of the other trials.
+    used : iterable of Segment
+        The segments of the other trials.
     """
-    times = Counter(heard)
+    times = Counter(used)
     drawn: list[Segment] = []
     while segments and len(drawn) < count:
         drawn.extend(sorted(shuffled(segments, chance), key=times.__getitem__))
@@ -52,34 +52,31 @@ def scatter(
     *,
     may_lead: bool,
 ) -> list[PlannedTrial]:
-    """Return `others` in their order with `extra`, in random order, in random gaps between them.
+    """Insert `extra`, shuffled, into random gaps of `others`.
 
-    No two of `extra` follow each other as long as there are gaps enough, and none comes first
-    unless `may_lead`.
+    No two of `extra` are adjacent if there are enough gaps, and none comes first unless
+    `may_lead`.
     """
     gaps = np.arange(0 if may_lead else 1, len(others) + 1)
-    enough = len(gaps) >= len(extra)
-    before = sorted(chance.choice(gaps, size=len(extra), replace=not enough).tolist())
+    too_few = len(gaps) < len(extra)
+    positions = sorted(chance.choice(gaps, size=len(extra), replace=too_few).tolist())
     merged = list(others)
-    for gap, trial in sorted(
-        zip(before, shuffled(extra, chance), strict=True), key=lambda at: at[0], reverse=True
-    ):
-        merged.insert(gap, trial)
+    for offset, (gap, trial) in enumerate(zip(positions, shuffled(extra, chance), strict=True)):
+        merged.insert(gap + offset, trial)
     return merged
 
 
 def scatter_by_part(
     extra: Sequence[PlannedTrial], others: Sequence[PlannedTrial], chance: np.random.Generator
 ) -> list[PlannedTrial]:
-    """Return `others` in their order with each of `extra` somewhere in its own part.
+    """Insert each of `extra` into its own part of `others`, but never before all of them.
 
-    What belongs to another part can look otherwise, which would tell that it is extra. None of
-    `extra` comes first of all.
+    A trial can look different from those of another part, which would give it away.
     """
     merged: list[PlannedTrial] = []
     for part in dict.fromkeys(trial.part for trial in others):
-        own, more = ([t for t in trials if t.part == part] for trials in (others, extra))
-        merged += scatter(more, own, chance, may_lead=bool(merged))
+        of_part, inserted = ([t for t in trials if t.part == part] for trials in (others, extra))
+        merged += scatter(inserted, of_part, chance, may_lead=bool(merged))
     return merged
 
 
@@ -95,28 +92,28 @@ Levels = Literal[2, 3, 5]
 PREFERENCES: Final[Mapping[int, Sequence[int]]] = MappingProxyType(
     {2: (-1, 1), 3: (-1, 0, 1), 5: (-2, -1, 0, 1, 2)}
 )
-"""By how many answers there are: below 0 for the first stimulus (A), above for the second (B)."""
+"""The answers, by their number: below 0 for the first stimulus (A), above 0 for the second (B)."""
 
 StimulusPair = tuple[Segment, Stimulus, Stimulus]
-"""What a trial is about, and the two stimuli that it shows."""
+"""A segment, and two stimuli of one trial about it."""
 
 
 def pair_trials(
     kind: Kind,
-    shown: Sequence[StimulusPair],
+    pairs: Sequence[StimulusPair],
     chance: np.random.Generator,
     *,
     composed: bool,
     part: str = "",
 ) -> list[PlannedTrial]:
-    """Return a trial for each of `shown`, the first stimulus as A in half of them.
+    """Return a trial for each pair; in half of them, the first stimulus is A.
 
     Parameters
     ----------
     composed : bool
-        Whether both stimuli are in one video, or each in one of its own.
+        Whether one video shows both stimuli.
     """
-    sides = draw_sides(len(shown), chance)
+    sides = draw_sides(len(pairs), chance)
     return [
         PlannedTrial(
             position=0,
@@ -125,7 +122,7 @@ def pair_trials(
             segment=segment,
             videos=pair_videos(*((a, b) if first_is_a else (b, a)), composed=composed),
         )
-        for (segment, a, b), first_is_a in zip(shown, sides, strict=True)
+        for (segment, a, b), first_is_a in zip(pairs, sides, strict=True)
     ]
 
 
@@ -135,5 +132,5 @@ def pair_videos(left: Stimulus, right: Stimulus, *, composed: bool) -> tuple[Con
 
 
 def prefers_side(answers: Answers, number: int) -> bool:
-    """Tell whether every answer prefers stimulus `number`, which is 1 or 2, however little."""
+    """Tell whether every answer prefers stimulus `number` (1 or 2), however slightly."""
     return all((value > 0) if number == 2 else (value < 0) for value in answers.values())

@@ -1,4 +1,4 @@
-"""The words of a trial: its stimuli, its plan, what it asks for, and the arm it is planned for."""
+"""Trials: their stimuli, plans and answers, and the arms they are planned for."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Stimulus:
     condition : str
         Whose motion.
     segment : str
-        For which segment it was made.
+        The segment it was made for.
     speech : str or None
-        The segment that is heard: its own, another one, or None for silence.
+        The segment that is heard: the same, another one, or None for silence.
     """
 
     condition: str
@@ -52,21 +52,21 @@ class PlannedTrial:
     position : int
         Place within the study session, from 1.
     kind : {'practice', 'main', 'repeat', 'catch', 'attention'}
-        Practice is discarded, repeat is a practice trial shown again and analysed like main,
-        catch has a right answer that is seen at once, attention one that the page asks for.
+        Practice is discarded; repeat shows a practice trial again and is analysed like main;
+        catch has an obvious right answer, attention one that the page asks for.
     part : str
-        The part of the study it belongs to: a set, a block or a task; empty where there are none.
+        The set, block or task it belongs to; empty in a study without parts.
     segment : Segment
         The speech it is about.
     videos : tuple of Content
-        What is judged, video by video, in the order shown. Counted through all videos, the
-        stimuli have the numbers 1, 2, … and the labels A, B, …
+        What is judged, in the order shown. Counted through all videos, the stimuli have the
+        numbers 1, 2, … and the labels A, B, …
     reference : Stimulus or None
-        What is shown apart as a yardstick and not judged.
+        Shown for comparison and not judged.
     expected : int or None
-        Of a catch trial: the number of the stimulus that is plainly better.
+        Number of the obviously better stimulus of a catch trial.
     instructed : int or None
-        Of an attention check: the value that the page asks to choose.
+        The value that an attention check asks for.
     repeats : int or None
         Position of the practice trial that a repeat shows again.
     """
@@ -88,7 +88,7 @@ class PlannedTrial:
 
     @property
     def players(self) -> dict[int, Content]:
-        """What each video shows, by its number; 0 shows the reference."""
+        """What each video shows, by number; 0 is the reference."""
         return dict(enumerate(self.shown, start=int(self.reference is None)))
 
     @property
@@ -117,13 +117,13 @@ class Ask:
     question : str
         Name of the question.
     stimulus : int or None
-        Number of the stimulus it is about, from 1; None where it is about the whole trial.
+        Number of the stimulus it is about, from 1; None for the whole trial.
     values : sequence of int
-        What may be answered.
+        The possible answers.
     reasons : tuple of str
-        Names of the reasons that may be ticked beside the answer.
+        Names of the reasons that may be ticked.
     shares_reasons : bool
-        Whether they are ticked once for all answers to the question, as beside an order.
+        Whether reasons are ticked once for all answers to the question, as in a ranking.
     """
 
     question: str
@@ -134,12 +134,12 @@ class Ask:
 
     @property
     def key(self) -> AnswerKey:
-        """What the answer is stored under."""
+        """The key under which the answer is stored."""
         return self.question, self.stimulus
 
     @property
     def field(self) -> str:
-        """Name of the form's field; no question's name holds a colon."""
+        """Name of the form field; names of questions contain no colon."""
         return self.question if self.stimulus is None else f"{self.question}:{self.stimulus}"
 
     @property
@@ -149,7 +149,7 @@ class Ask:
 
 
 class Trial(Protocol):
-    """What must be known of a trial to judge its answers, planned or stored alike."""
+    """What judges need to know of a trial, planned or stored."""
 
     @property
     def kind(self) -> str:
@@ -165,15 +165,15 @@ class Trial(Protocol):
 
     @property
     def expected(self) -> int | None:
-        """Of a catch trial: the number of the plainly better stimulus."""
+        """Number of the obviously better stimulus of a catch trial."""
 
     @property
     def instructed(self) -> int | None:
-        """Of an attention check: the value that the page asks to choose."""
+        """The value that an attention check asks for."""
 
 
 Tally = Mapping[tuple[str, str], float]
-"""How often the first condition was preferred to the second; a tie is half a win for both."""
+"""How often the first condition was preferred to the second; a tie counts half for both."""
 
 NO_VOTES: Final[Tally] = MappingProxyType({})
 
@@ -185,11 +185,11 @@ class Arm:
     Attributes
     ----------
     name : str
-        Names it in the database, the export and the report.
+        Its name in the database, the export and the report.
     conditions : tuple of str
-        What its participants compare, the reference first.
+        The conditions that its participants compare, the reference first.
     places : int
-        How many participants it takes.
+        Number of participants.
     """
 
     name: str

@@ -1,1 +1,1 @@
-"""The protocols: for each one module with its keys of `study.toml` and the rules they stand for."""
+"""The protocols: one module each, with its keys of `study.toml` and its trial design."""

@@ -1,19 +1,20 @@
-"""mismatch: which of two speeches a motion fits, and how real motions look without any.
+"""mismatch: which of two segments' speech a motion fits, and how real motions look without sound.
 
 After the GENEA evaluations (Kucherenko et al. 2023; the leaderboard of arXiv 2511.01233). The
 task ``fit`` shows one motion twice, with its own and with another segment's speech, in two
-players. The task ``realism`` shows two conditions without sound. What is decided here:
+players. The task ``realism`` shows two conditions without sound. The papers leave open:
 
-- The other speech of a segment is the same for all participants and conditions: the next one, in
-  an order drawn once per study, that is at least as long. So each motion needs two videos only.
-- Conditions, or pairs of them, come equally often; sides are balanced within a participant.
-- Catch trials belong to the task ``realism``; with the task ``fit`` alone there are none.
+- The mismatched speech of a segment is the same for all participants and conditions: the next one,
+  in an order drawn once per study, that is at least as long. So each motion needs only two videos.
+- Conditions, or pairs of them, are shown equally often; sides are balanced within a participant.
+- Catch trials belong to the task ``realism``; the task ``fit`` alone has none.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from typing import Final, Literal
 
@@ -26,7 +27,6 @@ from studyapp.study.design.order import (
     PREFERENCES,
     Levels,
     StimulusPair,
-    draw_segments,
     number_trials,
     pair_trials,
     prefers_side,
@@ -50,16 +50,16 @@ FIT: Final = "fit"
 REALISM: Final = "realism"
 
 DURATION_TOLERANCE: Final = 0.05
-"""Seconds by which another speech may be shorter than the motion."""
+"""Seconds by which mismatched speech may be shorter than the motion."""
 
 
 class MismatchQuestion(Question):
-    """A question between two players.
+    """A question about two players.
 
     Attributes
     ----------
     levels : {2, 3, 5}
-        How many answers there are: A or B; with 'no difference'; or clearly and slightly each.
+        The number of answers: A or B; with 'no difference'; or each clearly and slightly.
     """
 
     levels: Levels = 3
@@ -70,10 +70,8 @@ class MismatchStudy(Study):
 
     Attributes
     ----------
-    participants : int
-        How many are wanted.
     fit, realism : int
-        Trials of each task; 0 leaves a task out.
+        Trials of each task; 0 leaves the task out.
     """
 
     protocol: Literal["mismatch"] = "mismatch"
@@ -89,7 +87,7 @@ class MismatchStudy(Study):
         if not self.parts:
             problems.append("fit and realism are both 0, so there is no task")
         if self.realism and len(self.conditions) < 2:
-            problems.append("realism compares conditions, and there is only one")
+            problems.append("realism compares conditions, but there is only one")
         if self.catch.trials and not self.realism:
             problems.append("catch trials belong to the task realism, which has no trials")
         return problems
@@ -97,162 +95,162 @@ class MismatchStudy(Study):
     @property
     def parts(self) -> tuple[str, ...]:
         """The tasks."""
-        return tuple(name for name, n in ((FIT, self.fit), (REALISM, self.realism)) if n)
+        tasks = {FIT: self.fit, REALISM: self.realism}
+        return tuple(task for task, trials in tasks.items() if trials)
 
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
-        """Yield every motion with its own and with another speech, and without sound."""
-        other = self._other_speech(segments)
+        """Yield every motion with its own speech, with other speech, and without sound."""
+        mismatched = self._mismatched_speech(segments)
         for condition in self.conditions if self.fit else ():
             for segment in segments:
-                for stimulus in _matched_and_mismatched(condition, segment, other):
+                for stimulus in _matched_and_mismatched(condition, segment, mismatched):
                     yield (stimulus,)
-        muted = self.conditions if self.realism else ()
-        caught = (self.catch_against, self.catch.condition) if self.catch.trials else ()
-        for condition in dict.fromkeys((*muted, *caught)):
+        compared = self.conditions if self.realism else ()
+        in_catch_trials = (self.catch_against, self.catch.condition) if self.catch.trials else ()
+        for condition in dict.fromkeys((*compared, *in_catch_trials)):
             for segment in segments:
                 yield (_muted(condition, segment),)
 
     def plan(
         self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
     ) -> tuple[PlannedTrial, ...]:
-        """Return the tasks one after the other, catch trials and attention checks among them."""
+        """Return one task after the other, with catch trials and attention checks among them."""
         del arm, votes
         chance = np.random.default_rng([number + 1, self.seed])
-        fit = pair_trials(
-            "main", self._fitting(number, segments, chance), chance, composed=False, part=FIT
-        )
-        real = pair_trials(
-            "main", self._real(number, segments, chance), chance, composed=False, part=REALISM
-        )
-        heard = [trial.segment for trial in (*fit, *real)]
-        drawn = draw_segments(
-            segments, self.catch.trials + self.attention.trials, chance, heard=heard
-        )
+        fit = self._fit_pairs(number, segments, chance)
+        main = pair_trials("main", fit, chance, composed=False, part=FIT)
+        realism = self._realism_pairs(number, segments, chance)
+        main += pair_trials("main", realism, chance, composed=False, part=REALISM)
+        catch, attention = self.draw_extra_segments(segments, main, chance)
         extra = [
-            *self._catch(drawn[: self.catch.trials], chance),
-            *self._attention(drawn[self.catch.trials :], [*fit, *real], segments, chance),
+            *self._catch_trials(catch, chance),
+            *self._attention_checks(attention, main, segments, chance),
         ]
-        return number_trials(scatter_by_part(extra, [*fit, *real], chance))
+        return number_trials(scatter_by_part(extra, main, chance))
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
-        """Return the levels of preference that the question has."""
+        """Return the question's levels of preference."""
         del trial
-        levels = next(asked.levels for asked in self.questions if asked.name == question.name)
+        levels = next(each.levels for each in self.questions if each.name == question.name)
         return PREFERENCES[levels]
 
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether every answer prefers side `better`, however little."""
+        """Tell whether every answer prefers side `better`, however slightly."""
         del worse
         return prefers_side(answers, better)
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Say which motions outlast the other speech they are shown with."""
-        by_name = {segment.name: segment for segment in segments}
-        short = [
+        """Name the motions that are longer than their mismatched speech."""
+        durations = {segment.name: segment.duration for segment in segments}
+        long = [
             name
-            for name, speech in self._other_speech(segments).items()
-            if by_name[speech].duration < by_name[name].duration - DURATION_TOLERANCE
+            for name, speech in self._mismatched_speech(segments).items()
+            if durations[speech] < durations[name] - DURATION_TOLERANCE
         ]
-        return (
-            (f"no other speech is as long as that of {', '.join(short)}: it ends before them",)
-            if self.fit and short
-            else ()
-        )
+        if not self.fit or not long:
+            return ()
+        return (f"no other speech is as long as {', '.join(long)}: the motion outlasts it",)
 
-    def _other_speech(self, segments: Sequence[Segment]) -> dict[str, str]:
-        """Return, for each segment, the other one whose speech its motion is shown with."""
+    def _mismatched_speech(self, segments: Sequence[Segment]) -> dict[str, str]:
+        """Return the segment whose speech each segment's mismatched motion is shown with."""
         ring = shuffled(segments, np.random.default_rng([self.seed, len(segments)]))
-        other = {}
+        mismatched = {}
         for index, segment in enumerate(ring):
-            following = [*ring[index + 1 :], *ring[:index]]
-            enough = [s for s in following if s.duration >= segment.duration - DURATION_TOLERANCE]
-            longest = sorted(following, key=lambda s: s.duration, reverse=True)
-            for chosen in (enough or longest)[:1]:
-                other[segment.name] = chosen.name
-        return other
+            others = [*ring[index + 1 :], *ring[:index]]
+            enough = [s for s in others if s.duration >= segment.duration - DURATION_TOLERANCE]
+            longest = sorted(others, key=lambda s: s.duration, reverse=True)
+            for other in (enough or longest)[:1]:
+                mismatched[segment.name] = other.name
+        return mismatched
 
-    def _fitting(
+    def _fit_pairs(
         self, number: int, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[StimulusPair]:
-        other = self._other_speech(segments)
-        available = {condition: len(other) for condition in self.conditions}
-        return shuffled(
-            [
-                (segment, *_matched_and_mismatched(condition, segment, other))
-                for condition, counts in _trial_counts(available, self.fit, number).items()
-                for segment in allocate_segments(
-                    segments if other else (),
-                    counts[-1],
-                    number=number,
-                    seed=(self.seed, *condition.encode()),
-                    before=counts[:-1],
-                )
-            ],
-            chance,
+        mismatched = self._mismatched_speech(segments)
+        pairs = {
+            condition: partial(_matched_and_mismatched, condition, mismatched=mismatched)
+            for condition in self.conditions
+        }
+        return self._allocate(
+            pairs, self.fit, number, [s for s in segments if s.name in mismatched], chance
         )
 
-    def _real(
+    def _realism_pairs(
         self, number: int, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[StimulusPair]:
-        pairs = {f"{a} {b}": (a, b) for a, b in combinations(self.conditions, 2)}
+        pairs = {
+            f"{a} {b}": partial(_muted_pair, a, b) for a, b in combinations(self.conditions, 2)
+        }
+        return self._allocate(pairs, self.realism, number, segments, chance)
+
+    def _allocate(
+        self,
+        pairs: Mapping[str, Callable[[Segment], tuple[Stimulus, Stimulus]]],
+        trials: int,
+        number: int,
+        segments: Sequence[Segment],
+        chance: np.random.Generator,
+    ) -> list[StimulusPair]:
+        """Return the pairs of one task, shuffled: each of `pairs` equally often over segments."""
         available = dict.fromkeys(pairs, len(segments))
+        quotas = [even_quotas(available, trials, earlier) for earlier in range(number + 1)]
         return shuffled(
             [
-                (segment, _muted(pairs[name][0], segment), _muted(pairs[name][1], segment))
-                for name, counts in _trial_counts(available, self.realism, number).items()
+                (segment, *stimuli(segment))
+                for name, stimuli in pairs.items()
                 for segment in allocate_segments(
                     segments,
-                    counts[-1],
+                    quotas[number][name],
                     number=number,
                     seed=(self.seed, *name.encode()),
-                    before=counts[:-1],
+                    before=[quota[name] for quota in quotas[:number]],
                 )
             ],
             chance,
         )
 
-    def _catch(self, heard: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
-        right, flawed = self.catch_against, self.catch.condition
-        shown = [(segment, _muted(right, segment), _muted(flawed, segment)) for segment in heard]
+    def _catch_trials(
+        self, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        good, flawed = self.catch_against, self.catch.condition
+        pairs = [(segment, *_muted_pair(good, flawed, segment)) for segment in segments]
         return [
-            replace(trial, expected=1 + trial.conditions.index(right))
-            for trial in pair_trials("catch", shown, chance, composed=False, part=REALISM)
+            replace(trial, expected=1 + trial.conditions.index(good))
+            for trial in pair_trials("catch", pairs, chance, composed=False, part=REALISM)
         ]
 
-    def _attention(
+    def _attention_checks(
         self,
-        heard: Sequence[Segment],
-        ordinary: Sequence[PlannedTrial],
+        drawn: Sequence[Segment],
+        main: Sequence[PlannedTrial],
         segments: Sequence[Segment],
         chance: np.random.Generator,
     ) -> list[PlannedTrial]:
-        """Return a check for each of `heard` that looks like some of the ordinary trials."""
-        looks = shuffled(ordinary, chance)
-        other = self._other_speech(segments)
+        """Return a check for each `drawn` segment that looks like one of the main trials."""
+        templates = shuffled(main, chance)
+        mismatched = self._mismatched_speech(segments)
         checks: list[PlannedTrial] = []
-        for index, segment in enumerate(heard if looks else ()):
-            like = looks[index % len(looks)]
-            first, second = like.conditions
-            sides = _muted(first, segment), _muted(second, segment)
-            if like.part == FIT:
-                sides = _matched_and_mismatched(first, segment, other)
+        for index, segment in enumerate(drawn if templates else ()):
+            template = templates[index % len(templates)]
+            first, second = template.conditions
+            stimuli = _muted_pair(first, second, segment)
+            if template.part == FIT:
+                stimuli = _matched_and_mismatched(first, segment, mismatched)
             checks += pair_trials(
-                "attention", [(segment, *sides)], chance, composed=False, part=like.part
+                "attention", [(segment, *stimuli)], chance, composed=False, part=template.part
             )
         return [replace(check, instructed=int(chance.choice((-1, 1)))) for check in checks]
 
 
-def _trial_counts(available: Mapping[str, int], total: int, number: int) -> dict[str, list[int]]:
-    """Return how many trials of each kind the participants up to `number` get, one by one."""
-    quotas = [even_quotas(available, total, earlier) for earlier in range(number + 1)]
-    return {name: [quota[name] for quota in quotas] for name in available}
-
-
 def _matched_and_mismatched(
-    condition: str, segment: Segment, other: dict[str, str]
+    condition: str, segment: Segment, mismatched: Mapping[str, str]
 ) -> tuple[Stimulus, Stimulus]:
-    own = Stimulus.own(condition, segment.name)
-    return own, replace(own, speech=other.get(segment.name))
+    matched = Stimulus.own(condition, segment.name)
+    return matched, replace(matched, speech=mismatched.get(segment.name))
+
+
+def _muted_pair(first: str, second: str, segment: Segment) -> tuple[Stimulus, Stimulus]:
+    return _muted(first, segment), _muted(second, segment)
 
 
 def _muted(condition: str, segment: Segment) -> Stimulus:

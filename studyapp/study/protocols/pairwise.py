@@ -1,19 +1,18 @@
-"""pairwise (amuse): two motions of the same speech, and which one is preferred.
+"""pairwise (amuse): two motions of the same segment, and which one is preferred.
 
-After AMUSE (Chhatre et al. 2024, section 5.3 and appendix H): each comparison has participants of
-its own, the first trials are discarded and shown again at the end, sides are random, and catch
-trials are scattered among the others. What the paper leaves open is decided here:
+After AMUSE (Chhatre et al. 2024, section 5.3 and appendix H): each comparison has its own
+participants, the first trials are discarded and shown again at the end, sides are random, and
+catch trials are scattered among the others. The paper leaves open:
 
-- Sides are random but balanced within the participant: of the analysed trials (main and repeat)
-  half show the reference on the left, and an odd one falls to either side by chance. Practice
-  and catch trials are balanced each among themselves.
-- A repeat draws its side anew, so that an answer cannot be given from the memory of a side.
-- With ``comparisons = "all_pairs"`` every participant meets all conditions: pairs come equally
-  often, along a ring drawn once per study, and a segment may come as often as a condition has
-  others to be compared with. With ``"adaptive"`` they are chosen, when a participant
-  comes, by how much an answer is worth under what has been answered so far.
-- A catch trial is never among the practice trials and never the first trial; two of them do not
-  follow each other as long as there are enough places between the others.
+- Sides are balanced within a participant: half of the analysed trials (main and repeat) show the
+  reference on the left. Practice and catch trials are balanced among themselves.
+- A repeat draws its side anew, so that nobody can answer from memory of a side.
+- With ``comparisons = "all_pairs"`` every participant sees all conditions: pairs come equally
+  often, along a ring drawn once per study, and a segment comes at most once for each other
+  condition. With ``"adaptive"`` the pairs are chosen when a participant arrives, by how much
+  their answers would add to those given so far.
+- A catch trial is never among the practice trials and never the first trial; two of them are not
+  adjacent if there are enough other trials.
 """
 
 from __future__ import annotations
@@ -32,7 +31,6 @@ from studyapp.study.design.adaptive import Pair, most_informative_pairs
 from studyapp.study.design.allocation import TrialCount, allocate_segments, planned_trials, shuffled
 from studyapp.study.design.order import (
     PREFERENCES,
-    draw_segments,
     number_trials,
     pair_trials,
     pair_videos,
@@ -53,13 +51,13 @@ from studyapp.study.design.trial import (
 from studyapp.study.settings.conditions import Condition, comparison_name, with_sources
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.sections import Name
-from studyapp.study.settings.study import GROUND_TRUTH, Study
+from studyapp.study.settings.study import Study
 
 PUBLISHED_PAIRS: Final = 24
-"""Pairs that a participant of AMUSE's study judged."""
+"""Pairs that each participant of AMUSE's study judged."""
 
 INSTRUCTED_ANSWERS: Final = (-2, -1, 1, 2)
-"""What an attention check may ask for: not the middle, which the undecided choose anyway."""
+"""Answers that an attention check may ask for: not the middle, which the undecided choose."""
 
 
 class PairwiseStudy(Study):
@@ -68,20 +66,18 @@ class PairwiseStudy(Study):
     Attributes
     ----------
     comparisons : {'with_reference', 'all_pairs', 'adaptive'}
-        Every other condition with the reference, each with participants of its own; or all
-        pairs of conditions, within each participant, evenly or where they are worth most.
+        Every other condition with the reference, each with its own participants; or all pairs of
+        conditions within each participant, evenly or where answers are the most informative.
     reference : str
-        The condition that every other condition is compared with, and that stands first in the
-        names of pairs.
+        The condition that all others are compared with; it comes first in the names of pairs.
     participants_per_comparison : int
         Places of each comparison with the reference; AMUSE has 25.
     participants : int
         Places of a study that compares all pairs.
     trials : int
-        Pairs each participant is asked about in the analysed trials, at most; three per emotion
-        in AMUSE.
+        Analysed pairs of each participant, at most; in AMUSE, three for each emotion.
     practice : int
-        The first so many trials are discarded and shown again at the end.
+        Trials at the beginning that are discarded and shown again at the end.
     layout : {'composed', 'players'}
         One video with both sides exactly in step, or two players.
     """
@@ -106,9 +102,9 @@ class PairwiseStudy(Study):
             )
         unused = "participants" if self.has_reference_arms else "participants_per_comparison"
         if unused in self.model_fields_set:
-            problems.append(f"{unused} has no meaning with comparisons = {self.comparisons!r}")
+            problems.append(f"{unused} has no effect with comparisons = {self.comparisons!r}")
         if self.practice > self.trials:
-            problems.append(f"practice {self.practice} is more than trials {self.trials}")
+            problems.append(f"practice ({self.practice}) is more than trials ({self.trials})")
         finished = any(map(self.is_finished, (*self.conditions, self.catch.condition)))
         if self.is_composed and finished:
             problems.append('finished videos cannot be composed: set layout = "players"')
@@ -121,7 +117,7 @@ class PairwiseStudy(Study):
 
     @property
     def has_reference_arms(self) -> bool:
-        """Whether each comparison with the reference has participants of its own."""
+        """Whether each comparison with the reference has its own participants."""
         return self.comparisons == "with_reference"
 
     @property
@@ -131,27 +127,20 @@ class PairwiseStudy(Study):
 
     @property
     def follows_votes(self) -> bool:
-        """Whether what is shown depends on what was answered before."""
+        """Whether the trials of a place depend on earlier answers."""
         return self.comparisons == "adaptive"
 
     @property
-    def catch_against(self) -> str:
-        """The condition that catch trials show beside the flawed motion."""
-        if self.catch.against is not None:
-            return self.catch.against
-        return GROUND_TRUTH if self.has_recording else self.reference
-
-    @property
     def roles(self) -> Mapping[str, str]:
-        """The reference, and what all protocols have."""
+        """The roles of the reference and of catch trials."""
         return {self.reference: "reference", **super().roles}
 
     @property
     def arms(self) -> tuple[Arm, ...]:
         """One arm per comparison with the reference, or one for all pairs."""
         if not self.has_reference_arms:
-            everything = (self.reference, *self.others)
-            return (Arm(name="all", conditions=everything, places=self.participants),)
+            conditions = (self.reference, *self.others)
+            return (Arm(name="all", conditions=conditions, places=self.participants),)
         return tuple(
             Arm(
                 name=comparison_name(self.reference, other),
@@ -162,20 +151,20 @@ class PairwiseStudy(Study):
         )
 
     def design_of(self, arm: Arm) -> Study:
-        """Return the study without the conditions that `arm` does not show."""
+        """Return the study without conditions that `arm` does not show."""
         shown = {*arm.conditions, *((self.catch_against,) if self.catch.trials else ())}
         return self.model_copy(update={"conditions": with_sources(self.conditions, shown)})
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Every (left, right) a participant may be shown: both orders of each pair."""
+        """Every (left, right) that a participant may see: both orders of each pair."""
         compared = [pair for arm in self.arms for pair in combinations(arm.conditions, 2)]
         if self.catch.trials:
             compared.append((self.catch_against, self.catch.condition))
         return tuple(pair for a, b in compared for pair in ((a, b), (b, a)))
 
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
-        """Yield what every video shows that a participant may meet, each once."""
+        """Yield the content of every video that a participant may see, each once."""
         yield from dict.fromkeys(
             content
             for a, b in self.pairs
@@ -192,31 +181,28 @@ class PairwiseStudy(Study):
     ) -> tuple[PlannedTrial, ...]:
         """Return practice, then main with catch and attention among them, then the repeats."""
         count = self.count(segments)
-        comparison = (self.seed, *arm.name.encode())
-        chance = np.random.default_rng([number + 1, *comparison])
-        chosen = shuffled(self._heard(segments, count.analysed, number, comparison), chance)
-        shown = list(zip(chosen, self._compared(arm, number, len(chosen), votes), strict=True))
-        first, rest = shown[: count.practice], shown[count.practice :]
-        practice = self._pairs("practice", first, chance)
-        analysed = self._pairs("main", [*rest, *first], chance)
-        new = count.analysed - count.practice
-        main, repeats = analysed[:new], analysed[new:]
+        seed = (self.seed, *arm.name.encode())
+        chance = np.random.default_rng([number + 1, *seed])
+        chosen = shuffled(self._choose_segments(segments, count.analysed, number, seed), chance)
+        pairs = list(zip(chosen, self._choose_pairs(arm, number, len(chosen), votes), strict=True))
+        repeated, others = pairs[: count.practice], pairs[count.practice :]
+        practice = self._trials("practice", repeated, chance)
+        analysed = self._trials("main", [*others, *repeated], chance)
+        main = analysed[: len(others)]
         repeats = [
             replace(trial, kind="repeat", repeats=position)
-            for position, trial in enumerate(repeats, start=1)
+            for position, trial in enumerate(analysed[len(others) :], start=1)
         ]
-        heard = draw_segments(
-            segments, self.catch.trials + self.attention.trials, chance, heard=chosen
-        )
+        catch, attention = self.draw_extra_segments(segments, analysed, chance)
         extra = [
-            *self._catch(heard[: self.catch.trials], chance),
-            *self._attention(heard[self.catch.trials :], shown, chance),
+            *self._catch_trials(catch, chance),
+            *self._attention_checks(attention, pairs, chance),
         ]
         later = scatter(extra, [*main, *repeats], chance, may_lead=bool(practice))
         return number_trials([*practice, *later])
 
     def count(self, segments: Sequence[Segment]) -> TrialCount:
-        """Return how many trials of each kind a participant gets."""
+        """Count the trials of a participant."""
         return planned_trials(
             segments,
             trials=self.trials,
@@ -225,7 +211,7 @@ class PairwiseStudy(Study):
         )
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Say how many pairs these segments allow, and what they do not."""
+        """Say how many pairs the segments allow, and why not more."""
         count = self.count(segments)
         emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
         return (
@@ -245,26 +231,27 @@ class PairwiseStudy(Study):
         del worse
         return prefers_side(answers, better)
 
-    def _pairs(
-        self, kind: Kind, shown: Sequence[tuple[Segment, Pair]], chance: np.random.Generator
+    def _trials(
+        self, kind: Kind, pairs: Sequence[tuple[Segment, Pair]], chance: np.random.Generator
     ) -> list[PlannedTrial]:
-        own = [
+        stimuli = [
             (segment, Stimulus.own(a, segment.name), Stimulus.own(b, segment.name))
-            for segment, (a, b) in shown
+            for segment, (a, b) in pairs
         ]
-        return pair_trials(kind, own, chance, composed=self.is_composed)
+        return pair_trials(kind, stimuli, chance, composed=self.is_composed)
 
-    def _heard(
+    def _choose_segments(
         self, segments: Sequence[Segment], count: int, number: int, seed: tuple[int, ...]
     ) -> list[Segment]:
-        """Return the segments of `count` trials; none comes again before all others have come."""
-        heard: list[Segment] = []
-        while len(heard) < count:
-            following = (*seed, len(heard)) if heard else seed
-            heard += allocate_segments(segments, count - len(heard), number=number, seed=following)
-        return heard
+        """Return the segments of `count` trials; none is repeated before all have come."""
+        chosen: list[Segment] = []
+        while len(chosen) < count:
+            round_seed = (*seed, len(chosen)) if chosen else seed
+            missing = count - len(chosen)
+            chosen += allocate_segments(segments, missing, number=number, seed=round_seed)
+        return chosen
 
-    def _compared(self, arm: Arm, number: int, count: int, votes: Tally) -> list[Pair]:
+    def _choose_pairs(self, arm: Arm, number: int, count: int, votes: Tally) -> list[Pair]:
         """Return the pairs that a participant compares, one for each of `count` segments."""
         pairs = list(combinations(arm.conditions, 2))
         chance = np.random.default_rng([number + 1, self.seed, len(pairs)])
@@ -275,22 +262,24 @@ class PairwiseStudy(Study):
             [ring[(number * count + step) % len(ring)] for step in range(count)], chance
         )
 
-    def _catch(self, heard: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
+    def _catch_trials(
+        self, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
         pair = (self.catch_against, self.catch.condition)
         return [
             replace(trial, expected=1 + trial.conditions.index(self.catch_against))
-            for trial in self._pairs("catch", [(segment, pair) for segment in heard], chance)
+            for trial in self._trials("catch", [(segment, pair) for segment in segments], chance)
         ]
 
-    def _attention(
+    def _attention_checks(
         self,
-        heard: Sequence[Segment],
-        shown: Sequence[tuple[Segment, Pair]],
+        segments: Sequence[Segment],
+        pairs: Sequence[tuple[Segment, Pair]],
         chance: np.random.Generator,
     ) -> list[PlannedTrial]:
-        """Return a check for each of `heard`, with some of the pairs of `shown`."""
-        pairs = [shown[index % len(shown)][1] for index in range(len(heard))]
+        """Return a check for each segment, with the conditions of `pairs` in turn."""
+        shown = [(segment, pairs[index % len(pairs)][1]) for index, segment in enumerate(segments)]
         return [
             replace(trial, instructed=int(chance.choice(INSTRUCTED_ANSWERS)))
-            for trial in self._pairs("attention", list(zip(heard, pairs, strict=True)), chance)
+            for trial in self._trials("attention", shown, chance)
         ]

@@ -1,15 +1,14 @@
-"""ranking (diffsheg): several motions of one speech put in order, the real one as a yardstick.
+"""ranking (diffsheg): several motions of one segment ranked, with the real one for comparison.
 
-After DiffSHEG (Chen et al. 2024, section 4.3): blocks of videos of several conditions, shuffled,
-are put in order on each question, with the real recording shown apart. What the paper leaves
-open is decided here:
+After DiffSHEG (Chen et al. 2024, section 4.3): blocks of shuffled videos of several conditions are
+ranked on each question, beside the real recording. The paper leaves open:
 
-- A block takes the segments whose length lies in its range, so that one study can have a block
+- A block takes the segments whose duration lies in its range, so that one study can have a block
   of long and one of short videos.
-- Every question needs a whole order. Two motions share a rank only where the study allows ties;
-  then ranks are counted without gaps (1, 1, 2).
-- A catch trial puts the flawed motion in the place of one condition of a block. It is failed when
-  the flawed motion is not ranked behind the unflawed one it is shown beside on every question.
+- Every question needs a complete ranking. Motions share a rank only where the study allows ties;
+  ranks then have no gaps (1, 1, 2).
+- In a catch trial the flawed motion replaces one condition of a block. It is failed unless the
+  flawed motion is ranked behind the good one on every question.
 """
 
 from __future__ import annotations
@@ -46,9 +45,9 @@ class RankingBlock(Part):
     Attributes
     ----------
     trials : int
-        How many each participant ranks.
+        Trials of each participant.
     shortest, longest : float
-        Only segments of at least and at most so many seconds belong to the block.
+        Range of the durations of its segments, in seconds.
     """
 
     trials: int = Field(8, ge=1, le=200)
@@ -65,12 +64,10 @@ class RankingStudy(GroupedStudy):
 
     Attributes
     ----------
-    participants : int
-        How many are wanted; DiffSHEG has 22.
     reference : str or None
-        The condition that is shown apart and not ranked, the real recording.
+        The condition that is shown for comparison and not ranked: the real recording.
     ties : bool
-        Whether two motions may share a rank.
+        Whether motions may share a rank.
     blocks : tuple of RankingBlock
         Shown one after the other.
     """
@@ -90,11 +87,11 @@ class RankingStudy(GroupedStudy):
             problems.append(f"reference {self.reference!r} is not a condition ({known})")
         for block in self.blocks:
             if self.reference in block.conditions:
-                problems.append(f"blocks.{block.name}: the reference is not ranked")
+                problems.append(f"blocks.{block.name}: the reference cannot be ranked")
             if block.shortest > block.longest:
                 problems.append(f"blocks.{block.name}: shortest is above longest")
         if self.catch.trials and self.catch_against == self.reference:
-            problems.append("catch.against: the reference is shown apart (name a ranked condition)")
+            problems.append("catch.against: the reference is not ranked (name another condition)")
         return problems
 
     @property
@@ -104,36 +101,40 @@ class RankingStudy(GroupedStudy):
 
     @property
     def roles(self) -> Mapping[str, str]:
-        """The reference, and what all protocols have."""
-        return {**dict.fromkeys(self._apart, "reference"), **super().roles}
+        """The roles of the reference and of catch trials."""
+        return ({self.reference: "reference"} if self.reference else {}) | dict(super().roles)
 
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
         """Yield every motion that may be ranked, and the reference beside it."""
+        everywhere = [self.reference] if self.reference else []
+        if self.catch.trials:
+            everywhere += [self.catch_against, self.catch.condition]
         yield from dict.fromkeys(
             (Stimulus.own(condition, segment.name),)
             for block in self.blocks
-            for condition in (*self._apart, *block.conditions, *self._caught)
+            for condition in (*everywhere, *block.conditions)
             for segment in block.segments(segments)
         )
 
     def plan(
         self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
     ) -> tuple[PlannedTrial, ...]:
-        """Return the blocks one after the other, catch trials and attention checks among them."""
+        """Return one block after the other, with catch trials and attention checks among them."""
         del arm, votes
         chance = np.random.default_rng([number + 1, self.seed])
         main = []
         for block in self.blocks:
-            heard = allocate_segments(
+            allocated = allocate_segments(
                 block.segments(segments),
                 block.trials,
                 number=number,
                 seed=(self.seed, *block.name.encode()),
             )
             main += [
-                self.trial("main", block, segment, chance) for segment in shuffled(heard, chance)
+                self.trial("main", block, segment, chance)
+                for segment in shuffled(allocated, chance)
             ]
-        drawn = self._extra(segments, [trial.segment for trial in main], chance)
+        drawn = self._draw_extra(segments, [trial.segment for trial in main], chance)
         catch, attention = drawn[: self.catch.trials], drawn[self.catch.trials :]
         return self.ordered(main, catch, attention, chance)
 
@@ -148,15 +149,16 @@ class RankingStudy(GroupedStudy):
         return True
 
     def problem(self, trial: Trial, answers: Answers) -> Message | None:
-        """Say on which question the ranks make no order."""
-        asked = [question for question in self.questions if question.belongs_to(trial.part)]
-        for place, question in enumerate(asked, start=1):
+        """Name the first question whose ranks are not a ranking."""
+        questions = [question for question in self.questions if question.belongs_to(trial.part)]
+        for number, question in enumerate(questions, start=1):
             ranks = [value for (name, _), value in answers.items() if name == question.name]
-            whole = set(ranks) == set(range(1, len(set(ranks)) + 1))
             if not self.ties and len(set(ranks)) != len(ranks):
-                return Message("In question {number}, two videos have the same rank.", number=place)
-            if not whole:
-                return Message("In question {number}, a rank is left out.", number=place)
+                return Message(
+                    "In question {number}, two videos have the same rank.", number=number
+                )
+            if set(ranks) != set(range(1, len(set(ranks)) + 1)):
+                return Message("In question {number}, a rank is left out.", number=number)
         return None
 
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
@@ -168,50 +170,41 @@ class RankingStudy(GroupedStudy):
         )
 
     def disobeys(self, trial: Trial, answers: Answers) -> bool:
-        """Tell whether the motion that an attention check asks to put first is not first."""
+        """Tell whether the motion that an attention check wants first is not first."""
         return any(rank != 1 for (_, number), rank in answers.items() if number == trial.instructed)
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Say which blocks have fewer segments than trials, and that no reference is shown."""
-        unseen = "no reference is shown; the published design shows the real recording apart"
-        return (*self._short(segments), *((unseen,) if self.reference is None else ()))
-
-    def _short(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        return tuple(
+        """Say which blocks have fewer segments than trials, and whether there is no reference."""
+        notes = [
             f"block {block.name} has {len(block.segments(segments))} segments for its "
             f"{block.trials} trials, and shows each of them once"
             for block in self.blocks
             if len(block.segments(segments)) < block.trials
-        )
+        ]
+        if self.reference is None:
+            notes.append("no reference is shown; the published design shows the real recording")
+        return tuple(notes)
 
     @property
-    def shown_apart(self) -> str | None:
+    def reference_condition(self) -> str | None:
         """The reference."""
         return self.reference
 
     def instructions(self, part: Part) -> int:
-        """Return the motions that may be asked to be put first."""
+        """Return the number of motions that can be put first."""
         return len(part.conditions)
 
-    @property
-    def _apart(self) -> tuple[str, ...]:
-        return () if self.reference is None else (self.reference,)
-
-    @property
-    def _caught(self) -> tuple[str, ...]:
-        return (self.catch_against, self.catch.condition) if self.catch.trials else ()
-
-    def _extra(
-        self, segments: Sequence[Segment], heard: Sequence[Segment], chance: np.random.Generator
+    def _draw_extra(
+        self, segments: Sequence[Segment], used: Sequence[Segment], chance: np.random.Generator
     ) -> list[tuple[RankingBlock, Segment]]:
-        """Return blocks in turn for all extra trials, each with a segment of its own range."""
+        """Return blocks in turn for all extra trials, each with a segment in its range."""
         blocks = [block for block in self.blocks if block.segments(segments)]
         count = self.catch.trials + self.attention.trials if blocks else 0
         first = int(chance.integers(len(blocks))) if count else 0
         drawn: list[tuple[RankingBlock, Segment]] = []
         for index in range(first, first + count):
             block = blocks[index % len(blocks)]
-            taken = [*heard, *(segment for _, segment in drawn)]
-            (segment,) = draw_segments(block.segments(segments), 1, chance, heard=taken)
+            taken = [*used, *(segment for _, segment in drawn)]
+            (segment,) = draw_segments(block.segments(segments), 1, chance, used=taken)
             drawn.append((block, segment))
         return drawn

@@ -1,13 +1,12 @@
-"""rating (s2ue): several motions of one speech on one page, each rated on every question.
+"""rating (s2ue): several motions of one segment on one page, each rated on every question.
 
-After S2UE (Bhattacharya et al. 2024, section 7): sets of groups; a group is one speech, drawn at
-random, with one motion of each condition of its set, in random order. What the paper leaves open
-is decided here:
+After S2UE (Bhattacharya et al. 2024, section 7): sets of groups; a group is one randomly drawn
+segment with one motion of each condition of its set, in random order. The paper leaves open:
 
-- Speech is drawn along a ring, so that all segments are judged equally often; no group of a
-  participant has the speech of another one as long as there are enough.
-- A catch trial puts the flawed motion in the place of one condition of a set. It is failed when
-  the flawed motion is not rated below the ground truth on every question.
+- Segments are drawn along a ring, so that all are judged equally often; a participant's groups
+  have different segments as long as there are enough.
+- In a catch trial the flawed motion replaces one condition of a set. It is failed unless the
+  flawed motion is rated below the ground truth on every question.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from pydantic import Field
 
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.order import draw_segments
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,
@@ -42,7 +40,7 @@ class RatingSet(Part):
     Attributes
     ----------
     groups : int
-        Pages of this set that each participant rates; S2UE has eight.
+        Pages of the set that each participant rates; S2UE has eight.
     """
 
     groups: int = Field(8, ge=1, le=200)
@@ -53,8 +51,6 @@ class RatingStudy(GroupedStudy):
 
     Attributes
     ----------
-    participants : int
-        How many are wanted; S2UE has 90.
     sets : tuple of RatingSet
         Shown one after the other.
     """
@@ -86,26 +82,19 @@ class RatingStudy(GroupedStudy):
     def plan(
         self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
     ) -> tuple[PlannedTrial, ...]:
-        """Return the sets one after the other, catch trials and attention checks among them."""
+        """Return one set after the other, with catch trials and attention checks among them."""
         del arm, votes
         chance = np.random.default_rng([number + 1, self.seed])
-        wanted = sum(part.groups for part in self.sets)
+        groups = sum(part.groups for part in self.sets)
         ring = shuffled(
-            allocate_segments(segments, wanted, number=number, seed=(self.seed,)), chance
+            allocate_segments(segments, groups, number=number, seed=(self.seed,)), chance
         )
         main: list[PlannedTrial] = []
         for part in self.sets:
-            groups = min(part.groups, len(ring))
-            ring = [*ring[groups:], *ring[:groups]] if groups else ring
-            heard = ring[-groups:] if groups else []
-            main += [self.trial("main", part, segment, chance) for segment in heard]
-        drawn = draw_segments(
-            segments,
-            self.catch.trials + self.attention.trials,
-            chance,
-            heard=[trial.segment for trial in main],
-        )
-        catch, attention = drawn[: self.catch.trials], drawn[self.catch.trials :]
+            drawn = ring[: part.groups]
+            ring = [*ring[len(drawn) :], *drawn]
+            main += [self.trial("main", part, segment, chance) for segment in drawn]
+        catch, attention = self.draw_extra_segments(segments, main, chance)
         return self.ordered(
             main, self._in_turn(catch, chance), self._in_turn(attention, chance), chance
         )
@@ -124,34 +113,34 @@ class RatingStudy(GroupedStudy):
         )
 
     def disobeys(self, trial: Trial, answers: Answers) -> bool:
-        """Tell whether a rating is not under the label that an attention check asks for."""
+        """Tell whether a rating has another label than the attention check asks for."""
         return any(
             self._scale(question).step(value) != trial.instructed
             for (question, _), value in answers.items()
         )
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Say where there are too few segments for groups of different speech."""
-        wanted = sum(part.groups for part in self.sets)
-        if len(segments) >= wanted:
+        """Say whether there are too few segments for groups of different speech."""
+        groups = sum(part.groups for part in self.sets)
+        if len(segments) >= groups:
             return ()
         return (
-            f"{len(segments)} segments are fewer than the {wanted} groups each participant rates, "
-            "so that the same speech comes in several sets, and no set has more groups than that",
+            f"each participant rates {groups} groups, but there are only {len(segments)} segments: "
+            "sets repeat segments, and no set has more groups than there are segments",
         )
 
     def _scale(self, name: str) -> RatingQuestion:
         return next(question for question in self.questions if question.name == name)
 
     def instructions(self, part: Part) -> int:
-        """Return the steps of a scale."""
+        """Return the number of labels."""
         del part
         return SCALE_STEPS
 
     def _in_turn(
         self, segments: Sequence[Segment], chance: np.random.Generator
     ) -> Iterator[tuple[RatingSet, Segment]]:
-        """Yield each segment with a set, these in turn beginning with any."""
+        """Yield each segment with a set, taking turns from a random one on."""
         first = int(chance.integers(len(self.sets)))
         for index, segment in enumerate(segments, start=first):
             yield self.sets[index % len(self.sets)], segment

@@ -1,4 +1,4 @@
-"""`study.toml`: what the study files of all protocols have in common, and what a protocol is."""
+"""`study.toml`: the keys that all protocols share, and the interface of a protocol."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import permutations
 from typing import Annotated, Final, Literal, Self
 
+from numpy.random import Generator
 from pydantic import BeforeValidator, Field, model_validator
 
 from analysis.results.grouping import read_family
 from motion.clip import CHANNELS
 from motion.errors import InputError
 from motion.segment import Segment
+from studyapp.study.design.order import draw_segments
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,
@@ -50,14 +52,14 @@ GROUND_TRUTH: Final = "ground_truth"
 
 
 class Evaluator(Section):
-    """A published network in whose features metrics measure distances, too.
+    """A published feature network for the metrics.
 
     Attributes
     ----------
     preset : str
-        Which; see docs/published-fgd.md.
+        See docs/published-fgd.md.
     file : str
-        Its checkpoint; a relative path begins at the study's folder.
+        Its checkpoint; relative paths start at the study folder.
     statistics : str or None
         For ``beat``, the folder of ``bvh_mean.npy`` and ``bvh_std.npy``; None for that of `file`.
     """
@@ -67,25 +69,25 @@ class Evaluator(Section):
     statistics: str | None = None
 
 
-def _each(given: object) -> object:
-    """Return one table of TOML as the only one of several."""
-    return (given,) if isinstance(given, Mapping) else given
+def _as_tuple(value: object) -> object:
+    """Return a single TOML table as a tuple."""
+    return (value,) if isinstance(value, Mapping) else value
 
 
 MailAddress = Annotated[str, Field(pattern=r"^[^@\s,]+@[^@\s,]+$", max_length=200)]
 
 
 class Alarms(Section):
-    """When researchers are told of the running study; each thing once.
+    """When researchers are alerted to the running study; once for each event.
 
     Attributes
     ----------
     mail : tuple of str
-        Addresses that get alarms by mail; a webhook is named in the environment.
+        E-mail addresses that get alarms; a webhook is set in the environment.
     stalled_hours : float
-        After so long without anybody finishing, though the study is open, it has stalled.
+        An open study has stalled if nobody finishes for so long.
     from_one_address : int
-        So many newcomers from one network address within an hour fill the study.
+        Newcomers from one network address within an hour that raise an alarm.
     """
 
     mail: tuple[MailAddress, ...] = Field((), max_length=10, strict=False)
@@ -94,50 +96,49 @@ class Alarms(Section):
 
 
 class Study(Section, ABC):
-    """The whole study: the keys that all protocols share, and what every protocol answers.
+    """A study: the keys that all protocols share, and the interface of a protocol.
 
-    A protocol is a subclass. Its keys say how its trials are made; `arms`, `contents`, `plan`,
-    `asks`, `problem` and `failed` say it to the rest of the house, which knows no protocol by
+    A protocol is a subclass. Its keys describe its trials; `arms`, `contents`, `plan`, `asks`,
+    `problem` and `failed` are all that the rest of the program needs, which knows no protocol by
     name. All of them are pure.
 
     Attributes
     ----------
     participants : int
-        How many are wanted.
+        Number of places.
     lease_minutes : int
-        An unfinished participant who does nothing for so long gives the place back.
+        An unfinished participant who is inactive for so long loses the place.
     open : bool
-        Whether new participants are let in.
+        Whether new participants are admitted.
     replace_excluded : bool
-        Whether a participant who fails more catch trials or attention checks than the exclusion
-        rules allow opens the place again for somebody else.
+        Whether the place of a participant who fails too many catch trials or attention checks is
+        opened again.
     allow_gaps : bool
-        Whether a segment that some condition has no finished video of is left out of the study;
+        Whether a segment without a finished video of some condition is left out of the study;
         otherwise the missing video is an error.
     freeze : tuple of str
-        Channels held still in every stimulus, so that what a condition happens to contain
-        cannot give it away.
+        Channels held still in every stimulus, so that they cannot give a condition away.
     exclusions : tuple of ExclusionSection or None
-        Who is left out of the analysis, rule after rule; None for the rules of every study (see
-        `settled_exclusions`).
+        Rules that exclude participants from the analysis; None for those of
+        `settled_exclusions`.
     margin : float or None
-        The largest difference that does not matter, for tests of equivalence: of a win share from
-        one half, of two mean ratings in scores; None where nothing is to be called equally good.
+        The largest irrelevant difference, for tests of equivalence: of a win share from one half,
+        or of two mean ratings; None for no such tests.
     evaluator : tuple of Evaluator
-        Published networks that metrics measure with; one of them may stand alone.
+        Published feature networks for the metrics; a single one may be a table.
     family : str or None
-        Which tests decide, and are corrected together: all, by question, against=CONDITION, or
+        The tests that decide and are corrected together: all, by question, against=CONDITION, or
         primary=CONDITION,CONDITION[,QUESTION]; None for all.
     questions : tuple of Question
-        What is asked of every trial of the parts they name.
+        The questions of every trial, or of trials in the parts they name.
     form : Form
         Questions about the participant, before and after the trials.
     recruitment : Recruitment
-        Where participants come from, and who of them is paid.
+        Where participants come from, and who is paid.
     rehearsal : Rehearsal
-        Whom a rehearsal simulates; nothing about the study itself.
+        The simulated participants of rehearsals.
     alarms : Alarms
-        When researchers are told of the running study, and where.
+        When researchers are alerted, and where.
     """
 
     format: Literal[1] = 1
@@ -156,7 +157,9 @@ class Study(Section, ABC):
     attention: Attention = Attention()
     exclusions: tuple[Exclusion, ...] | None = Field(None, max_length=20, strict=False)
     margin: float | None = Field(None, gt=0, allow_inf_nan=False, strict=False)
-    evaluator: Annotated[tuple[Evaluator, ...], BeforeValidator(_each)] = Field((), strict=False)
+    evaluator: Annotated[tuple[Evaluator, ...], BeforeValidator(_as_tuple)] = Field(
+        (), strict=False
+    )
     family: str | None = Field(None, max_length=300)
     questions: tuple[Question, ...] = Field(min_length=1, max_length=8, strict=False)
     form: Form = Form()
@@ -169,15 +172,12 @@ class Study(Section, ABC):
 
     @property
     def arms(self) -> tuple[Arm, ...]:
-        """The groups of places, each with the conditions its participants compare.
-
-        One for everybody, unless a protocol says otherwise.
-        """
+        """The groups of places; by default, one for everybody."""
         return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
 
     @abstractmethod
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
-        """Yield what every video shows that a participant may meet, each once."""
+        """Yield the content of every video that a participant may see, each once."""
 
     @abstractmethod
     def plan(
@@ -194,16 +194,16 @@ class Study(Section, ABC):
         segments : sequence of Segment
             All segments of the study.
         votes : Tally
-            What has been preferred so far; looked at where `follows_votes` says so.
+            The preferences so far; used only if `follows_votes`.
         """
 
     @abstractmethod
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
-        """Return what may be answered to `question` in `trial`."""
+        """Return the possible answers to `question` in `trial`."""
 
     @abstractmethod
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether `answers` set stimulus `better` above `worse` on every question."""
+        """Tell whether `answers` prefer stimulus `better` to `worse` on every question."""
 
     def asks(self, trial: Trial) -> tuple[Ask, ...]:
         """Return the answers that `trial` asks for, in the page's order."""
@@ -223,7 +223,7 @@ class Study(Section, ABC):
         )
 
     def problem(self, trial: Trial, answers: Answers) -> Message | None:
-        """Say why complete `answers`, each right in itself, do not go together, if so."""
+        """Say why complete and valid `answers` contradict each other; None if they do not."""
         del trial, answers
         return None
 
@@ -237,38 +237,50 @@ class Study(Section, ABC):
         return False
 
     def disobeys(self, trial: Trial, answers: Answers) -> bool:
-        """Tell whether an answer to an attention check is not the one asked for."""
+        """Tell whether an answer to an attention check differs from its instruction."""
         del self
         return any(value != trial.instructed for value in answers.values())
 
+    def draw_extra_segments(
+        self, segments: Sequence[Segment], trials: Sequence[PlannedTrial], chance: Generator
+    ) -> tuple[list[Segment], list[Segment]]:
+        """Return the segments of catch trials and of attention checks beside other `trials`."""
+        drawn = draw_segments(
+            segments,
+            self.catch.trials + self.attention.trials,
+            chance,
+            used=[trial.segment for trial in trials],
+        )
+        return drawn[: self.catch.trials], drawn[self.catch.trials :]
+
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Return what a researcher should know of the study with these segments, as sentences."""
+        """Return what a researcher should know about the study with these segments."""
         del segments
         return ()
 
     def design_of(self, arm: Arm) -> Study:
-        """Return the study as far as it decides what participants of `arm` are asked."""
+        """Return the study reduced to what participants of `arm` see and are asked."""
         del arm
         return self
 
     @property
     def asks_each_stimulus(self) -> bool:
-        """Whether questions are asked about each stimulus rather than about the whole trial."""
+        """Whether questions are about each stimulus rather than the whole trial."""
         return False
 
     @property
     def is_ordered(self) -> bool:
-        """Whether the answers to a question are ranks, which only together say something."""
+        """Whether the answers to a question are ranks."""
         return False
 
     @property
     def follows_votes(self) -> bool:
-        """Whether what is shown depends on what was answered before."""
+        """Whether the trials of a place depend on earlier answers."""
         return False
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The parts of a study session; none where all trials are alike."""
+        """The parts of a study session; none if all trials are alike."""
         return ()
 
     @model_validator(mode="after")
@@ -279,7 +291,7 @@ class Study(Section, ABC):
         return self
 
     def problems(self) -> list[str]:
-        """Return everything that does not fit together; protocols add what is theirs."""
+        """Return all contradictions between keys; protocols add their own."""
         unknown = sorted(set(self.freeze) - set(CHANNELS))
         known = ", ".join(CHANNELS)
         return [
@@ -300,14 +312,14 @@ class Study(Section, ABC):
 
     @property
     def settled_exclusions(self) -> tuple[ExclusionSection, ...]:
-        """Who is left out of the analysis, rule after rule, with every number settled."""
+        """The exclusion rules in order, with all their numbers."""
         return settle_exclusions(self.exclusions, self.catch, self.attention)
 
     def _family_problems(self) -> list[str]:
         if self.family is None:
             return []
         try:
-            read_family(self.family, list(self.conditions), [each.name for each in self.questions])
+            read_family(self.family, list(self.conditions), [q.name for q in self.questions])
         except InputError as error:
             return [f"family: {error.what} ({error.remedy})"]
         return []
@@ -322,53 +334,53 @@ class Study(Section, ABC):
         """The condition that catch trials show beside the flawed motion."""
         if self.catch.against is not None:
             return self.catch.against
-        return GROUND_TRUTH if self.has_recording else next(iter(self.conditions))
+        return GROUND_TRUTH if self.has_recording else self.arms[0].conditions[0]
 
     @property
     def has_recording(self) -> bool:
-        """Whether real recorded motion takes part."""
+        """Whether one of the conditions is recorded motion."""
         return GROUND_TRUTH in self.conditions
 
     @property
     def only_generated(self) -> bool:
-        """Whether generators make all motion: of files and videos nobody knows what they show."""
+        """Whether generators make all motion; files and videos could show recordings."""
         return not self.has_recording and all(
             condition.generator is not None for condition in self.conditions.values()
         )
 
     @property
     def display_names(self) -> Mapping[str, str]:
-        """What researchers and readers of reports call each condition and each comparison."""
-        names = {name: display_name(name, made) for name, made in self.conditions.items()}
+        """The names of conditions and comparisons on researchers' pages and in reports."""
+        names = {name: display_name(name, each) for name, each in self.conditions.items()}
         names.setdefault(self.catch.condition, self.catch.condition.replace("_", " "))
-        compared = {
+        comparisons = {
             comparison_name(a, b): f"{names[a]} against {names[b]}"
             for a, b in permutations(self.conditions, 2)
         }
-        return compared | names
+        return comparisons | names
 
     def is_finished(self, condition: str) -> bool:
-        """Tell whether finished videos of `condition` are brought, so that it has no motion."""
+        """Tell whether `condition` has finished videos and no motion."""
         if condition == self.catch.condition:
             return self.catch.videos
         return self.conditions[condition].videos
 
     @property
     def roles(self) -> Mapping[str, str]:
-        """What conditions are in the study, where one has a part of its own."""
+        """The roles of conditions with a special role."""
         return {self.catch.condition: "catch trials"}
 
     @property
     def only_finished(self) -> bool:
-        """Whether finished videos of everything are brought, so that nothing is rendered."""
-        caught = (self.catch.condition,) if self.catch.trials else ()
-        return all(self.is_finished(name) for name in (*self.conditions, *caught))
+        """Whether every condition has finished videos, so that nothing is rendered."""
+        flawed = (self.catch.condition,) if self.catch.trials else ()
+        return all(self.is_finished(name) for name in (*self.conditions, *flawed))
 
     def generated(self) -> dict[str, Condition]:
         """Return every condition with a generator, the catch condition last, sources first."""
-        made = generated(self.conditions)
+        conditions = generated(self.conditions)
         if self.catch.trials and not self.catch.videos:
-            made[self.catch.condition] = Condition(
+            conditions[self.catch.condition] = Condition(
                 generator=self.catch.generator, source=self.catch_against
             )
-        return made
+        return conditions

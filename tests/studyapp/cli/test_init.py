@@ -69,7 +69,7 @@ def test_finished_videos_have_catch_trials_where_a_broken_motion_is_brought(tmp_
         (["--condition", "ours=magic", "--condition", "b=files"], "unknown source 'magic'"),
         (["--condition", "a=mismatched", "--condition", "b=files"], "needs the condition"),
         (["--condition", "a=files", "--condition", "a=files"], "given twice"),
-        (["--condition", "a=files"], "nothing to compare"),
+        (["--condition", "a=files"], "one condition cannot be compared"),
         (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
         (["--recruit", "prolific"], "must be told the pay (--pay) and the minutes (--minutes)"),
         (["--pay", "2.50"], "needs a currency"),
@@ -85,4 +85,4 @@ def test_options_that_make_no_study_are_refused_and_nothing_is_written(
 
 def test_a_study_that_is_there_is_never_overwritten(tmp_path: Path) -> None:
     run("init", tmp_path / "s")
-    assert "exists already" in run("init", tmp_path / "s", status=1)
+    assert "already exists" in run("init", tmp_path / "s", status=1)

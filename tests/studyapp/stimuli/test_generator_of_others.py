@@ -169,9 +169,9 @@ def test_the_command_line_moves_by_it(speech: Path, weights: Path, tmp_path: Pat
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("diffsheg", "--angle", 0.1), "--angle is of a learned generator, not of diffsheg"),
+        (("diffsheg", "--angle", 0.1), "--angle belongs to a learned generator, not to diffsheg"),
         (("diffsheg", "--angle", 0.1), "give --generator sway"),
-        (("sway", "--hubert", "."), "--hubert is of a learned generator, not of sway"),
+        (("sway", "--hubert", "."), "--hubert belongs to a learned generator, not to sway"),
         (("sway", "--checkpoint", "absent.txt"), "there is no such checkpoint"),
         (("sway", "--checkpoint", "{weights}", "--melody", "a.wav"), "there is no such melody"),
         (("sway", "--checkpoint", "{weights}", "--angle", 2), "angle: Input should be less than"),

@@ -114,7 +114,7 @@ def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
     path = finished.videos / "ours" / "one.mp4"
     path.write_bytes(b"no video")
 
-    with pytest.raises(InputError, match=r"not a video that can be played"):
+    with pytest.raises(InputError, match=r"this is not a playable video"):
         video_duration(path)
 
 

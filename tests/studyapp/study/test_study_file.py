@@ -40,7 +40,7 @@ def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     new_study(path, name="a")
     before = path.read_text()
-    with pytest.raises(InputError, match="exists already"):
+    with pytest.raises(InputError, match="already exists"):
         new_study(path, name="b")
     assert path.read_text() == before
 

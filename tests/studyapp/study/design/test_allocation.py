@@ -47,5 +47,5 @@ def test_an_emotion_with_too_few_segments_is_named() -> None:
 
     assert count.sentences == (
         "the emotions are not shown equally often: an even share is 3 segments each, but there "
-        "are fewer of fear 1",
+        "are fewer of fear (1)",
     )

@@ -13,7 +13,7 @@ from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.reading import ALIASES, PROTOCOLS, parse_study
 from studyapp.study.settings.study import Study
-from studyapp.study.versioning import arm_digest, design_digest
+from studyapp.study.versioning import design_digest
 from tests.studyapp.study.protocols.made_protocols import (
     KEYS,
     in_order,
@@ -166,10 +166,10 @@ def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
     before = make("pairwise", conditions=few, catch={"against": "ours"})
     after = make("pairwise", catch={"against": "ours"})
 
-    arms = {arm.name: arm_digest(after, arm, SEGMENTS, {}) for arm in after.arms}
+    arms = {arm.name: design_digest(after.design_of(arm), SEGMENTS, {}) for arm in after.arms}
 
     (arm,) = before.arms
-    assert arms[arm.name] == arm_digest(before, arm, SEGMENTS, {})
+    assert arms[arm.name] == design_digest(before.design_of(arm), SEGMENTS, {})
     assert len(set(arms.values())) == 3
 
 

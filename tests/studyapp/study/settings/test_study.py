@@ -52,7 +52,7 @@ def test_the_template_follows_the_published_design(study_file: Path) -> None:
         ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
         ({"trials": 0}, "trials: Input should be greater"),
         ({"trials": "6"}, "trials: must be a whole number"),
-        ({"practice": 20, "trials": 10}, "practice 20 is more than trials 10"),
+        ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
         ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is no other condition"),
