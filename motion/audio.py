@@ -127,8 +127,8 @@ class Audio:
         """
         first, count = excerpt_bounds(start, end, rate=self.sample_rate, length=len(self.samples))
         excerpt = np.zeros(count, np.float32)
-        inside = self.samples[first : first + count]
-        excerpt[: len(inside)] = inside
+        overlap = self.samples[first : first + count]
+        excerpt[: len(overlap)] = overlap
         return type(self)(excerpt, self.sample_rate, self.notes)
 
 
@@ -195,11 +195,11 @@ def _check_whole_wav(path: Path) -> None:
         header = file.read(8)
     if len(header) < 8 or header[:4] != b"RIFF":
         return
-    promised = int.from_bytes(header[4:], "little")
-    there = path.stat().st_size - len(header)
-    if promised not in _RIFF_SIZES_OF_STREAMS and there < promised - _RIFF_TOLERANCE:
+    declared = int.from_bytes(header[4:], "little")
+    available = path.stat().st_size - len(header)
+    if declared not in _RIFF_SIZES_OF_STREAMS and available < declared - _RIFF_TOLERANCE:
         raise InputError(
-            f"the file is truncated: its header promises {promised} bytes, it holds {there}",
+            f"the file is truncated: its header promises {declared} bytes, it holds {available}",
             where=path,
             remedy="Copy or export it again",
         )
@@ -222,9 +222,9 @@ def _decode(
                 where=path,
                 remedy="Cut it into shorter files",
             )
-        chunks.extend(_mono(part) for part in resampler.resample(frame))
+        chunks.extend(_mono(resampled) for resampled in resampler.resample(frame))
     if chunks:
-        chunks.extend(_mono(part) for part in resampler.resample(None))
+        chunks.extend(_mono(resampled) for resampled in resampler.resample(None))
     return (np.concatenate(chunks) if chunks else np.zeros(0, np.float32)), rate
 
 

@@ -50,43 +50,43 @@ def load_librosa() -> ModuleType:
         (IndexDataCacheFile, "save"),
         (UFuncDispatcher, "compile"),
     ):
-        setattr(owner, name, _alone(getattr(owner, name)))
+        setattr(owner, name, _one_call_at_a_time(getattr(owner, name)))
     import librosa
 
     return librosa
 
 
-def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
+def _one_call_at_a_time(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return `function`, run while no other process of this user runs such a one."""
     from numba.core.compiler_lock import global_compiler_lock
 
     @wraps(function)
-    def run(*given: Any, **named: Any) -> Any:
+    def run(*args: Any, **kwargs: Any) -> Any:
         # The compiler's lock first, as where numba looks into the files while it compiles: two
         # threads that took the two in different orders would wait for each other.
         with global_compiler_lock, _lock():
-            return function(*given, **named)
+            return function(*args, **kwargs)
 
     return run
 
 
-_here = threading.local()
+_thread_state = threading.local()
 """Whether this thread holds the lock."""
 
 
 @contextmanager
 def _lock() -> Iterator[None]:
-    if getattr(_here, "held", False):
+    if getattr(_thread_state, "held", False):
         yield
         return
     path = Path(tempfile.gettempdir()) / f"motionjury-{os.getuid()}-librosa.lock"
     lock = os.open(path, os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        _here.held = True
+        _thread_state.held = True
         yield
     finally:
-        _here.held = False
+        _thread_state.held = False
         os.close(lock)
 
 

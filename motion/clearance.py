@@ -1,4 +1,4 @@
-"""Moving hands out of trunk and thighs, where another body's proportions have put them inside.
+"""Moving hands out of trunk and thighs, which they enter if a body has other proportions.
 
 A hand that rests beside a slim source's leg, or on its hip, lies within the leg or the hip of a
 body that is built otherwise. The arm is turned about the shoulder until the hand is outside.
@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
-from motion.placement import averaged
+from motion.placement import hann_average
 from motion.skeleton import PARENTS, REST_JOINTS, forward_kinematics, joint_index
 
 FloatArray = NDArray[np.float64]
@@ -36,7 +36,7 @@ _SMOOTHED_OVER: Final = 0.15
 """Seconds over which the size of an arm's turn is averaged on each side; it fades over twice as
 many."""
 
-_WORTH_SAYING: Final = np.radians(1.0)
+_SMALLEST_NOTED_TURN: Final = np.radians(1.0)
 
 
 def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
@@ -49,22 +49,24 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     recorded = clip
     for side, sign in (("left", 1.0), ("right", -1.0)):
         for _ in range(_ROUNDS):
-            turn = _smooth(_turns_out(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate))
+            turn = _smooth(
+                _outward_rotations(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate)
+            )
             if not turn.any():
                 break
-            clip = _with_arm_turned(clip, joint_index(f"{side}_shoulder"), turn)
-    turned = _arms_turned(recorded, clip)
-    changed = turned > _WORTH_SAYING
+            clip = _rotate_arm(clip, joint_index(f"{side}_shoulder"), turn)
+    angles = _arm_rotation_angles(recorded, clip)
+    changed = angles > _SMALLEST_NOTED_TURN
     if not changed.any():
         return recorded, ()
-    share, most = max(1, round(100 * changed.mean())), np.degrees(turned.max())
+    share, most = max(1, round(100 * changed.mean())), np.degrees(angles.max())
     return clip, (
         f"hands were moved out of trunk and thighs in {share}% of the frames, by up to {most:.0f} "
         "degrees at the shoulder (--as-recorded leaves them)",
     )
 
 
-def _arms_turned(before: MotionClip, after: MotionClip) -> FloatArray:
+def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
     """Return by how much the arm that differs more was turned in each frame, in radians."""
     turns = []
     for side in ("left", "right"):
@@ -74,20 +76,20 @@ def _arms_turned(before: MotionClip, after: MotionClip) -> FloatArray:
     return np.asarray(np.max(turns, axis=0))
 
 
-def _turns_out(clip: MotionClip, side: str, sign: float) -> FloatArray:
+def _outward_rotations(clip: MotionClip, side: str, sign: float) -> FloatArray:
     """Return the turn in the world, axis-angle, that takes each frame's hand out, shape (T, 3)."""
-    positions, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    outward = sign * turned[:, 0, :, 0]
+    positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    outward = sign * rotations[:, 0, :, 0]
     shoulder = positions[:, joint_index(f"{side}_shoulder")]
     best = np.zeros((len(clip), 3))
     deepest = np.zeros(len(clip))
     for name, thickness in _HAND.items():
         point = positions[:, joint_index(f"{side}_{name}")]
-        for start, end, radius in _columns(positions, turned):
-            away = point - _nearest(point, start, end) + _OUTWARD * outward
-            distance = np.linalg.norm(away, axis=1)
-            depth = radius + thickness - np.linalg.norm(away - _OUTWARD * outward, axis=1)
-            push = away / np.maximum(distance, 1e-6)[:, None] * np.maximum(depth, 0)[:, None]
+        for start, end, radius in _columns(positions, rotations):
+            offset = point - _nearest_point(point, start, end) + _OUTWARD * outward
+            distance = np.linalg.norm(offset, axis=1)
+            depth = radius + thickness - np.linalg.norm(offset - _OUTWARD * outward, axis=1)
+            push = offset / np.maximum(distance, 1e-6)[:, None] * np.maximum(depth, 0)[:, None]
             arm = point - shoulder
             turn = np.cross(arm, push) / (arm**2).sum(axis=1)[:, None]
             deeper = depth > deepest
@@ -96,11 +98,11 @@ def _turns_out(clip: MotionClip, side: str, sign: float) -> FloatArray:
 
 
 def _columns(
-    positions: FloatArray, turned: FloatArray
+    positions: FloatArray, rotations: FloatArray
 ) -> list[tuple[FloatArray, FloatArray, float]]:
     """Return start and end, shape (T, 3), and radius of what hands must stay out of."""
     pelvis, chest = positions[:, joint_index("pelvis")], positions[:, joint_index("spine3")]
-    aside = _TRUNK_ASIDE * turned[:, 0, :, 0]
+    aside = _TRUNK_ASIDE * rotations[:, 0, :, 0]
     hips = [
         (positions[:, joint_index(f"{s}_hip")], positions[:, joint_index(f"{s}_knee")])
         for s in ("left", "right")
@@ -111,31 +113,31 @@ def _columns(
     ]
 
 
-def _nearest(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+def _nearest_point(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
     """Return the point between `start` and `end` that is nearest to `point`, frame by frame."""
-    along = end - start
-    share = ((point - start) * along).sum(axis=1) / (along**2).sum(axis=1)
-    return np.asarray(start + np.clip(share, 0, 1)[:, None] * along)
+    segment = end - start
+    share = ((point - start) * segment).sum(axis=1) / (segment**2).sum(axis=1)
+    return np.asarray(start + np.clip(share, 0, 1)[:, None] * segment)
 
 
-def _smooth(turns: FloatArray, reach: int) -> FloatArray:
+def _smooth(turns: FloatArray, radius: int) -> FloatArray:
     """Return turns that change smoothly and, unless directions cancel, are as large as the given.
 
     The largest size within reach, averaged within reach, is at least the size itself. Directions
     are averaged over twice the reach, which is as far as that spreads.
     """
     size = np.linalg.norm(turns, axis=1)
-    largest = maximum_filter1d(size, 2 * reach + 1, mode="nearest")
-    around, sizes = averaged(turns, 2 * reach), averaged(size, 2 * reach)
-    share = averaged(largest, reach) / np.maximum(sizes, 1e-9)
-    return np.asarray(around * share[:, None])
+    largest = maximum_filter1d(size, 2 * radius + 1, mode="nearest")
+    smoothed, sizes = hann_average(turns, 2 * radius), hann_average(size, 2 * radius)
+    share = hann_average(largest, radius) / np.maximum(sizes, 1e-9)
+    return np.asarray(smoothed * share[:, None])
 
 
-def _with_arm_turned(clip: MotionClip, shoulder: int, turn: FloatArray) -> MotionClip:
+def _rotate_arm(clip: MotionClip, shoulder: int, turn: FloatArray) -> MotionClip:
     """Return the clip with one shoulder turned further, in the world."""
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    above = Rotation.from_matrix(turned[:, PARENTS[shoulder]])
-    world = Rotation.from_rotvec(turn) * Rotation.from_matrix(turned[:, shoulder])
+    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    parent = Rotation.from_matrix(rotations[:, PARENTS[shoulder]])
+    world = Rotation.from_rotvec(turn) * Rotation.from_matrix(rotations[:, shoulder])
     poses = clip.poses.copy()
-    poses[:, shoulder] = (above.inv() * world).as_rotvec()
+    poses[:, shoulder] = (parent.inv() * world).as_rotvec()
     return replace(clip, poses=poses)

@@ -138,14 +138,14 @@ class MotionClip:
             )
         usable = np.abs(given) <= LARGEST_VALUE
         if not usable.all():
-            bad = tuple(map(int, np.argwhere(~usable)[0]))
-            if np.isfinite(given[bad]):
+            index = tuple(map(int, np.argwhere(~usable)[0]))
+            if np.isfinite(given[index]):
                 raise InputError(
-                    f"{name} holds {given[bad]:.3g} at index {bad}",
+                    f"{name} holds {given[index]:.3g} at index {index}",
                     remedy="Give radians, metres and coefficients; repair damaged frames",
                 )
             raise InputError(
-                f"{name} holds a value that is not a number at index {bad}",
+                f"{name} holds a value that is not a number at index {index}",
                 remedy="Repair or cut the frames that hold NaN or infinity",
             )
         array = np.array(given, dtype=np.float32)
@@ -162,7 +162,7 @@ class MotionClip:
         return len(self) / self.frame_rate
 
     def frames(self, index: slice | NDArray[np.int_]) -> Self:
-        """Return the clip made of the frames that `index` picks, in that order."""
+        """Return a clip of the frames that `index` selects, in that order."""
         return replace(
             self,
             poses=self.poses[index],
@@ -238,11 +238,11 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
 
 def moving_channels(clip: MotionClip) -> frozenset[str]:
     """Return the channels of `clip` that can be seen to move."""
-    seen = {
+    changes = {
         name: [np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0) > _TURNS]
         for name, joints in _JOINTS_OF_CHANNEL.items()
     }
-    seen["root"].append(np.ptp(clip.trans, axis=0) > _SHIFTS)
+    changes["root"].append(np.ptp(clip.trans, axis=0) > _SHIFTS)
     facial = (value for value in (clip.expressions, clip.arkit) if value is not None)
-    seen["face"].extend(np.ptp(value, axis=0) > _FACIAL for value in facial)
-    return frozenset(name for name, parts in seen.items() if any(part.any() for part in parts))
+    changes["face"].extend(np.ptp(value, axis=0) > _FACIAL for value in facial)
+    return frozenset(name for name, parts in changes.items() if any(part.any() for part in parts))

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 
 class InputError(Exception):
-    """Something a person supplied cannot be used as it is.
+    """An input that a person supplied cannot be used.
 
     Every message answers three questions, so that whoever reads it can go on: what is wrong,
     where it was found, and what to do about it. The command line prints the message without a
@@ -24,23 +24,23 @@ class InputError(Exception):
     """
 
     def __init__(self, what: str, *, where: object = "", remedy: str = "") -> None:
-        self.what = _without_stop(what)
+        self.what = _without_full_stop(what)
         self.where = str(where)
-        self.remedy = _without_stop(remedy)
+        self.remedy = _without_full_stop(remedy)
         message = f"{self.where}: {self.what}" if self.where else self.what
         super().__init__(f"{message}. {self.remedy}." if self.remedy else f"{message}.")
 
 
 @contextmanager
 def found_at(where: object) -> Iterator[None]:
-    """Say of an `InputError` in the block that it was found at `where`."""
+    """Add `where` to an `InputError` raised in the block."""
     try:
         yield
     except InputError as error:
         raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
-def _without_stop(words: str) -> str:
+def _without_full_stop(words: str) -> str:
     # Words of other libraries' errors, and of other messages, bring stops of their own.
     return words.rstrip(". \n")
 

@@ -1,4 +1,4 @@
-"""Files: written in one step, told apart by their content, and safe to open in a spreadsheet."""
+"""Files: atomic writing, content hashes, and cells that are safe in a spreadsheet."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ APOSTROPHE: Final = "'"
 
 @contextmanager
 def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
-    """Give a temporary path beside `path` that takes its place when the block succeeds.
+    """Give a temporary path in the same folder that replaces `path` when the block succeeds.
 
     An interruption leaves the old file or the new one, never half of one.
 
@@ -81,14 +81,14 @@ def harmless_cell(text: str) -> str:
 
 
 def cell_as_given(text: str) -> str:
-    """Return what `harmless_cell` was given for `text`; all other text stays as it is."""
-    rest = text[1:]
-    return rest if text[:1] == APOSTROPHE and harmless_cell(rest) == text else text
+    """Undo `harmless_cell`; all other text stays unchanged."""
+    remainder = text[1:]
+    return remainder if text[:1] == APOSTROPHE and harmless_cell(remainder) == text else text
 
 
 def harmless_frame(frame: pd.DataFrame) -> pd.DataFrame:
     """Return `frame` with `harmless_cell` of all its text, headings included."""
-    # Who has a frame has pandas already; who only wants cells need not wait for it.
+    # Imported here: only callers with a frame need pandas, which is slow to import.
     import pandas as pd
 
     return pd.DataFrame(

@@ -34,19 +34,19 @@ _BEHIND_ANKLE: Final = 0.7
 _BEFORE_TOES: Final = 1.0
 """How far heel and toes reach beyond ankle and foot joint, as shares of the way between those."""
 
-_TURN_WORTH_SAYING: Final = 1.0
-"""Degrees of turning up to which nobody needs to know."""
+_SMALLEST_NOTED_TURN: Final = 1.0
+"""Degrees of the smallest turn that a note mentions."""
 
 _SIDES: Final = ("left", "right")
 
 
 def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> MotionClip:
-    """Return `clip` with its lower foot on the ground in every frame, if its height says nothing.
+    """Return `clip` with its lower foot on the ground in every frame, if its height is constant.
 
     Parameters
     ----------
     clip : MotionClip
-        The motion. Where its height changes at all it is returned as it is.
+        The motion. If its height changes at all, it is returned unchanged.
     rest_joints : ndarray, shape (55, 3)
         Joints of the unposed body that it is put on, in metres.
 
@@ -79,27 +79,27 @@ def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatAr
 
     They are the ends of a flat plate at the height of the foot's joint, which turns with the foot.
     """
-    positions, turned = forward_kinematics(clip.poses, clip.trans, rest_joints)
+    positions, rotations = forward_kinematics(clip.poses, clip.trans, rest_joints)
     heights = []
     for side in _SIDES:
         ankle, foot = joint_index(f"{side}_ankle"), joint_index(f"{side}_foot")
-        along = rest_joints[foot] - rest_joints[ankle]
-        heel = np.array([-_BEHIND_ANKLE, 1.0, -_BEHIND_ANKLE]) * along
-        toes = np.array([_BEFORE_TOES, 0.0, _BEFORE_TOES]) * along
+        foot_vector = rest_joints[foot] - rest_joints[ankle]
+        heel = np.array([-_BEHIND_ANKLE, 1.0, -_BEHIND_ANKLE]) * foot_vector
+        toes = np.array([_BEFORE_TOES, 0.0, _BEFORE_TOES]) * foot_vector
         for joint, offset in ((ankle, heel), (foot, toes)):
-            heights.append((positions[:, joint] + turned[:, joint] @ offset)[:, 1])
+            heights.append((positions[:, joint] + rotations[:, joint] @ offset)[:, 1])
     return np.asarray(np.min(heights, axis=0))
 
 
-def averaged(values: FloatArray, reach: int) -> FloatArray:
-    """Return `values`, shape (T, …), averaged by a Hann window over `reach` frames to each side."""
-    weights = np.hanning(2 * reach + 3)[1:-1]
+def hann_average(values: FloatArray, radius: int) -> FloatArray:
+    """Return `values`, shape (T, …), averaged by a Hann window of `radius` frames to each side."""
+    weights = np.hanning(2 * radius + 3)[1:-1]
     return np.asarray(correlate1d(values, weights / weights.sum(), axis=0, mode="nearest"))
 
 
-def _smooth(lift: FloatArray, reach: int) -> FloatArray:
-    """Return `lift` averaged with what is within `reach` frames, and hardly anywhere below it."""
-    smooth = averaged(lift, reach)
+def _smooth(lift: FloatArray, radius: int) -> FloatArray:
+    """Return `lift` averaged with what is within `radius` frames, and hardly anywhere below it."""
+    smooth = hann_average(lift, radius)
     return np.maximum(smooth, lift - SINKS_AT_MOST)
 
 
@@ -120,7 +120,7 @@ def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     facing = _pelvis(clip).apply([0, 0, 1]).mean(axis=0)
     heading = float(np.degrees(np.arctan2(facing[0], facing[2])))
     clip = _turn_world(clip, Rotation.from_euler("y", -heading, degrees=True))
-    if abs(heading) > _TURN_WORTH_SAYING:
+    if abs(heading) > _SMALLEST_NOTED_TURN:
         notes.append(f"turned by {-heading:.0f} degrees to face +z")
     return _stand_at_origin(clip), tuple(notes)
 

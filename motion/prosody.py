@@ -51,9 +51,9 @@ _SILENCE: Final = 1e-4
 _PAUSE_ENERGY: Final = 0.25
 _SHORTEST_PAUSE: Final = 0.2
 _SHORTEST_SYLLABLE: Final = 0.12
-_NEIGHBOURHOOD: Final = 1.5
-_PITCH_REACH: Final = 0.08
-_LEAST_RISE: Final = 0.06
+_CONTEXT: Final = 1.5
+_NUCLEUS_RADIUS: Final = 0.08
+_MIN_RISE: Final = 0.06
 _AUDIBLE_ENERGY: Final = 1 / _DYNAMIC_RANGE
 _AUDIBLE_PITCH: Final = 0.5
 
@@ -159,7 +159,7 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
     if not energy.any() or len(samples) < _PITCH_WINDOW:
         return np.full(len(energy), np.nan)
     librosa = load_librosa()
-    found, _, _ = librosa.pyin(
+    frequencies, _, _ = librosa.pyin(
         samples,
         fmin=_LOWEST_PITCH,
         fmax=_HIGHEST_PITCH,
@@ -169,8 +169,8 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
         resolution=0.25,
     )
     pitch = np.full(len(energy), np.nan)
-    length = min(len(energy), len(found))
-    pitch[:length] = found[:length]
+    length = min(len(energy), len(frequencies))
+    pitch[:length] = frequencies[:length]
     pitch[energy < _PAUSE_ENERGY] = np.nan
     return pitch
 
@@ -180,7 +180,7 @@ def _nuclei(energy: FloatArray) -> NDArray[np.intp]:
     nuclei, _ = find_peaks(
         energy,
         height=_PAUSE_ENERGY,
-        prominence=_LEAST_RISE,
+        prominence=_MIN_RISE,
         distance=round(_SHORTEST_SYLLABLE * _STEPS_PER_SECOND),
     )
     return nuclei
@@ -208,10 +208,10 @@ def _accents(
 def _rise_of_energy(energy: FloatArray) -> FloatArray:
     """Return how far each step's energy lies above the average of the speech around it."""
     speech = (energy >= _PAUSE_ENERGY).astype(float)
-    width = _NEIGHBOURHOOD / 2 * _STEPS_PER_SECOND
+    width = _CONTEXT / 2 * _STEPS_PER_SECOND
     share = gaussian_filter1d(speech, width, mode="nearest")
-    around = gaussian_filter1d(energy * speech, width, mode="nearest") / np.maximum(share, 1e-9)
-    return np.asarray(energy - around)
+    mean = gaussian_filter1d(energy * speech, width, mode="nearest") / np.maximum(share, 1e-9)
+    return np.asarray(energy - mean)
 
 
 def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
@@ -219,24 +219,24 @@ def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
 
     Against the pitch around, because it falls over an utterance (declination).
     """
-    reach, around = (
-        round(_PITCH_REACH * _STEPS_PER_SECOND),
-        round(_NEIGHBOURHOOD * _STEPS_PER_SECOND),
+    near, far = (
+        round(_NUCLEUS_RADIUS * _STEPS_PER_SECOND),
+        round(_CONTEXT * _STEPS_PER_SECOND),
     )
     heights = np.zeros(len(nuclei))
     for index, nucleus in enumerate(nuclei):
-        near = pitch[max(nucleus - reach, 0) : nucleus + reach + 1]
-        context = pitch[max(nucleus - around, 0) : nucleus + around + 1]
-        if np.isfinite(near).any():
+        at_nucleus = pitch[max(nucleus - near, 0) : nucleus + near + 1]
+        context = pitch[max(nucleus - far, 0) : nucleus + far + 1]
+        if np.isfinite(at_nucleus).any():
             # The 80th percentile, not the highest: pitch trackers jump an octave at creaky edges.
-            heights[index] = 12 * np.log2(np.nanpercentile(near, 80) / np.nanmedian(context))
+            heights[index] = 12 * np.log2(np.nanpercentile(at_nucleus, 80) / np.nanmedian(context))
     return heights
 
 
 def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
     """Return `values` around their mean in units of their spread, but at least `least_spread`.
 
-    Differences that nobody hears must not count as much as audible ones.
+    Inaudible differences must not count as much as audible ones.
     """
     return np.asarray((values - values.mean()) / max(float(values.std()), least_spread))
 

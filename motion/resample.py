@@ -43,20 +43,20 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     check_frame_rate(frame_rate)
     if frame_rate == clip.frame_rate:
         return clip
-    before, after, share = frame_places(len(clip), clip.frame_rate, frame_rate)
+    previous, following, share = frame_positions(len(clip), clip.frame_rate, frame_rate)
     return replace(
         clip,
         frame_rate=frame_rate,
-        poses=turn_between(clip.poses[before], clip.poses[after], share),
-        trans=_blend(clip.trans, before, after, share),
+        poses=slerp(clip.poses[previous], clip.poses[following], share),
+        trans=_blend(clip.trans, previous, following, share),
         expressions=None
         if clip.expressions is None
-        else _blend(clip.expressions, before, after, share),
-        arkit=None if clip.arkit is None else _blend(clip.arkit, before, after, share),
+        else _blend(clip.expressions, previous, following, share),
+        arkit=None if clip.arkit is None else _blend(clip.arkit, previous, following, share),
     )
 
 
-def frame_places(
+def frame_positions(
     frames: int, given_rate: float, frame_rate: float
 ) -> tuple[NDArray[np.int_], NDArray[np.int_], NDArray[np.float64]]:
     """Return between which given frames the frames at another rate lie.
@@ -79,12 +79,12 @@ def frame_places(
     count = max(1, round(frames / given_rate * frame_rate))
     # Rounding keeps frames that fall on a given one exactly there.
     position = np.round(np.arange(count) * given_rate / frame_rate, 9)
-    before = position.astype(int)
-    after = np.minimum(before + 1, frames - 1)
-    return before, after, position - before
+    previous = position.astype(int)
+    following = np.minimum(previous + 1, frames - 1)
+    return previous, following, position - previous
 
 
-def turn_between(first: FloatArray, second: FloatArray, share: NDArray[np.float64]) -> FloatArray:
+def slerp(first: FloatArray, second: FloatArray, share: NDArray[np.float64]) -> FloatArray:
     """Return the rotation vectors `share` of the way along the shortest turn.
 
     Parameters
@@ -94,24 +94,24 @@ def turn_between(first: FloatArray, second: FloatArray, share: NDArray[np.float6
     share : ndarray, shape (T,)
         In [0, 1].
     """
-    between = share > 0
+    is_between = share > 0
     result = first.copy()
-    start = Rotation.from_rotvec(first[between].reshape(-1, 3))
-    turn = (start.inv() * Rotation.from_rotvec(second[between].reshape(-1, 3))).as_rotvec()
+    start = Rotation.from_rotvec(first[is_between].reshape(-1, 3))
+    turn = (start.inv() * Rotation.from_rotvec(second[is_between].reshape(-1, 3))).as_rotvec()
     joints = first.shape[1]
-    part = Rotation.from_rotvec(turn * np.repeat(share[between], joints)[:, None])
-    result[between] = (start * part).as_rotvec().reshape(-1, joints, 3)
+    partial = Rotation.from_rotvec(turn * np.repeat(share[is_between], joints)[:, None])
+    result[is_between] = (start * partial).as_rotvec().reshape(-1, joints, 3)
     return result
 
 
 def _blend(
     values: FloatArray,
-    before: NDArray[np.int_],
-    after: NDArray[np.int_],
+    previous: NDArray[np.int_],
+    following: NDArray[np.int_],
     share: NDArray[np.float64],
 ) -> FloatArray:
     weight = share.astype(np.float32)[:, None]
-    return cast("FloatArray", (1 - weight) * values[before] + weight * values[after])
+    return cast("FloatArray", (1 - weight) * values[previous] + weight * values[following])
 
 
 def cut(clip: MotionClip, start: float, end: float) -> MotionClip:

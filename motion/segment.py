@@ -57,7 +57,7 @@ class Segment:
     emotion : str
         One of `EMOTIONS`.
     transcript : str
-        What is said; empty where unknown.
+        The spoken text; empty if unknown.
     """
 
     name: str

@@ -159,7 +159,7 @@ REST_JOINTS.setflags(write=False)
 FINGERS: Final = slice(joint_index("left_index1"), JOINT_COUNT)
 """Where the finger joints are among the 55."""
 
-_BENT: Final = {
+_FINGER_FLEXION: Final = {
     "index": (0.30, 0.44, 0.25),
     "middle": (0.34, 0.50, 0.28),
     "pinky": (0.42, 0.52, 0.30),
@@ -167,10 +167,10 @@ _BENT: Final = {
 }
 """Radians by which the three joints of each finger of a relaxed hand bend."""
 
-_TOGETHER: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
+_FINGER_SPREAD: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
 """Radians by which each left finger turns about y towards the others; at rest they are spread."""
 
-_THUMB: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
+_THUMB_ROTATIONS: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
 """Rotations of the left thumb's joints, axis-angle in radians: beside the index finger."""
 
 
@@ -181,9 +181,13 @@ def _relaxed_hands() -> NDArray[np.float32]:
     for number, name in enumerate(LEFT_HAND_JOINTS):
         finger, phalanx = name.removeprefix("left_")[:-1], int(name[-1]) - 1
         if finger == "thumb":
-            left[number] = _THUMB[phalanx]
+            left[number] = _THUMB_ROTATIONS[phalanx]
         else:
-            left[number] = (0, 0 if phalanx else _TOGETHER[finger], -_BENT[finger][phalanx])
+            left[number] = (
+                0,
+                0 if phalanx else _FINGER_SPREAD[finger],
+                -_FINGER_FLEXION[finger][phalanx],
+            )
     hands = np.concatenate([left, left * [1, -1, -1]]).astype(np.float32)
     hands.setflags(write=False)
     return hands

@@ -84,7 +84,7 @@ def speak_as(text: str, prosody: SpokenProsody, out_path: Path, speaker: str = "
     text : str
         What to say; plain text, no markup.
     prosody : SpokenProsody
-        How it is said.
+        Its prosody.
     out_path : Path
         The WAV file to write, in one step.
     speaker : str
@@ -121,11 +121,11 @@ def synthesiser_version() -> str:
     InputError
         If espeak-ng is not installed.
     """
-    told = subprocess.run(  # noqa: S603
+    process = subprocess.run(  # noqa: S603
         [_program(), "--version"], capture_output=True, check=True, timeout=_TIME_LIMIT, text=True
     )
     # What follows is where its data lies on this machine.
-    return told.stdout.split("Data at")[0].strip()
+    return process.stdout.split("Data at")[0].strip()
 
 
 def _program() -> str:

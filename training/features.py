@@ -22,7 +22,7 @@ from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
 from motion.formats.smplx_rows import read_rows, read_show_npz
 from motion.formats.ted_npz import AXES, read_ted_npz
 from motion.formats.transcript import read_transcript
-from motion.resample import frame_places, resample, turn_between
+from motion.resample import frame_positions, resample, slerp
 from training.data.beat import read_beat_bvh
 from training.data.found_take import has_arrays
 from training.data.take import Feature, Kind, Take
@@ -58,12 +58,12 @@ def beat_gesture(frame_rate: float) -> Feature:
 
     def compute(take: Take) -> FloatArray:
         motion = read_beat_bvh(take)
-        before, after, share = frame_places(len(motion.values), motion.frame_rate, frame_rate)
+        before, after, share = frame_positions(len(motion.values), motion.frame_rate, frame_rate)
         first, second = (
             _joints(body_values(replace(motion, values=motion.values[frames])))
             for frames in (before, after)
         )
-        return turn_between(first, second, share).reshape(len(before), -1)
+        return slerp(first, second, share).reshape(len(before), -1)
 
     return Feature(
         name="gesture",
@@ -258,7 +258,7 @@ def bone_features(
 def _ted_values(take: Take, frame_rate: float) -> FloatArray:
     """Return directions of TED Gesture's bones; between frames they are shares of both."""
     motion = read_ted_npz(take.motion)
-    before, after, share = frame_places(len(motion.directions), motion.frame_rate, frame_rate)
+    before, after, share = frame_positions(len(motion.directions), motion.frame_rate, frame_rate)
     share = np.reshape(share, (-1, 1, 1))
     blended = (1 - share) * motion.directions[before] + share * motion.directions[after]
     units = blended / np.linalg.norm(blended, axis=-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""What of a clip's face and shape a body shows; what it does not show is said in sentences.
+"""Which parts of a clip's face and shape a body can show, and notes on what it cannot.
 
 SMPL-X's expression coefficients and ARKit's facial actions are different spaces. How one tells the
 other depends on whose faces were measured, so no matrix between them comes with the program;
@@ -50,12 +50,12 @@ class BodyAbilities:
     shapes: int
 
 
-def not_shown(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def unsupported_features(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Return a sentence for each thing in `clip` that a body with these abilities cannot show."""
-    return tuple(chain(_of_expression(clip, body), _of_shape(clip, body)))
+    return tuple(chain(_expression_notes(clip, body), _shape_notes(clip, body)))
 
 
-def _of_expression(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Say where the face stays still although the clip moves it.
 
     ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
@@ -70,23 +70,23 @@ def _of_expression(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
             "the clip moves its face, and this body has none: nothing of expression, jaw and eyes "
             "is shown (choose an avatar with a face)",
         )
-    wanted = "arkit" if body.has_arkit_slots else "expressions"
-    if not moving or faces[wanted] is not None or body.has_matrix:
+    body_face = "arkit" if body.has_arkit_slots else "expressions"
+    if not moving or faces[body_face] is not None or body.has_matrix:
         return ()
     return (
         f"the clip's face is given as {_NAMES[moving[0]]}, which this body has no slots for; its "
-        f"face moves by jaw and eyes alone (name a matrix to {_NAMES[wanted]} as "
+        f"face moves by jaw and eyes alone (name a matrix to {_NAMES[body_face]} as "
         "video.expression_matrix, or choose another body)",
     )
 
 
-def _of_shape(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def _shape_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Say where the body has another shape than the clip gives."""
-    shown = body.shapes
-    if not np.any(clip.betas[shown:]):
+    known = body.shapes
+    if not np.any(clip.betas[known:]):
         return ()
-    if shown:
-        return (f"only the first {shown} of the clip's {len(clip.betas)} betas shape this body",)
+    if known:
+        return (f"only the first {known} of the clip's {len(clip.betas)} betas shape this body",)
     return (
         "the clip gives a body shape (betas), which this body does not take on (name a licensed "
         "SMPL-X model as video.body to show it)",
@@ -116,29 +116,29 @@ def read_expression_matrix(path: Path) -> FloatArray:
         raise InputError(
             "there is no such expression matrix", where=path, remedy="Check video.expression_matrix"
         )
-    given = _numbers(path)
-    if given.dtype.kind not in "fiu" or given.shape not in (_SHAPE, _SHAPE[::-1]):
+    array = _numbers(path)
+    if array.dtype.kind not in "fiu" or array.shape not in (_SHAPE, _SHAPE[::-1]):
         raise InputError(
-            f"the expression matrix has shape {given.shape} and type {given.dtype}",
+            f"the expression matrix has shape {array.shape} and type {array.dtype}",
             where=path,
             remedy="Give numbers for 100 SMPL-X coefficients by 52 ARKit actions",
         )
-    if not (np.abs(given) <= LARGEST_VALUE).all():
+    if not (np.abs(array) <= LARGEST_VALUE).all():
         raise InputError(
             "the expression matrix holds a value that is not a usable number",
             where=path,
             remedy="Replace NaN, infinite and huge values",
         )
-    matrix = given if given.shape == _SHAPE else given.T
+    matrix = array if array.shape == _SHAPE else array.T
     return np.ascontiguousarray(matrix, np.float32)
 
 
-def arkit_of(expressions: FloatArray, matrix: FloatArray) -> FloatArray:
+def arkit_from_expressions(expressions: FloatArray, matrix: FloatArray) -> FloatArray:
     """Return ARKit weights in [0, 1], shape (T, 52), for SMPL-X coefficients (T, 100)."""
     return np.asarray(np.clip(expressions @ matrix, 0, 1), np.float32)
 
 
-def expressions_of(arkit: FloatArray, matrix: FloatArray) -> FloatArray:
+def expressions_from_arkit(arkit: FloatArray, matrix: FloatArray) -> FloatArray:
     """Return SMPL-X coefficients, shape (T, 100), for ARKit weights (T, 52)."""
     return np.asarray(arkit @ matrix.T, np.float32)
 
@@ -146,7 +146,7 @@ def expressions_of(arkit: FloatArray, matrix: FloatArray) -> FloatArray:
 def face_for(
     clip: MotionClip, *, has_arkit_slots: bool, matrix: FloatArray | None
 ) -> FloatArray | None:
-    """Return the clip's face in the terms of a body, or None where it tells nothing in them.
+    """Return the clip's face in the parameters of a body, or None if there is none.
 
     Parameters
     ----------
@@ -157,10 +157,11 @@ def face_for(
     matrix : ndarray, shape (100, 52), or None
         Turns what the clip has into what the body shows.
     """
-    own, other = (clip.arkit, clip.expressions)[:: 1 if has_arkit_slots else -1]
-    if own is not None or other is None or matrix is None:
-        return own
-    return arkit_of(other, matrix) if has_arkit_slots else expressions_of(other, matrix)
+    native, foreign = (clip.arkit, clip.expressions)[:: 1 if has_arkit_slots else -1]
+    if native is not None or foreign is None or matrix is None:
+        return native
+    convert = arkit_from_expressions if has_arkit_slots else expressions_from_arkit
+    return convert(foreign, matrix)
 
 
 def _numbers(path: Path) -> NDArray[np.generic]:

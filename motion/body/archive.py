@@ -25,7 +25,7 @@ _MEAN_HANDS: Final = ("hands_meanl", "hands_meanr")
 
 @contextmanager
 def body_archive(path: Path) -> Iterator[NpzFile]:
-    """Give the arrays of a body model by name; each is read when it is asked for.
+    """Open a body model's archive; each array is read when it is accessed.
 
     Raises
     ------
@@ -63,14 +63,14 @@ def read_mean_hands(body: Path) -> FloatArray | None:
     with body_archive(body) as archive:
         if any(name not in archive for name in _MEAN_HANDS):
             return None
-        both = np.concatenate([archive[name].reshape(-1) for name in _MEAN_HANDS])
-    if both.size != len(RELAXED_HANDS) * 3 or not both.any():
+        mean_hands = np.concatenate([archive[name].reshape(-1) for name in _MEAN_HANDS])
+    if mean_hands.size != len(RELAXED_HANDS) * 3 or not mean_hands.any():
         return None
-    return both.reshape(len(RELAXED_HANDS), 3).astype(np.float32)
+    return mean_hands.reshape(len(RELAXED_HANDS), 3).astype(np.float32)
 
 
-def added_to_mean_hands(clip: MotionClip, mean_hands: FloatArray) -> MotionClip:
-    """Return `clip`, whose fingers are told relative to mean hands, with absolute fingers.
+def add_mean_hands(clip: MotionClip, mean_hands: FloatArray) -> MotionClip:
+    """Return `clip`, whose fingers are relative to mean hands, with absolute fingers.
 
     Parameters
     ----------

@@ -28,14 +28,14 @@ FloatArray = NDArray[np.float32]
 _COMPONENTS: Final = 52
 """Facial actions, or leading expression components, that get a landmark each."""
 
-_LEAST_APART: Final = 0.006
+_MIN_DISTANCE: Final = 0.006
 """Metres between two landmarks of the neutral face."""
 
-_LEAST_MOVED: Final = 1e-3
+_MIN_SHIFT: Final = 1e-3
 """Metres by which a component moves its landmark at least."""
 
 _SKIN: Final = ("skin", "lips")
-"""What landmarks lie on, where the body says what its vertices are."""
+"""Materials that landmarks lie on, if the body names the materials of its vertices."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +71,7 @@ class FaceLandmarks:
                 "the body has no face that moves",
                 remedy="Name an avatar with a face, or an SMPL-X body, under [video] in study.toml",
             )
-        return cls(body=_reduced(body, vertices), count=len(vertices))
+        return cls(body=_body_of_landmarks(body, vertices), count=len(vertices))
 
     @classmethod
     def of_default_body(cls) -> FaceLandmarks:
@@ -96,7 +96,7 @@ class FaceLandmarks:
             raise InputError(
                 "the body's face has no facial actions", remedy="Use an avatar with ARKit's"
             )
-        return tuple(ARKIT_NAMES[component] for component, _ in _chosen(self.body))
+        return tuple(ARKIT_NAMES[component] for component, _ in _choose_landmarks(self.body))
 
     def shifts(self, clip: MotionClip) -> FloatArray:
         """Return how far the clip moves each landmark from the neutral face.
@@ -119,7 +119,7 @@ class FaceLandmarks:
         return np.asarray(self.positions(clip) - self.neutral)
 
     def positions(self, clip: MotionClip) -> FloatArray:
-        """Return where the landmarks are while the head is held still, shape (T, L, 3), metres.
+        """Return the landmarks' positions with a still head, shape (T, L, 3), in metres.
 
         Raises
         ------
@@ -127,37 +127,37 @@ class FaceLandmarks:
             If the clip's face is in terms that the body does not show.
         """
         if self.body.face(clip) is None:
-            shown = "ARKit weights" if self.body.has_arkit_slots else "expression coefficients"
+            units = "ARKit weights" if self.body.has_arkit_slots else "expression coefficients"
             raise InputError(
-                f"the clip tells no face in terms of the landmarks' body, {shown}",
+                f"the clip tells no face in terms of the landmarks' body, {units}",
                 remedy="Use clips that do, or name an expression matrix under [video]",
             )
         poses = np.zeros_like(clip.poses)
         jaw = joint_index("jaw")
         poses[:, jaw] = clip.poses[:, jaw]
-        seen = replace(
+        faces = replace(
             clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0, np.float32)
         )
         # All frames at once: the body's own batches are made for many more vertices.
-        unposed = self.body.unposed(seen)[:, : self.count]
-        moved_by = np.tensordot(self.body.skinning_matrices(seen), self._weights, axes=(1, 1))
-        turned = np.einsum("nabv,nvb->nva", moved_by[:, :, :3], unposed)
-        return np.asarray(turned + np.swapaxes(moved_by[:, :, 3], 1, 2), np.float32)
+        unposed = self.body.unposed(faces)[:, : self.count]
+        moved_by = np.tensordot(self.body.skinning_matrices(faces), self._weights, axes=(1, 1))
+        rotated = np.einsum("nabv,nvb->nva", moved_by[:, :, :3], unposed)
+        return np.asarray(rotated + np.swapaxes(moved_by[:, :, 3], 1, 2), np.float32)
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return the landmarks as arrays, of which `from_arrays` makes them again."""
         body = self.body
-        held: dict[str, NDArray[np.generic]] = {
+        arrays: dict[str, NDArray[np.generic]] = {
             "template": body.template,
             "expression_directions": body.expression_directions,
             "weights": body.weights.toarray(),
             "arkit_slots": np.array([body.has_arkit_slots], np.uint8),
         }
         if body.pose_directions is not None:
-            held["pose_directions"] = body.pose_directions
+            arrays["pose_directions"] = body.pose_directions
         if body.expression_matrix is not None:
-            held["expression_matrix"] = body.expression_matrix
-        return held
+            arrays["expression_matrix"] = body.expression_matrix
+        return arrays
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> FaceLandmarks:
@@ -214,35 +214,35 @@ class FaceLandmarks:
 
 def landmark_vertices(body: BodyModel) -> NDArray[np.int64]:
     """Return the vertices of `body` that `FaceLandmarks.of` chooses, in the order of components."""
-    return np.array([vertex for _, vertex in _chosen(body)], np.int64)
+    return np.array([vertex for _, vertex in _choose_landmarks(body)], np.int64)
 
 
-def _chosen(body: BodyModel) -> list[tuple[int, int]]:
+def _choose_landmarks(body: BodyModel) -> list[tuple[int, int]]:
     """Return components, each with the vertex that is its landmark."""
-    moved = np.linalg.norm(body.expression_directions, axis=1)
-    allowed = _on_skin(body)
+    displacements = np.linalg.norm(body.expression_directions, axis=1)
+    allowed = _skin_mask(body)
     chosen: list[tuple[int, int]] = []
-    for component in range(min(_COMPONENTS, moved.shape[1])):
-        reach = np.where(allowed, moved[:, component], 0)
-        vertex = int(reach.argmax())
-        if reach[vertex] < _LEAST_MOVED:
+    for component in range(min(_COMPONENTS, displacements.shape[1])):
+        candidates = np.where(allowed, displacements[:, component], 0)
+        vertex = int(candidates.argmax())
+        if candidates[vertex] < _MIN_SHIFT:
             continue
         chosen.append((component, vertex))
-        apart = np.linalg.norm(body.template - body.template[vertex], axis=1)
-        allowed &= apart >= _LEAST_APART
+        distances = np.linalg.norm(body.template - body.template[vertex], axis=1)
+        allowed &= distances >= _MIN_DISTANCE
     return chosen
 
 
-def _on_skin(body: BodyModel) -> NDArray[np.bool_]:
+def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
     """Tell of each vertex whether a landmark may lie on it."""
     if "material" not in body.surface:
         return np.ones(len(body.template), bool)
     names = [str(name) for name in body.surface["material_names"]]
-    wanted = [names.index(name) for name in _SKIN if name in names]
-    return np.isin(body.surface["material"], wanted)
+    materials = [names.index(name) for name in _SKIN if name in names]
+    return np.isin(body.surface["material"], materials)
 
 
-def _reduced(body: BodyModel, vertices: NDArray[np.int64]) -> BodyModel:
+def _body_of_landmarks(body: BodyModel, vertices: NDArray[np.int64]) -> BodyModel:
     """Return a body whose vertices are `vertices` of `body`, then its joints.
 
     Joints are sums of vertices, and move with expressions as these sums do.
@@ -256,8 +256,8 @@ def _reduced(body: BodyModel, vertices: NDArray[np.int64]) -> BodyModel:
     weights = body.weights[vertices].toarray()[:, :JOINT_COUNT]
     pose = body.pose_directions
     if pose is not None:
-        none = np.zeros((JOINT_COUNT, *pose.shape[1:]), np.float32)
-        pose = np.concatenate([pose[vertices], none])
+        zero_directions = np.zeros((JOINT_COUNT, *pose.shape[1:]), np.float32)
+        pose = np.concatenate([pose[vertices], zero_directions])
     return _landmark_body(
         template=kept(body.template),
         expression_directions=kept(body.expression_directions),

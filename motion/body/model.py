@@ -115,14 +115,14 @@ class BodyModel:
         if values is None or not np.any(values):
             return None
         slots = self.expression_directions.shape[2]
-        held = np.zeros((len(values), slots), np.float32)
-        held[:, : values.shape[1]] = values[:, :slots]
+        weights = np.zeros((len(values), slots), np.float32)
+        weights[:, : values.shape[1]] = values[:, :slots]
         jaw_open = arkit_index("jawOpen")
         if self.has_arkit_slots and jaw_open < slots:
             opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
-            action = held[:, jaw_open]
+            action = weights[:, jaw_open]
             action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
-        return held
+        return weights
 
     def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
         """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
@@ -146,12 +146,12 @@ class BodyModel:
         ndarray, shape (n, V, 3), float32
             Metres.
         """
-        part = clip.frames(frames)
+        excerpt = clip.frames(frames)
         shaped = self.shaped(clip.betas)
-        result = np.empty((len(part), *self.template.shape), np.float32)
-        for start in range(0, len(part), _FRAMES_AT_ONCE):
-            batch = slice(start, min(start + _FRAMES_AT_ONCE, len(part)))
-            self._skin(part.frames(batch), shaped, result[batch])
+        result = np.empty((len(excerpt), *self.template.shape), np.float32)
+        for start in range(0, len(excerpt), _FRAMES_AT_ONCE):
+            batch = slice(start, min(start + _FRAMES_AT_ONCE, len(excerpt)))
+            self._skin(excerpt.frames(batch), shaped, result[batch])
         return result
 
     def unposed(self, clip: MotionClip) -> FloatArray:
@@ -176,16 +176,16 @@ class BodyModel:
         count = min(len(betas), self.shape_directions.shape[2])
         if not count or not np.any(betas[:count]):
             return self.template
-        added = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
-        return np.asarray(self.template + added)
+        offsets = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
+        return np.asarray(self.template + offsets)
 
     def _unposed(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
         """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
         result = np.repeat(shaped[None], len(clip), axis=0)
         coefficients = self.expression_weights(clip)
         if coefficients is not None:
-            moved, directions, _ = self._expression_parts
-            result[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
+            moved_vertices, directions, _ = self._expression_parts
+            result[:, moved_vertices] += np.tensordot(coefficients, directions, axes=(1, 2))
         if self.pose_directions is not None:
             local = Rotation.from_rotvec(clip.poses[:, 1:].reshape(-1, 3).astype(float))
             change = (local.as_matrix() - np.eye(3)).reshape(len(clip), -1).astype(np.float32)
@@ -217,10 +217,10 @@ class BodyModel:
     def _expression_parts(self) -> tuple[NDArray[np.int_], FloatArray, FloatArray]:
         """The vertices that expressions move, how they do, and how the joints move with them."""
         directions = self.expression_directions
-        moved = np.flatnonzero(np.abs(directions).max(axis=(1, 2)) > _STILL)
+        moved_vertices = np.flatnonzero(np.abs(directions).max(axis=(1, 2)) > _STILL)
         flat = self.joint_regressor @ directions.reshape(len(directions), -1)
         joints = flat.reshape(JOINT_COUNT, 3, -1).astype(np.float32)
-        return moved, np.ascontiguousarray(directions[moved]), joints
+        return moved_vertices, np.ascontiguousarray(directions[moved_vertices]), joints
 
 
 def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel:
@@ -250,8 +250,8 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     _check_shapes(arrays, path)
     arrays = _without_spare_vertices(arrays)
     shapes = arrays.pop("shapedirs").astype(np.float32, copy=False)
-    full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
-    shape_count = _FULL_SHAPE_COUNT if full else _SHORT_SHAPE_COUNT
+    is_full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
+    shape_count = _FULL_SHAPE_COUNT if is_full else _SHORT_SHAPE_COUNT
     poses = arrays.pop("posedirs").astype(np.float32, copy=False)
     surface: dict[str, NDArray[Any]] = {name: arrays[name] for name in _SURFACE if name in arrays}
     return BodyModel(
@@ -306,14 +306,14 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
             "twist_weights": (count, JOINT_COUNT + extra),
         }
     for name, shape in expected.items():
-        given = arrays[name].shape
-        fits = len(given) == len(shape) and all(
-            want in (None, have) for want, have in zip(shape, given, strict=True)
+        found_shape = arrays[name].shape
+        fits = len(found_shape) == len(shape) and all(
+            want in (None, have) for want, have in zip(shape, found_shape, strict=True)
         )
         if not fits:
-            wanted = ", ".join("any" if size is None else str(size) for size in shape)
+            expected_shape = ", ".join("any" if size is None else str(size) for size in shape)
             raise InputError(
-                f"{name} of the body model has shape {given}, expected ({wanted})",
+                f"{name} of the body model has shape {found_shape}, expected ({expected_shape})",
                 where=path,
                 remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
             )

@@ -81,16 +81,16 @@ def skinning_matrices(
     local = turns.as_matrix().reshape(count, JOINT_COUNT, 3, 3)
     total = JOINT_COUNT + (len(twist_joints) if twist_joints is not None else 0)
     result = np.empty((count, total, 3, 4))
-    world, moved = result[..., :3], result[..., 3]
+    world, translations = result[..., :3], result[..., 3]
     for joint, parent in enumerate(PARENTS):
         start = rest[:, joint]
         if parent < 0:
             world[:, joint] = local[:, joint]
-            moved[:, joint] = start + trans - _turned(local[:, joint], start)
+            translations[:, joint] = start + trans - _rotate_points(local[:, joint], start)
             continue
         world[:, joint] = world[:, parent] @ local[:, joint]
-        place = _turned(world[:, parent], start) + moved[:, parent]
-        moved[:, joint] = place - _turned(world[:, joint], start)
+        place = _rotate_points(world[:, parent], start) + translations[:, parent]
+        translations[:, joint] = place - _rotate_points(world[:, joint], start)
     if twist_joints is not None:
         _add_twist_joints(
             result, turns.as_quat().reshape(count, JOINT_COUNT, 4), rest, twist_joints
@@ -115,9 +115,9 @@ def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArra
     """
     dense = weights.toarray()
     joints = np.argsort(-dense, axis=1, kind="stable")[:, :4]
-    kept = np.take_along_axis(dense, joints, axis=1)
-    kept /= kept.sum(axis=1, keepdims=True)
-    return np.where(kept > 0, joints, 0), kept.astype(np.float32)
+    strongest = np.take_along_axis(dense, joints, axis=1)
+    strongest /= strongest.sum(axis=1, keepdims=True)
+    return np.where(strongest > 0, joints, 0), strongest.astype(np.float32)
 
 
 def twist_angles(
@@ -132,10 +132,10 @@ def twist_angles(
     axes : ndarray, shape (..., 3)
         Unit vectors. A rotation by half a turn about an axis across has no twist: 0 is returned.
     """
-    along = np.einsum("...a,...a->...", quaternions[..., :3], axes)
+    projections = np.einsum("...a,...a->...", quaternions[..., :3], axes)
     scalar = quaternions[..., 3]
     sign = np.where(scalar < 0, -1.0, 1.0)
-    return np.asarray(2 * np.arctan2(along * sign, np.abs(scalar)))
+    return np.asarray(2 * np.arctan2(projections * sign, np.abs(scalar)))
 
 
 def turns_about_bones(
@@ -176,14 +176,14 @@ def _add_twist_joints(
     turns = turns_about_bones(quaternions, rest, twist)
     about_bone = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix()
     carrying = matrices[:, start]
-    turned = carrying[..., :3] @ about_bone.reshape(*turns.shape, 3)
+    rotated = carrying[..., :3] @ about_bone.reshape(*turns.shape, 3)
     origin = rest[:, start]  # on the axis, so it stays where the carrying joint puts it
-    place = _turned(carrying[..., :3], origin) + carrying[..., 3]
-    matrices[:, JOINT_COUNT:, :, :3] = turned
-    matrices[:, JOINT_COUNT:, :, 3] = place - _turned(turned, origin)
+    place = _rotate_points(carrying[..., :3], origin) + carrying[..., 3]
+    matrices[:, JOINT_COUNT:, :, :3] = rotated
+    matrices[:, JOINT_COUNT:, :, 3] = place - _rotate_points(rotated, origin)
 
 
-def _turned(matrices: FloatArray, points: NDArray[np.floating]) -> FloatArray:
+def _rotate_points(matrices: FloatArray, points: NDArray[np.floating]) -> FloatArray:
     return np.asarray(np.einsum("...ab,...b->...a", matrices, points))
 
 
@@ -204,10 +204,10 @@ class ForearmTwists:
 
 
 NO_TWISTS: Final = ForearmTwists(np.zeros((2, 2)), np.zeros((2, 2)))
-"""Of forearms whose twists are left as they are."""
+"""Leaves forearms unchanged."""
 
 
-def share_forearm_twist(local: FloatArray, before: ForearmTwists | None) -> ForearmTwists:
+def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> ForearmTwists:
     """Let wrist and elbow take half each of how far the forearm is twisted; return the last twists.
 
     Other skeletons often turn the palm at the elbow alone, which wrings the skin there. No bone
@@ -218,10 +218,10 @@ def share_forearm_twist(local: FloatArray, before: ForearmTwists | None) -> Fore
     local : ndarray, shape (T, J, 3, 3)
         Rotation matrices of SMPL-X joints against their parents; those of elbows and wrists are
         written over.
-    before : ForearmTwists or None
+    previous : ForearmTwists or None
         What this returned for the frames before; None for the first.
     """
-    last = []
+    last_twists = []
     for index, side in enumerate(_SIDES):
         elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
         axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
@@ -233,20 +233,20 @@ def share_forearm_twist(local: FloatArray, before: ForearmTwists | None) -> Fore
             ]
         )
         turns = _turns(
-            angles, None if before is None else (before.angles[index], before.turns[index])
+            angles, None if previous is None else (previous.angles[index], previous.turns[index])
         )
         # Past half a turn an angle starts again at the other end; half of it would jump.
         twists = angles + 2 * np.pi * turns
-        moved = (twists[:, 0] - twists[:, 1]) / 2
-        turn = Rotation.from_rotvec(moved[:, None] * axis).as_matrix()
+        transferred = (twists[:, 0] - twists[:, 1]) / 2
+        turn = Rotation.from_rotvec(transferred[:, None] * axis).as_matrix()
         local[:, elbow] = local[:, elbow] @ np.swapaxes(turn, 1, 2)
         local[:, wrist] = turn @ local[:, wrist]
-        last.append((angles[-1], turns[-1]))
-    return ForearmTwists(*(np.stack(values) for values in zip(*last, strict=True)))
+        last_twists.append((angles[-1], turns[-1]))
+    return ForearmTwists(*(np.stack(values) for values in zip(*last_twists, strict=True)))
 
 
-def _turns(angles: FloatArray, before: tuple[FloatArray, FloatArray] | None) -> FloatArray:
+def _turns(angles: FloatArray, previous: tuple[FloatArray, FloatArray] | None) -> FloatArray:
     """Return how many whole turns each of `angles` (T, n) has made besides, going on smoothly."""
-    angle, turns = (angles[0], np.zeros(angles.shape[1])) if before is None else before
+    angle, turns = (angles[0], np.zeros(angles.shape[1])) if previous is None else previous
     steps = np.diff(angles, axis=0, prepend=angle[None])
     return np.asarray(turns - np.cumsum(np.round(steps / (2 * np.pi)), axis=0))

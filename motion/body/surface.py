@@ -1,4 +1,4 @@
-"""How the surface of a body is turned and coloured, for whatever draws it."""
+"""Normals and colours of a body's surface, for drawing."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from motion.body.model import BodyModel
 
 FloatArray = NDArray[np.float32]
 
-PLAIN: Final = (0xA8, 0xA4, 0x9F)
-"""sRGB of a body that does not say what it is made of."""
+DEFAULT_COLOUR: Final = (0xA8, 0xA4, 0x9F)
+"""sRGB of a body without materials."""
 
-_PLAIN_GLEAM: Final = 0.035
+_DEFAULT_GLOSS: Final = 0.035
 
 
 class VertexNormals:
@@ -54,8 +54,8 @@ def surface_colours(body: BodyModel) -> FloatArray:
     """
     if "colours" in body.surface:
         return np.asarray(body.surface["colours"] / 255, np.float32)
-    plain = [*(value / 255 for value in PLAIN), _PLAIN_GLEAM]
-    return np.tile(np.array(plain, np.float32), (len(body.template), 1))
+    default = [*(value / 255 for value in DEFAULT_COLOUR), _DEFAULT_GLOSS]
+    return np.tile(np.array(default, np.float32), (len(body.template), 1))
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:

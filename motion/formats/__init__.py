@@ -1,4 +1,4 @@
-"""Motion files: the study's own, and whatever a researcher brings."""
+"""Motion files: the study's own format and those of other tools."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.body.archive import added_to_mean_hands
+from motion.body.archive import add_mean_hands
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.errors import InputError, found_at
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import settle_first_frame
 from motion.formats.clip_npz import (
+    has_fingers_relative_to_mean_hands,
     has_provenance,
     read_clip,
-    tells_fingers_from_mean_hands,
     write_clip,
 )
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
@@ -31,7 +31,7 @@ from motion.skeleton import FINGERS, RELAXED_HANDS
 __all__ = ["read_clip", "read_motion", "write_clip"]
 
 _UNMOVED: Final = 1e-6
-"""Radians that fingers turn at most where a file does not tell them."""
+"""Largest angle, in radians, of fingers that a file does not hold."""
 
 
 def read_motion(
@@ -55,7 +55,7 @@ def read_motion(
         For a BVH or joint positions of an unknown skeleton: SMPL-X joint names to the file's.
     mean_hands : ndarray, shape (30, 3), optional
         SMPL-X's own mean hands, as `motion.body.archive.read_mean_hands` gives them, for BEAT2,
-        TalkSHOW and Motion-X, which tell fingers relative to them. Without, relaxed hands take
+        TalkSHOW and Motion-X, whose fingers are relative to them. Without, relaxed hands take
         their place.
     as_recorded : bool
         Whether hands of a BVH or of joint positions stay where they come to lie inside the body,
@@ -83,14 +83,14 @@ def read_motion(
         ) from error
     if holds_joints(path, start):
         clip = read_joints(path, frame_rate=frame_rate, joint_map=joint_map)
-        clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
+        clip, notes = (clip, ()) if as_recorded else clear_of_body(clip)
         told = "rotations were found from joint positions; bones have our body's lengths"
-        return _placed(clip, path, "joint positions", (told, *moved))
+        return _placed(clip, path, "joint positions", (told, *notes))
     if start.startswith(b"PK"):
         clip = read_clip(path, frame_rate=frame_rate)
         if has_provenance(path):
             return clip
-        if not tells_fingers_from_mean_hands(path):
+        if not has_fingers_relative_to_mean_hands(path):
             return _placed(clip, path, "npz")
         clip, note = _with_absolute_fingers(clip, mean_hands)
         return _placed(clip, path, "npz (BEAT2)", (note,))
@@ -118,8 +118,8 @@ def _read_bvh_clip(
         else:
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
         clip = retarget(motion, fitting)
-    clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
-    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
+    clip, notes = (clip, ()) if as_recorded else clear_of_body(clip)
+    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *notes))
 
 
 def _with_absolute_fingers(
@@ -128,24 +128,24 @@ def _with_absolute_fingers(
     """Return a clip whose fingers no longer depend on the mean hands, and a note about them."""
     if mean_hands is not None:
         note = "fingers were relative to SMPL-X's mean hands, which the licensed model gave"
-        return added_to_mean_hands(clip, mean_hands), note
+        return add_mean_hands(clip, mean_hands), note
     note = (
         "fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed "
         "hands took their place (name the model as video.body and import again)"
     )
-    return added_to_mean_hands(clip, RELAXED_HANDS), note
+    return add_mean_hands(clip, RELAXED_HANDS), note
 
 
 def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     """Return a clip whose untold fingers are relaxed, not straight and spread, and a note."""
-    turned = np.abs(clip.poses[:, FINGERS]).max(axis=(0, 2)).reshape(-1, 3).max(axis=1)
-    untold = turned < _UNMOVED
-    if not untold.any():
+    largest_angles = np.abs(clip.poses[:, FINGERS]).max(axis=(0, 2)).reshape(-1, 3).max(axis=1)
+    is_unset = largest_angles < _UNMOVED
+    if not is_unset.any():
         return clip, ()
     poses = clip.poses.copy()
-    joints = np.flatnonzero(np.repeat(untold, 3))
+    joints = np.flatnonzero(np.repeat(is_unset, 3))
     poses[:, FINGERS.start + joints] = RELAXED_HANDS[joints]
-    what = "no finger is" if untold.all() else f"{untold.sum()} of 10 fingers are not"
+    what = "no finger is" if is_unset.all() else f"{is_unset.sum()} of 10 fingers are not"
     return replace(clip, poses=poses), (f"{what} told by the file; relaxed ones are shown",)
 
 
@@ -157,5 +157,5 @@ def _placed(
     notes = (*notes, *fingers)
     clip, turns = place(clip)
     clip = clip.with_provenance(source=path.name, format=format_name)
-    said = "; ".join((*notes, *turns))
-    return clip.with_provenance(notes=said) if said else clip
+    note = "; ".join((*notes, *turns))
+    return clip.with_provenance(notes=note) if note else clip

@@ -1,4 +1,4 @@
-"""What BEAT (Liu et al. 2022) has beside the motion of a body.
+"""BEAT's (Liu et al. 2022) tracks other than body motion.
 
 Facial motion: ARKit blendshape weights as JSON, at 60 fps. Semantic scores of gestures: a
 tab-separated text without a header: name, start, end, duration (seconds), score, keywords.
@@ -75,9 +75,9 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
         )
     times = np.array([frame.time for frame in face.frames])
     if (np.diff(times) <= 0).any():
-        late = int(np.argmax(np.diff(times) <= 0)) + 1
+        index = int(np.argmax(np.diff(times) <= 0)) + 1
         raise InputError(
-            f"the time of frame {late} does not lie after the one before",
+            f"the time of frame {index} does not lie after the one before",
             where=path,
             remedy="Sort the frames by time and remove doubles",
         )
@@ -95,10 +95,10 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
             remedy="Scale the blendshape weights to [0, 1]",
         )
     duration = times[-1] + np.diff(times).mean()
-    wanted = np.arange(max(1, round(duration * frame_rate))) / frame_rate
-    result = np.zeros((len(wanted), ARKIT_COUNT), np.float32)
+    frame_times = np.arange(max(1, round(duration * frame_rate))) / frame_rate
+    result = np.zeros((len(frame_times), ARKIT_COUNT), np.float32)
     for column, values in zip(columns, np.clip(weights, 0, 1).T, strict=True):
-        result[:, column] = np.interp(wanted, times, values)
+        result[:, column] = np.interp(frame_times, times, values)
     return result
 
 
@@ -144,12 +144,14 @@ def _parse(path: Path) -> _FaceFile:
 
 def _columns(names: list[str], path: Path) -> list[int]:
     """Return which column of a clip's weights each name of the file is."""
-    known = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
-    unknown = [name for name in names if name.lower() not in known]
+    index_of_name = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
+    unknown = [name for name in names if name.lower() not in index_of_name]
     if unknown or len({name.lower() for name in names}) != len(names):
-        what = f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
-        raise InputError(what, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
-    return [known[name.lower()] for name in names]
+        problem = (
+            f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
+        )
+        raise InputError(problem, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
+    return [index_of_name[name.lower()] for name in names]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,12 +216,12 @@ def cut_semantic_scores(
     spans: Iterable[SemanticSpan], start: float, end: float
 ) -> tuple[SemanticSpan, ...]:
     """Return what lies between `start` and `end`, in seconds from `start`."""
-    inside = (span for span in spans if span.start < end and span.end > start)
+    overlapping = (span for span in spans if span.start < end and span.end > start)
     return tuple(
         SemanticSpan(
             start=max(span.start, start) - start, end=min(span.end, end) - start, score=span.score
         )
-        for span in inside
+        for span in overlapping
     )
 
 
@@ -253,6 +255,6 @@ def semantic_weights(
     time = np.arange(frames) / frame_rate
     weights = np.zeros(frames)
     for span in spans:
-        inside = (time >= span.start) & (time < span.end)
-        weights[inside] = np.maximum(weights[inside], span.score)
+        in_span = (time >= span.start) & (time < span.end)
+        weights[in_span] = np.maximum(weights[in_span], span.score)
     return weights

@@ -26,12 +26,12 @@ MOST_JOINTS: Final = 2000
 _ROUNDING: Final = 0.015
 """Share by which the rounding of a frame time may change the frame rate."""
 _USUAL_RATES: Final = (24, 25, 30, 48, 50, 60, 90, 100, 120, 144, 200, 240)
-"""What a frame time of few digits is taken to be rounded from."""
+"""Frame rates from which a frame time of few digits was probably rounded."""
 _LOST_ROWS: Final = 2
 """Rows that thinning out a file may lose at its ends."""
 
 _SHORTEST_FRAME, _LONGEST_FRAME = Decimal("1e-6"), Decimal("1e6")
-"""Seconds between which a frame time is a number that somebody may have meant."""
+"""Smallest and largest plausible frame time in seconds."""
 
 
 class BvhFrameCountError(InputError):
@@ -42,7 +42,7 @@ class BvhFrameCountError(InputError):
     rows : int
         Frames that the file has.
     frame_rates : tuple of float
-        Frames per second that may be the true ones: what the header says, and where the rows are
+        Possible true frame rates: the header's, and where the rows are
         as many as every second, third, … of the promised frames, what fits them into its duration.
     """
 
@@ -116,17 +116,17 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
 def _header_value(
     header: list[tuple[int, str]], index: int, pattern: str, form: str, path: Path
 ) -> str:
-    found = re.fullmatch(pattern, header[index][1], re.IGNORECASE) if index < len(header) else None
-    if found is None:
+    match = re.fullmatch(pattern, header[index][1], re.IGNORECASE) if index < len(header) else None
+    if match is None:
         where = f"{path}, line {header[index][0]}" if index < len(header) else path
         raise InputError(
             f"the motion's header lacks {form}", where=where, remedy="Repair or export again"
         )
-    return found[1]
+    return match[1]
 
 
 def _rate_of(frame_time: str, where: str) -> float:
-    """Return the frame rate that a frame time, rounded to its digits, stands for.
+    """Return the frame rate of a frame time that is rounded to its digits.
 
     It is a whole number where the digits tell that number from its neighbours, as 0.033 tells 30
     from 29 and 31, or where it is usual. Else the frame time means what it says: 0.03 is 33.33.
@@ -140,27 +140,27 @@ def _rate_of(frame_time: str, where: str) -> float:
     if not seconds.is_finite() or not _SHORTEST_FRAME <= seconds <= _LONGEST_FRAME:
         raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
     last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
-    whole = max(1, round(1 / seconds))
-    rounded = abs(1 / Decimal(whole) - seconds) <= last_digit
-    close = rounded and abs(whole * seconds - 1) <= _ROUNDING
-    told = whole in _USUAL_RATES or last_digit * whole**2 < 1
-    return float(whole if close and told else 1 / seconds)
+    nearest_rate = max(1, round(1 / seconds))
+    rounded = abs(1 / Decimal(nearest_rate) - seconds) <= last_digit
+    close = rounded and abs(nearest_rate * seconds - 1) <= _ROUNDING
+    is_distinct = nearest_rate in _USUAL_RATES or last_digit * nearest_rate**2 < 1
+    return float(nearest_rate if close and is_distinct else 1 / seconds)
 
 
-def _contradiction(promised: int, rate: float, rows: int) -> str:
+def _contradiction(declared: int, rate: float, rows: int) -> str:
     """Return what header and rows say, and the frame rate if the header's duration is right."""
-    seconds = promised / rate
-    implied = f", which over that time would be {rows / seconds:.4g} per second" if promised else ""
+    seconds = declared / rate
+    implied = f", which over that time would be {rows / seconds:.4g} per second" if declared else ""
     return (
-        f"the header says {promised} frames at {rate:.6g} per second ({seconds:.2f} s), the file "
+        f"the header says {declared} frames at {rate:.6g} per second ({seconds:.2f} s), the file "
         f"has {rows} rows{implied}"
     )
 
 
-def _possible_rates(promised: int, rate: float, rows: int) -> tuple[float, ...]:
-    every = round(promised / rows)
-    thinned = every > 1 and abs(promised / every - rows) <= _LOST_ROWS
-    return (rate, rate / every) if thinned else (rate,)
+def _possible_rates(declared: int, rate: float, rows: int) -> tuple[float, ...]:
+    step = round(declared / rows)
+    thinned = step > 1 and abs(declared / step - rows) <= _LOST_ROWS
+    return (rate, rate / step) if thinned else (rate,)
 
 
 def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:
@@ -217,8 +217,8 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
         where = f"{path}, line {number}"
         words = line.split()
         keyword = words[0].upper()
-        inside = blocks[-1] if blocks else None
-        in_joint = inside is not None and inside != _END_SITE
+        block = blocks[-1] if blocks else None
+        in_joint = block is not None and block != _END_SITE
         fits = announced is None
         if keyword == "{":
             fits = announced is not None
@@ -234,7 +234,7 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
                     remedy="Export the joints of the body alone",
                 )
             announced = len(drafts)
-            parent = -1 if inside is None else inside
+            parent = -1 if block is None else block
             drafts.append(
                 BvhJoint(name=" ".join(words[1:]), parent=parent, offset=(0, 0, 0), channels=())
             )
@@ -244,12 +244,12 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
         elif keyword == "}":
             fits &= bool(blocks)
             blocks = blocks[:-1]
-        elif keyword == "OFFSET" and inside is not None:
+        elif keyword == "OFFSET" and block is not None:
             offset = _offset(words, where)
             if in_joint:
-                drafts[inside] = replace(drafts[inside], offset=offset)
-        elif keyword == "CHANNELS" and inside is not None and in_joint:
-            drafts[inside] = replace(drafts[inside], channels=_channels(words, where))
+                drafts[block] = replace(drafts[block], offset=offset)
+        elif keyword == "CHANNELS" and block is not None and in_joint:
+            drafts[block] = replace(drafts[block], channels=_channels(words, where))
         else:
             fits = False
         if not fits:
@@ -261,8 +261,8 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
     names = [joint.name for joint in drafts]
     twice = sorted({name for name in names if names.count(name) > 1})
     if blocks or announced is not None or not drafts or twice:
-        what = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
-        raise InputError(what, where=path, remedy="Export the file again")
+        problem = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
+        raise InputError(problem, where=path, remedy="Export the file again")
     return tuple(drafts)
 
 

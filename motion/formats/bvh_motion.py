@@ -66,7 +66,7 @@ class BvhMotion:
     frame_rate : float
         Frames per second.
     calibration : ndarray, shape (C,), or None
-        Values of a T-pose that the file held as its first row and that is no part of the motion.
+        Values of a T-pose that was the file's first row and is not part of the motion.
     notes : tuple of str
         What was unusual about the file.
     """
@@ -114,9 +114,11 @@ class BvhMotion:
             if joint.parent < 0:
                 positions[:, index], rotations[:, index] = local, turn
                 continue
-            above = rotations[:, joint.parent]
-            positions[:, index] = positions[:, joint.parent] + np.einsum("tij,tj->ti", above, local)
-            rotations[:, index] = above @ turn
+            parents = rotations[:, joint.parent]
+            positions[:, index] = positions[:, joint.parent] + np.einsum(
+                "tij,tj->ti", parents, local
+            )
+            rotations[:, index] = parents @ turn
         return positions, rotations
 
     def local_rotations(self) -> FloatArray:
@@ -153,10 +155,10 @@ def settle_first_frame(motion: BvhMotion) -> BvhMotion:
 
 
 def _without_calibration(motion: BvhMotion) -> BvhMotion:
-    """Take a first row that stands apart from all others out of the motion."""
+    """Remove a first row that differs from all others."""
     if len(motion.values) < 3 or np.abs(motion.values[0] - motion.values[1]).max() <= _STILL:
         return motion
-    # The first step alone tells nearly always, and a recording has thousands.
+    # The first step alone nearly always decides, and a recording has thousands.
     if _changes(replace(motion, values=motion.values[:2]))[0] < _JUMP:
         return motion
     changes = _changes(motion)
@@ -220,10 +222,10 @@ def write_bvh(path: Path, motion: BvhMotion) -> None:
     _check(path, motion)
     order = list(_depth_first(motion.joints, _root(path, motion.joints)))
     columns = np.concatenate([np.r_[motion.columns(index)] for index in order]).astype(int)
-    lines = ["HIERARCHY", *_written_hierarchy(motion.joints, order[0], 0)]
+    lines = ["HIERARCHY", *_hierarchy_lines(motion.joints, order[0], 0)]
     lines += ["MOTION", f"Frames: {len(motion.values)}"]
     lines.append(f"Frame Time: {1 / motion.frame_rate:.8f}")
-    # Adding zero turns -0 into 0: a column that never changes is always written alike.
+    # Adding zero turns -0 into 0, so that a constant column is always written the same.
     rounded = np.round(motion.values[:, columns], _DECIMALS) + 0.0
     lines += [" ".join(_number(value) for value in row) for row in rounded.tolist()]
     write_text(Path(path), "\n".join(lines) + "\n")
@@ -239,11 +241,11 @@ def _check(path: Path, motion: BvhMotion) -> None:
             where=path,
             remedy="Give one column a channel",
         )
-    bad = ~np.isfinite(motion.values).all(axis=1)
-    if bad.any():
+    has_invalid = ~np.isfinite(motion.values).all(axis=1)
+    if has_invalid.any():
         raise InputError(
             "the motion holds a value that is not finite",
-            where=f"{path}, frame {int(np.argmax(bad))}",
+            where=f"{path}, frame {int(np.argmax(has_invalid))}",
             remedy="Repair or remove the frame",
         )
 
@@ -267,23 +269,23 @@ def _depth_first(joints: Sequence[BvhJoint], index: int) -> Iterator[int]:
         yield from _depth_first(joints, child)
 
 
-def _written_hierarchy(joints: Sequence[BvhJoint], index: int, depth: int) -> Iterator[str]:
+def _hierarchy_lines(joints: Sequence[BvhJoint], index: int, depth: int) -> Iterator[str]:
     """Yield the lines of a joint and all below it."""
-    joint, outside, inside = joints[index], "\t" * depth, "\t" * (depth + 1)
-    yield f"{outside}{'ROOT' if depth == 0 else 'JOINT'} {joint.name}"
-    yield f"{outside}{{"
-    yield f"{inside}OFFSET {_written_offset(joint.offset)}"
-    yield f"{inside}CHANNELS {len(joint.channels)} {' '.join(joint.channels)}".rstrip()
+    joint, outer_indent, inner_indent = joints[index], "\t" * depth, "\t" * (depth + 1)
+    yield f"{outer_indent}{'ROOT' if depth == 0 else 'JOINT'} {joint.name}"
+    yield f"{outer_indent}{{"
+    yield f"{inner_indent}OFFSET {_offset_line(joint.offset)}"
+    yield f"{inner_indent}CHANNELS {len(joint.channels)} {' '.join(joint.channels)}".rstrip()
     children = _children(joints, index)
     for child in children:
-        yield from _written_hierarchy(joints, child, depth + 1)
+        yield from _hierarchy_lines(joints, child, depth + 1)
     if not children:
-        yield from (f"{inside}End Site", f"{inside}{{")
-        yield from (f"{inside}\tOFFSET {_written_offset((0.0, 0.0, 0.0))}", f"{inside}}}")
-    yield f"{outside}}}"
+        yield from (f"{inner_indent}End Site", f"{inner_indent}{{")
+        yield from (f"{inner_indent}\tOFFSET {_offset_line((0.0, 0.0, 0.0))}", f"{inner_indent}}}")
+    yield f"{outer_indent}}}"
 
 
-def _written_offset(offset: tuple[float, float, float]) -> str:
+def _offset_line(offset: tuple[float, float, float]) -> str:
     return " ".join(f"{value + 0.0:.6f}" for value in offset)
 
 

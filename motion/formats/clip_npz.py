@@ -33,7 +33,7 @@ _EXPRESSION_KEYS: Final = ("expressions", "expression")
 _POSE_PARTS: Final = (
     ("root_orient", 1), ("pose_body", 21), ("pose_jaw", 1), ("pose_eye", 2), ("pose_hand", 30),
 )  # fmt: skip
-"""AMASS's names of what poses are made of, in SMPL-X's order, and their joints."""
+"""AMASS's arrays of which poses consist, in SMPL-X's order, and their joint counts."""
 _KNOWN_KEYS: Final = frozenset(
     {
         *("poses", "betas", "arkit", "gender", "provenance"),
@@ -68,7 +68,7 @@ def write_clip(path: Path, clip: MotionClip) -> None:
 
 
 def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
-    """Read a motion clip from an ``.npz`` file, as it stands.
+    """Read a motion clip from an ``.npz`` file, unchanged.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     """
     path = Path(path)
     with found_at(path):
-        arrays = _load(path, only=_KNOWN_KEYS)
+        arrays = _load(path, keys=_KNOWN_KEYS)
         given = arrays.get("poses", np.zeros(0))
         if given.ndim == 2 and given.shape[1] == MOTION_X_WIDTH:
             rate = _frame_rate(arrays) if frame_rate is None else frame_rate
@@ -120,7 +120,7 @@ def read_frame_rate(path: Path) -> float:
     """
     path = Path(path)
     with found_at(path):
-        frame_rate = _frame_rate(_load(path, only=_RATE_KEYS))
+        frame_rate = _frame_rate(_load(path, keys=_RATE_KEYS))
         check_frame_rate(frame_rate)
     return frame_rate
 
@@ -131,17 +131,17 @@ def has_provenance(path: Path) -> bool:
         return "provenance.npy" in archive.namelist()
 
 
-def tells_fingers_from_mean_hands(path: Path) -> bool:
+def has_fingers_relative_to_mean_hands(path: Path) -> bool:
     """Return whether the ``.npz`` file at `path` is BEAT2's or of a model trained on it.
 
     Their finger rotations are zero where the hands are SMPL-X's mean ones (Liu et al. 2024,
     EMAGE: models are created with ``flat_hand_mean=False``); AMASS's where the hands are flat.
     """
-    return str(_load(path, only=("model",)).get("model")) == _BEAT2_MODEL
+    return str(_load(path, keys=("model",)).get("model")) == _BEAT2_MODEL
 
 
-def _load(path: Path, *, only: Collection[str]) -> Arrays:
-    """Return the arrays of the file whose key is in `only`, by key."""
+def _load(path: Path, *, keys: Collection[str]) -> Arrays:
+    """Return the arrays of the file whose key is in `keys`, by key."""
     if not path.is_file():
         raise InputError("there is no such motion file", remedy="Check the path")
     if not zipfile.is_zipfile(path):
@@ -151,9 +151,9 @@ def _load(path: Path, *, only: Collection[str]) -> Arrays:
     arrays: dict[str, NDArray[Any]] = {}
     try:
         with np.load(path, allow_pickle=False) as archive:
-            wanted = [key for key in archive.files if key in only]
-            check_unpacked_size(archive, wanted)
-            for key in wanted:
+            present = [key for key in archive.files if key in keys]
+            check_unpacked_size(archive, present)
+            for key in present:
                 arrays[key] = _array(archive, key)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
@@ -178,28 +178,28 @@ def _poses(arrays: Arrays) -> NDArray[Any]:
     """Return the poses as (T, 55, 3), whichever of the known layouts the file has."""
     if "poses" not in arrays:
         return _poses_of_parts(arrays)
-    given = _numbers(arrays["poses"], "poses")
-    values = given.shape[1] if given.ndim == 2 else 0
-    if given.ndim == 2 and values % 3 == 0:
-        given = given.reshape(len(given), values // 3, 3)
+    poses = _numbers(arrays["poses"], "poses")
+    values = poses.shape[1] if poses.ndim == 2 else 0
+    if poses.ndim == 2 and values % 3 == 0:
+        poses = poses.reshape(len(poses), values // 3, 3)
     layouts = {JOINT_COUNT, _SMPLH_JOINT_COUNT, _SMPL_JOINT_COUNT}
-    if given.ndim != 3 or given.shape[1] not in layouts or given.shape[2] != 3:
+    if poses.ndim != 3 or poses.shape[1] not in layouts or poses.shape[2] != 3:
         raise InputError(
             f"poses has shape {arrays['poses'].shape}",
             remedy="Give (T, 165) or (T, 55, 3) for SMPL-X, (T, 156) or (T, 52, 3) for SMPL+H, "
             "(T, 72) or (T, 24, 3) for SMPL, or (T, 322) for Motion-X",
         )
-    if given.shape[1] == JOINT_COUNT:
-        return given
+    if poses.shape[1] == JOINT_COUNT:
+        return poses
     face, fingers = len(FACE_JOINTS), JOINT_COUNT - len(BODY_JOINTS) - len(FACE_JOINTS)
-    body, hands = np.split(given, [len(BODY_JOINTS)], axis=1)
-    if given.shape[1] == _SMPL_JOINT_COUNT:
-        hands = np.zeros((len(given), fingers, 3), np.float32)
-    return np.concatenate([body, np.zeros((len(given), face, 3), np.float32), hands], axis=1)
+    body, hands = np.split(poses, [len(BODY_JOINTS)], axis=1)
+    if poses.shape[1] == _SMPL_JOINT_COUNT:
+        hands = np.zeros((len(poses), fingers, 3), np.float32)
+    return np.concatenate([body, np.zeros((len(poses), face, 3), np.float32), hands], axis=1)
 
 
 def _poses_of_parts(arrays: Arrays) -> NDArray[Any]:
-    """Return poses (T, 55, 3) that a file tells part by part; a part left out is at rest."""
+    """Return poses (T, 55, 3) that a file holds in parts; a missing part is at rest."""
     if "root_orient" not in arrays or "pose_body" not in arrays:
         raise InputError(
             f"the file has no 'poses' but {', '.join(sorted(arrays)) or 'nothing known'}",
@@ -250,22 +250,22 @@ def _betas(arrays: Arrays) -> NDArray[Any]:
 
 def _expressions(arrays: Arrays) -> NDArray[Any] | None:
     """Return the expressions with the coefficients that the file leaves out set to zero."""
-    given = _first(arrays, _EXPRESSION_KEYS, np.zeros(0, np.float32))
-    if not given.size:
+    expressions = _first(arrays, _EXPRESSION_KEYS, np.zeros(0, np.float32))
+    if not expressions.size:
         return None
-    given = _numbers(given, "expressions")
-    if given.ndim == 2 and given.shape[1] < EXPRESSION_COUNT:
-        return np.pad(given, ((0, 0), (0, EXPRESSION_COUNT - given.shape[1])))
-    return given
+    expressions = _numbers(expressions, "expressions")
+    if expressions.ndim == 2 and expressions.shape[1] < EXPRESSION_COUNT:
+        return np.pad(expressions, ((0, 0), (0, EXPRESSION_COUNT - expressions.shape[1])))
+    return expressions
 
 
 def _gender(arrays: Arrays) -> str:
-    given = arrays.get("gender", np.array("neutral")).reshape(-1)
-    if given.size != 1:
+    gender = arrays.get("gender", np.array("neutral")).reshape(-1)
+    if gender.size != 1:
         raise InputError(
-            f"gender holds {given.size} values", remedy="Give one of neutral, female, male"
+            f"gender holds {gender.size} values", remedy="Give one of neutral, female, male"
         )
-    value = given[0]
+    value = gender[0]
     return value.decode("ascii", "replace") if isinstance(value, bytes) else str(value)
 
 

@@ -35,7 +35,7 @@ _GAMMA: Final = 2.2
 def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = "") -> None:
     """Write `clip` on `body` to `path`, in one step.
 
-    What the pose of a licensed body adds to its shape is left out: glTF cannot tell it.
+    A licensed body's pose correctives are left out: glTF cannot express them.
 
     Parameters
     ----------
@@ -46,16 +46,16 @@ def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = ""
     body : BodyModel
         What it moves. Each vertex follows the four joints that it follows most.
     speech : str
-        Name of the sound that lies beside the file; empty for none.
+        Name of the audio file in the same folder; empty for none.
     """
     binary = _Binary()
-    turns = _turns(clip, body)
+    turns = _joint_quaternions(clip, body)
     joints = _joint_nodes(clip, body, turns[0])
     weights = body.expression_weights(clip)
     if weights is None:
         weights = np.zeros((len(clip), 0), np.float32)
-    used = np.flatnonzero(np.any(weights, axis=0))
-    mesh = _mesh(binary, clip, body, used)
+    slots = np.flatnonzero(np.any(weights, axis=0))
+    mesh = _mesh(binary, clip, body, slots)
     document = {
         "asset": {
             "version": "2.0",
@@ -74,14 +74,14 @@ def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = ""
             }
         ],
         "skins": [_skin(binary, clip, body)],
-        "animations": [_animation(binary, clip, body, turns, weights[:, used])],
+        "animations": [_animation(binary, clip, body, turns, weights[:, slots])],
         "accessors": binary.accessors,
         "bufferViews": binary.views,
         "buffers": [{"byteLength": len(binary.content)}],
     }
-    written = json.dumps(document, separators=(",", ":")).encode()
-    written += b" " * (-len(written) % 4)
-    parts = ((b"JSON", written), (b"BIN\0", bytes(binary.content)))
+    json_chunk = json.dumps(document, separators=(",", ":")).encode()
+    json_chunk += b" " * (-len(json_chunk) % 4)
+    parts = ((b"JSON", json_chunk), (b"BIN\0", bytes(binary.content)))
     chunks = b"".join(len(part).to_bytes(4, "little") + kind + part for kind, part in parts)
     with replacing(path) as draft:
         draft.write_bytes(
@@ -90,7 +90,7 @@ def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = ""
 
 
 class _Binary:
-    """The numbers of the file, and what the document says of where they are."""
+    """The file's binary data, and the document's description of it."""
 
     def __init__(self) -> None:
         self.content = bytearray()
@@ -98,17 +98,20 @@ class _Binary:
         self.accessors: list[Node] = []
 
     def add(self, values: NDArray[Any], *, bounds: bool = False) -> int:
-        """Add one element a row and return its accessor; some must tell their `bounds`."""
+        """Add one element per row and return its accessor; some need their `bounds`."""
         accessor = {"bufferView": self._view(values), **self._described(values)}
         return self._accessor(accessor, values if bounds else None)
 
     def add_sparse(self, values: FloatArray) -> int:
         """Add vectors, shape (n, 3), most of which are zero."""
-        moved = np.flatnonzero(np.abs(values).max(axis=1) > _STILL)
-        parts = {"indices": moved.astype("<u4"), "values": values[moved].astype("<f4")}
-        stored = {name: {"bufferView": self._view(part)} for name, part in parts.items()}
+        rows = np.flatnonzero(np.abs(values).max(axis=1) > _STILL)
+        arrays = {
+            "indices": rows.astype("<u4"),
+            "values": values[rows].astype("<f4"),
+        }
+        stored = {name: {"bufferView": self._view(part)} for name, part in arrays.items()}
         stored["indices"]["componentType"] = _COMPONENTS["<u4"]
-        accessor = self._described(values) | {"sparse": {"count": len(moved), **stored}}
+        accessor = self._described(values) | {"sparse": {"count": len(rows), **stored}}
         return self._accessor(accessor, values)
 
     def _view(self, values: NDArray[Any]) -> int:
@@ -134,7 +137,7 @@ class _Binary:
         return len(self.accessors) - 1
 
 
-def _turns(clip: MotionClip, body: BodyModel) -> FloatArray:
+def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
     """Return how each joint turns, the body's twist joints last, shape (T, 55 + K, 4).
 
     Of its two signs, each quaternion has the one that is nearer to the quaternion before it.
@@ -146,8 +149,8 @@ def _turns(clip: MotionClip, body: BodyModel) -> FloatArray:
         about = turns_about_bones(turns, body.joints(clip.betas), body.twist_joints)
         twists = Rotation.from_rotvec(about.reshape(-1, 3)).as_quat()
         turns = np.concatenate([turns, twists.reshape(count, -1, 4)], axis=1)
-    along = np.einsum("tja,tja->tj", turns[1:], turns[:-1])
-    signs = np.cumprod(np.where(along < 0, -1.0, 1.0), axis=0)
+    cosines = np.einsum("tja,tja->tj", turns[1:], turns[:-1])
+    signs = np.cumprod(np.where(cosines < 0, -1.0, 1.0), axis=0)
     turns[1:] *= signs[..., None]
     return turns.astype("<f4")
 
@@ -155,10 +158,10 @@ def _turns(clip: MotionClip, body: BodyModel) -> FloatArray:
 def _joint_nodes(clip: MotionClip, body: BodyModel, turns: FloatArray) -> list[Node]:
     """Return a node for each joint, turned by one row of `turns`, the twist joints last."""
     rest = body.joints(clip.betas)
-    parents = _carriers(body)
+    parents = _twist_carriers(body)
     parents[: len(PARENTS)] = PARENTS
     nodes: list[Node] = []
-    for index, (carrier, parent) in enumerate(zip(_carriers(body), parents, strict=True)):
+    for index, (carrier, parent) in enumerate(zip(_twist_carriers(body), parents, strict=True)):
         offset = rest[carrier] - rest[parent] if parent >= 0 else rest[0] + clip.trans[0]
         is_twist = index >= len(JOINT_NAMES)
         nodes.append(
@@ -173,8 +176,8 @@ def _joint_nodes(clip: MotionClip, body: BodyModel, turns: FloatArray) -> list[N
     return nodes
 
 
-def _mesh(binary: _Binary, clip: MotionClip, body: BodyModel, used: NDArray[np.int_]) -> Node:
-    """Return the mesh with a morph target for each of the `used` expression directions."""
+def _mesh(binary: _Binary, clip: MotionClip, body: BodyModel, slots: NDArray[np.int_]) -> Node:
+    """Return the mesh with a morph target for each of the `slots` expression directions."""
     vertices = body.shaped(clip.betas)
     joints, weights = four_strongest(body.weights)
     colours = surface_colours(body)[:, :3] ** _GAMMA
@@ -190,29 +193,29 @@ def _mesh(binary: _Binary, clip: MotionClip, body: BodyModel, used: NDArray[np.i
         "indices": binary.add(body.faces.astype("<u4").reshape(-1)),
         "material": 0,
     }
-    if not len(used):
+    if not len(slots):
         return {"name": "body", "primitives": [primitive]}
     primitive["targets"] = [
         {"POSITION": binary.add_sparse(body.expression_directions[:, :, slot].astype("<f4"))}
-        for slot in used
+        for slot in slots
     ]
-    names = [ARKIT_NAMES[slot] if body.has_arkit_slots else f"expression{slot}" for slot in used]
+    names = [ARKIT_NAMES[slot] if body.has_arkit_slots else f"expression{slot}" for slot in slots]
     return {
         "name": "body",
         "primitives": [primitive],
-        "weights": [0.0] * len(used),
+        "weights": [0.0] * len(slots),
         "extras": {"targetNames": names},
     }
 
 
 def _skin(binary: _Binary, clip: MotionClip, body: BodyModel) -> Node:
-    places = body.joints(clip.betas)[_carriers(body)]
+    places = body.joints(clip.betas)[_twist_carriers(body)]
     inverses = np.tile(np.eye(4, dtype="<f4"), (len(places), 1, 1))
     inverses[:, 3, :3] = -places  # column after column, so that the last row is the shift
     return {"inverseBindMatrices": binary.add(inverses), "joints": list(range(len(places)))}
 
 
-def _carriers(body: BodyModel) -> list[int]:
+def _twist_carriers(body: BodyModel) -> list[int]:
     """Return, for each joint of the skin, the one of the 55 in whose place it is."""
     twists = [] if body.twist_joints is None else body.twist_joints.bones[:, 0].tolist()
     return [*range(len(JOINT_NAMES)), *twists]

@@ -29,7 +29,7 @@ REQUIRED_JOINTS: Final = (
     "head",
     *(f"{side}_{part}" for side, *_ in _SIDES for part in ("shoulder", "elbow", "wrist")),
 )
-"""SMPL-X joints without which there is no gesture to speak of."""
+"""SMPL-X joints that a skeleton needs for gestures."""
 
 _LEG_JOINTS: Final = tuple(
     f"{side}_{part}" for side, *_ in _SIDES for part in ("hip", "knee", "ankle")
@@ -124,26 +124,26 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
     name : str
         Key of `JOINT_MAPS`.
     joint_map : mapping
-        From SMPL-X joints to the names as they are in `joint_names`.
+        From SMPL-X joints to names in `joint_names`.
 
     Raises
     ------
     InputError
         If no known map covers the skeleton.
     """
-    bare = {_without_namespace(name): name for name in joint_names}
-    found = {
-        key: {joint: bare[source] for joint, source in joint_map.items() if source in bare}
+    named = {_without_namespace(name): name for name in joint_names}
+    candidates = {
+        key: {joint: named[source] for joint, source in joint_map.items() if source in named}
         for key, joint_map in JOINT_MAPS.items()
     }
-    best = max(found, key=lambda key: (not _missing(found[key]), len(found[key])))
-    if not _missing(found[best]):
-        return best, MappingProxyType(found[best])
-    unmapped = sorted(set(joint_names) - set(found[best].values()))
+    best = max(candidates, key=lambda key: (not _missing(candidates[key]), len(candidates[key])))
+    if not _missing(candidates[best]):
+        return best, MappingProxyType(candidates[best])
+    unmapped = sorted(set(joint_names) - set(candidates[best].values()))
     raise InputError(
         f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
         f"{', '.join(unmapped)} unmapped and finds nothing for "
-        f"{', '.join(_missing(found[best]))}",
+        f"{', '.join(_missing(candidates[best]))}",
         remedy="Import it on the command line with --joints FILE, which has a line such as "
         """pelvis = "Hips" for each joint: SMPL-X's name, then the one in the motion file""",
     )

@@ -1,4 +1,4 @@
-"""Files that tell where joints are: arrays with names, or in the order of a known skeleton."""
+"""Files of joint positions: arrays with names, or in the order of a known skeleton."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ _TIMES: Final = ("time", "t", "timestamp", "seconds")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Recording:
-    """Points (T, J, 3), the names of J, and how many frames a second; None where it is not said."""
+    """Points (T, J, 3), the joints' names, and frames per second, or None if unknown."""
 
     points: FloatArray
     names: tuple[str, ...]
@@ -71,7 +71,7 @@ class _Recording:
 
 
 def holds_joints(path: Path, start: bytes) -> bool:
-    """Tell whether a file that begins with `start` tells joint positions."""
+    """Return whether a file that begins with `start` holds joint positions."""
     if start.startswith(b"PK"):
         try:
             with zipfile.ZipFile(path) as archive:
@@ -86,7 +86,7 @@ def holds_joints(path: Path, start: bytes) -> bool:
 
 
 def is_joint_table(path: Path) -> bool:
-    """Tell whether a CSV file tells joint positions, and is not another table."""
+    """Return whether a CSV file holds joint positions."""
     with path.open("rb") as file:
         return holds_joints(path, file.read(512))
 
@@ -110,7 +110,7 @@ def read_joints(
     Raises
     ------
     InputError
-        If the file cannot be read, does not tell the trunk, or says no frame rate.
+        If the file cannot be read, or lacks the trunk or a frame rate.
     """
     with found_at(path):
         recording = _read(path)
@@ -118,14 +118,14 @@ def read_joints(
         if rate is None:
             raise InputError("the file says no frame rate", remedy="State the frame rate (--fps)")
         check_frame_rate(rate)
-        given = body_joints(_named(recording, joint_map), rate)
-        poses, trans = rotations_from_joints(given, REST_JOINTS, rate)
+        joints = body_joints(_named_points(recording, joint_map), rate)
+        poses, trans = rotations_from_joints(joints, REST_JOINTS, rate)
         return MotionClip(
             poses=poses.astype(np.float32), trans=trans.astype(np.float32), frame_rate=rate
         )
 
 
-def _named(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
+def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
     """Return where each joint is, by SMPL-X name where it has one."""
     finite = np.isfinite(recording.points).all(axis=2)
     if not finite.all():
@@ -141,17 +141,17 @@ def _named(recording: _Recording, joint_map: JointMap | None) -> dict[str, Float
                 f"the file has no joint {unknown[0]!r}; it has {', '.join(recording.names)}",
                 remedy="Correct the joint map",
             )
-        places = {ours: recording.names.index(name) for ours, name in joint_map.items()}
+        places = {own_name: recording.names.index(name) for own_name, name in joint_map.items()}
     else:
-        places = {_usual(name): place for place, name in enumerate(recording.names)}
+        places = {_normalised_name(name): place for place, name in enumerate(recording.names)}
     return {name: recording.points[:, place] for name, place in places.items()}
 
 
-def _usual(name: str) -> str:
+def _normalised_name(name: str) -> str:
     """Return a joint's name as SMPL-X writes it: LeftElbow and "left elbow" are left_elbow."""
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())
-    plain = re.sub(r"[\s.:-]+", "_", apart).lower()
-    return _OTHER_NAMES.get(plain, plain)
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())
+    normalised = re.sub(r"[\s.:-]+", "_", words).lower()
+    return _OTHER_NAMES.get(normalised, normalised)
 
 
 def _read(path: Path) -> _Recording:
@@ -220,13 +220,13 @@ def _points(joints: NDArray[Any], count: int) -> FloatArray:
 
 def _joints_of(columns: list[str]) -> dict[str, list[int]]:
     """Return the columns of x, y and z of each joint that has all three."""
-    found: dict[str, list[int]] = {}
+    axes_of_joint: dict[str, list[int]] = {}
     for place, column in enumerate(columns):
         match = _COLUMN.fullmatch(column.strip().strip('"'))
         if match:
-            axes = found.setdefault(match["joint"], [-1, -1, -1])
+            axes = axes_of_joint.setdefault(match["joint"], [-1, -1, -1])
             axes["xyz".index(match["axis"].lower())] = place
-    return {joint: axes for joint, axes in found.items() if min(axes) >= 0}
+    return {joint: axes for joint, axes in axes_of_joint.items() if min(axes) >= 0}
 
 
 def _read_table(path: Path) -> _Recording:

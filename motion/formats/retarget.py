@@ -1,4 +1,4 @@
-"""Moving the SMPL-X body as another skeleton moves, whatever rest pose that one has.
+"""Retargeting the motion of another skeleton, with any rest pose, to the SMPL-X body.
 
 Each SMPL-X joint turns in the world as the source joint it follows, corrected by one constant
 turn that accounts for the difference of the two rest poses. Spine chains of any length merge
@@ -25,7 +25,7 @@ from motion.formats.joint_maps import JointMap
 from motion.skeleton import FINGER_NAMES, JOINT_NAMES, PARENTS, REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
-Places = Mapping[str, FloatArray]
+JointPositions = Mapping[str, FloatArray]
 
 _SIDES: Final = ("left", "right")
 _LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
@@ -34,7 +34,7 @@ _LEVEL: Final = 30.0
 """Degrees by which arms and trunk of a T-pose may be off."""
 
 _UPRIGHT: Final = 60.0
-"""Degrees between trunk and legs of a rest pose up to which the figure stands."""
+"""Largest angle between trunk and legs of a standing rest pose, in degrees."""
 
 _BUILD: Final = 15.0
 """Degrees by which a figure's trunk may be off the axes because of how its skeleton is built."""
@@ -64,7 +64,7 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
 
 
 def retarget_piece(
-    motion: BvhMotion, joint_map: JointMap, before: ForearmTwists | None
+    motion: BvhMotion, joint_map: JointMap, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
     """Return a piece of a motion as `retarget` does, and what the next piece goes on from.
 
@@ -74,7 +74,7 @@ def retarget_piece(
     ----------
     motion, joint_map
         See `retarget`.
-    before : ForearmTwists or None
+    previous : ForearmTwists or None
         What came of the piece before; None for the first.
     """
     names = motion.joint_names
@@ -88,14 +88,14 @@ def retarget_piece(
     local = np.empty_like(world)
     for index, (joint, parent) in enumerate(zip(JOINT_NAMES, PARENTS, strict=True)):
         if joint in joint_map:
-            followed = rotations[:, names.index(joint_map[joint])]
-            world[:, index] = followed @ corrections[joint].as_matrix()
+            source_rotations = rotations[:, names.index(joint_map[joint])]
+            world[:, index] = source_rotations @ corrections[joint].as_matrix()
         else:
             world[:, index] = world[:, parent]
-        above = world[:, parent] if parent >= 0 else np.eye(3)[None]
-        local[:, index] = np.swapaxes(above, 1, 2) @ world[:, index]
+        parent_rotation = world[:, parent] if parent >= 0 else np.eye(3)[None]
+        local[:, index] = np.swapaxes(parent_rotation, 1, 2) @ world[:, index]
     shares = any(joint != name for joint, name in joint_map.items())
-    twists = share_forearm_twist(local, before) if shares else NO_TWISTS
+    twists = share_forearm_twist(local, previous) if shares else NO_TWISTS
     poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
     scale = _limb_length(target) / _limb_length(source)
     clip = MotionClip(
@@ -106,7 +106,7 @@ def retarget_piece(
     return clip, twists
 
 
-def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
+def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[str, Rotation]:
     """Return the turn that takes each SMPL-X joint's rest pose to the source's.
 
     Parameters
@@ -121,7 +121,7 @@ def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
         Limbs: further, by the smallest turn along the chain, so that the bones have the
         source's directions. Hands: so that the palms face alike, where fingers tell.
     """
-    figure = _figure_turn(source, target)
+    figure = _figure_rotation(source, target)
     corrections = dict.fromkeys(source, figure)
     for side in _SIDES:
         for limb in _LIMBS:
@@ -130,7 +130,7 @@ def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
             if limb[-1] == "wrist":
                 corrections[chain[-1]] = before
         wrist = f"{side}_wrist"
-        hand = _hand_turn(side, source, target) or corrections[wrist]
+        hand = _hand_rotation(side, source, target) or corrections[wrist]
         corrections[wrist] = hand
         for finger in FINGER_NAMES:
             chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
@@ -151,18 +151,18 @@ def _trunk_corrections(
     if motion.calibration is None:
         return {}
     pose = replace(motion, values=motion.calibration[None])
-    positions, turned = (values[0] for values in pose.forward_kinematics())
+    positions, rotations = (values[0] for values in pose.forward_kinematics())
     index = {joint: motion.joint_names.index(name) for joint, name in joint_map.items()}
     figure = corrections["pelvis"]
     up, left = figure.apply([0.0, 1.0, 0.0]), figure.apply([1.0, 0.0, 0.0])
-    pelvis = Rotation.from_matrix(turned[index["pelvis"]])
+    pelvis = Rotation.from_matrix(rotations[index["pelvis"]])
     heading = Rotation.from_rotvec(up * twist_angles(pelvis.as_quat(), up))
     for side, sign in zip(_SIDES, (1, -1), strict=True):
         arm = positions[index[f"{side}_wrist"]] - positions[index[f"{side}_shoulder"]]
         if arm @ heading.apply(left) * sign < np.cos(np.radians(_LEVEL)) * np.linalg.norm(arm):
             return {}
     straight = {
-        joint: Rotation.from_matrix(turned[index[joint]]).inv() * heading
+        joint: Rotation.from_matrix(rotations[index[joint]]).inv() * heading
         for joint in _TRUNK
         if joint in index
     }
@@ -174,30 +174,30 @@ def _trunk_corrections(
 def _follow(
     chain: list[str],
     turn: Rotation,
-    source: Places,
-    target: Places,
+    source: JointPositions,
+    target: JointPositions,
     corrections: dict[str, Rotation],
 ) -> Rotation:
     """Set the corrections along a chain of bones, each from the one before; return the last."""
     mapped = [joint for joint in chain if joint in source]
     for joint, child in pairwise(mapped):
-        wanted = source[child] - source[joint]
-        present = turn.apply(target[child] - target[joint])
-        if np.linalg.norm(wanted) > 0:
-            turn = _smallest_turn(present, wanted) * turn
+        target_direction = source[child] - source[joint]
+        current_direction = turn.apply(target[child] - target[joint])
+        if np.linalg.norm(target_direction) > 0:
+            turn = _smallest_rotation(current_direction, target_direction) * turn
         corrections[joint] = turn
     return turn
 
 
-def _smallest_turn(present: FloatArray, wanted: FloatArray) -> Rotation:
+def _smallest_rotation(current: FloatArray, target: FloatArray) -> Rotation:
     """Return the smallest turn that takes one direction to the other."""
-    axis = np.cross(present, wanted)
+    axis = np.cross(current, target)
     sine = np.linalg.norm(axis)
-    angle = np.arctan2(sine, present @ wanted)
+    angle = np.arctan2(sine, current @ target)
     return Rotation.from_rotvec(axis / sine * angle if sine > 0 else np.zeros(3))
 
 
-def _figure_turn(source: Places, target: Places) -> Rotation:
+def _figure_rotation(source: JointPositions, target: JointPositions) -> Rotation:
     """Return the turn of the whole figure between the rest poses.
 
     A figure whose axes nearly are the world's is taken to be so exactly: how far a skeleton's
@@ -221,7 +221,7 @@ def _figure_turn(source: Places, target: Places) -> Rotation:
     return turn
 
 
-def _axes(places: Places) -> tuple[FloatArray, FloatArray]:
+def _axes(places: JointPositions) -> tuple[FloatArray, FloatArray]:
     """Return the directions up the trunk and to the figure's left."""
     up = places["head"] - places["pelvis"]
     left = places["left_shoulder"] - places["right_shoulder"]
@@ -233,7 +233,7 @@ def _axes(places: Places) -> tuple[FloatArray, FloatArray]:
     return up, left
 
 
-def _hand_turn(side: str, source: Places, target: Places) -> Rotation | None:
+def _hand_rotation(side: str, source: JointPositions, target: JointPositions) -> Rotation | None:
     """Return the turn of a hand, from where middle finger and palm point; None without them."""
     wrist, middle, index, ring = (
         f"{side}_{part}" for part in ("wrist", "middle1", "index1", "ring1")
@@ -250,15 +250,15 @@ def _hand_turn(side: str, source: Places, target: Places) -> Rotation | None:
 
 
 def _align(
-    wanted: tuple[FloatArray, FloatArray], present: tuple[FloatArray, FloatArray]
+    target: tuple[FloatArray, FloatArray], current: tuple[FloatArray, FloatArray]
 ) -> Rotation:
-    """Return the turn that takes the first direction exactly and the second as near as it can."""
-    turn, _ = Rotation.align_vectors(np.stack(wanted), np.stack(present), weights=[np.inf, 1])
+    """Return the rotation that aligns one direction exactly and another as closely as possible."""
+    turn, _ = Rotation.align_vectors(np.stack(target), np.stack(current), weights=[np.inf, 1])
     return turn
 
 
-def _limb_length(places: Places) -> float:
-    """Return the length of the left leg, or of the left arm where there is no leg."""
+def _limb_length(places: JointPositions) -> float:
+    """Return the length of the left leg, or of the left arm if there is no leg."""
     limb = _LIMBS[1] if "left_ankle" in places else _LIMBS[0]
     joints = np.stack([places[f"left_{part}"] for part in limb])
     length = float(np.linalg.norm(np.diff(joints, axis=0), axis=1).sum())

@@ -42,7 +42,7 @@ _PARTS: Final = (
 MOTION_X_WIDTH: Final = 322
 
 ARRAYS: Final = ("body_pose_axis",)
-"""What tells SHOW's ``.npz`` from others."""
+"""Arrays that only SHOW's ``.npz`` has."""
 
 
 def read_show_npz(path: Path) -> MotionClip:
@@ -58,7 +58,7 @@ def read_show_npz(path: Path) -> MotionClip:
     Raises
     ------
     InputError
-        If an array is missing or of another size: hands that SHOW tells by 12 principal components
+        If an array is missing or of another size: hands that SHOW gives by 12 principal components
         must be given as 45 angles. Pickled content is never loaded.
     """
     with found_at(path):
@@ -74,21 +74,21 @@ def read_show_npz(path: Path) -> MotionClip:
             ) from error
 
 
-def _part(given: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
-    if given is None or given.dtype.kind not in "fiu" or not given.size:
-        what = "there is no array" if given is None else "there are no numbers in the array"
-        raise InputError(f"{what} {name!r}", remedy="Save all of SHOW's arrays")
-    rows = given.reshape(len(given), -1)
+def _part(array: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
+    if array is None or array.dtype.kind not in "fiu" or not array.size:
+        problem = "there is no array" if array is None else "there are no numbers in the array"
+        raise InputError(f"{problem} {name!r}", remedy="Save all of SHOW's arrays")
+    rows = array.reshape(len(array), -1)
     if rows.shape[1] != width:
         hands = "; expand the principal components of hands" if "hand" in name else ""
         raise InputError(
-            f"{name!r} has shape {given.shape}", remedy=f"Give (frames, {width}){hands}"
+            f"{name!r} has shape {array.shape}", remedy=f"Give (frames, {width}){hands}"
         )
     return rows
 
 
 def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
-    """Read TalkSHOW's or Motion-X's rows, as they stand; fingers are relative to the mean hands.
+    """Read TalkSHOW's or Motion-X's rows unchanged; fingers are relative to the mean hands.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     Returns
     -------
     MotionClip
-        Its provenance says which of the two it is (``format``).
+        Its provenance names the format (``format``).
 
     Raises
     ------
@@ -150,7 +150,7 @@ def motion_x_clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:
 
 
 def _clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:
-    """Return TalkSHOW's rows, shape (T, 265), as a clip; they tell no translation and no betas."""
+    """Return TalkSHOW's rows, shape (T, 265), as a clip; they hold no translation and no betas."""
     parts = (rows[:, part] for part in (_PELVIS, _BODY, _JAW_AND_EYES, _HANDS))
     return MotionClip(
         poses=np.concatenate(list(parts), axis=1).reshape(len(rows), JOINT_COUNT, 3),

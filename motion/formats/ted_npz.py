@@ -39,7 +39,7 @@ JOINT_NAMES: Final = (
     "right_elbow",
     "right_wrist",
 )
-"""The ten joints by our body's names; the jaw stands for the nose."""
+"""The ten joints by our body's names; the jaw represents the nose."""
 
 BONES: Final = ((0, 1), (1, 2), (2, 3), (1, 4), (4, 5), (5, 6), (1, 7), (7, 8), (8, 9))
 """Parent and child: spine to neck, nose, top of the head; then shoulder, elbow and wrist of the
@@ -103,8 +103,8 @@ def _read(path: Path) -> TedMotion:
     frame_rate = float(arrays["frame_rate"]) if "frame_rate" in arrays else FRAME_RATE
     check_frame_rate(frame_rate)
     if "directions" in arrays:
-        given = _numbers(arrays["directions"], (9, 3))
-        lengths = np.linalg.norm(given, axis=2, keepdims=True)
+        directions = _numbers(arrays["directions"], (9, 3))
+        lengths = np.linalg.norm(directions, axis=2, keepdims=True)
         if np.abs(lengths - 1).max() > _UNIT:
             raise InputError(
                 f"a direction has length {lengths.flat[np.abs(lengths - 1).argmax()]:.3g}",
@@ -113,8 +113,8 @@ def _read(path: Path) -> TedMotion:
     elif "joints" in arrays:
         joints = _numbers(arrays["joints"], (JOINTS, 3))
         parents, children = np.array(BONES).T
-        given = joints[:, children] - joints[:, parents]
-        lengths = np.linalg.norm(given, axis=2, keepdims=True)
+        directions = joints[:, children] - joints[:, parents]
+        lengths = np.linalg.norm(directions, axis=2, keepdims=True)
         if not lengths.all():
             frame, bone = map(int, np.argwhere(lengths[:, :, 0] == 0)[0])
             raise InputError(
@@ -125,19 +125,19 @@ def _read(path: Path) -> TedMotion:
         raise InputError(
             "the file holds no motion of TED Gesture", remedy=f"Give one of {', '.join(ARRAYS)}"
         )
-    return TedMotion(directions=(given / lengths).astype(np.float32), frame_rate=frame_rate)
+    return TedMotion(directions=(directions / lengths).astype(np.float32), frame_rate=frame_rate)
 
 
-def _numbers(given: NDArray[Any], shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Return `given` as (T, *shape) finite numbers."""
+def _numbers(array: NDArray[Any], shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Return `array` as (T, *shape) finite numbers."""
     width = shape[0] * shape[1]
-    fits = given.ndim in (2, 3) and len(given) and given[0].size == width
-    if not fits or given.dtype.kind not in "fiu":
+    fits = array.ndim in (2, 3) and len(array) and array[0].size == width
+    if not fits or array.dtype.kind not in "fiu":
         raise InputError(
-            f"the array has shape {given.shape} and type {given.dtype}",
+            f"the array has shape {array.shape} and type {array.dtype}",
             remedy=f"Give numbers of shape (frames, {width}) or (frames, {shape[0]}, {shape[1]})",
         )
-    numbers = given.astype(np.float64).reshape(len(given), *shape)
+    numbers = array.astype(np.float64).reshape(len(array), *shape)
     if not np.isfinite(numbers).all():
         raise InputError(
             f"frame {int(np.argwhere(~np.isfinite(numbers))[0, 0])} holds no number",

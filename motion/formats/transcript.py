@@ -1,4 +1,4 @@
-"""What is said, word by word: a TextGrid, a table, or plain text spread over the speech."""
+"""Transcripts with word times: a TextGrid, a table, or plain text spread over the speech."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ TRANSCRIPT_ENDINGS: Final = (".textgrid", ".csv", ".lab")
 """In the order in which they are preferred. Montreal Forced Aligner calls plain text ``.lab``."""
 
 FASTEST: Final = 8.0
-"""Words a second; nobody who is understood speaks faster."""
+"""Words per second of the fastest intelligible speech."""
 
-_FOUND: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
-_ALIKE: Final = 0.5
+_ENDINGS_SEARCHED: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
+_MIN_SHARED_WORDS: Final = 0.5
 """Share of the known words that a transcript of them holds at least."""
 _TABLE: Final = ("word", "start", "end")
 _WORD_TIERS: Final = ("words", "word")
-_BEYOND: Final = 0.5
+_OVERSHOOT: Final = 0.5
 """Seconds that a word may end behind the speech."""
-_QUIET: Final = 0.05
-"""Of the loudest 10 ms: below this nobody speaks."""
+_SPEECH_LOUDNESS: Final = 0.05
+"""Share of the loudest 10 ms's level below which there is no speech."""
 _STEP: Final = 0.01
 _LETTERS: Final = re.compile(r"\w[\w'’-]*")
 
 
 @dataclass(frozen=True)
 class Word:
-    """A word and when it is said, in seconds from the beginning of the speech."""
+    """A word and its time in seconds from the beginning of the speech."""
 
     text: str
     start: float
@@ -46,7 +46,7 @@ class Word:
 
 
 def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
-    """Return what is said in `audio`.
+    """Return the words of `audio`.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
 
 
 def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) -> tuple[Word, ...]:
-    """Return what is said in `audio`, by the transcript `name` in `folder`.
+    """Return the words of `audio` by the transcript `name` in `folder`.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) ->
     name : str
         The file's, without its ending.
     known : str
-        What is said as far as is known, or nothing.
+        The known text, or nothing.
     audio : Audio
         The speech.
 
@@ -92,37 +92,37 @@ def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) ->
     """
     if folder is None:
         return spread_words(known, audio)
-    paths = (folder / f"{name}{ending}" for ending in _FOUND)
+    paths = (folder / f"{name}{ending}" for ending in _ENDINGS_SEARCHED)
     path = next((path for path in paths if path.is_file()), None)
     if path is None:
         raise InputError(
             f"there is no transcript of {name}",
             where=folder,
-            remedy=f"Put {name} with one of {', '.join(_FOUND)} there",
+            remedy=f"Put {name} with one of {', '.join(_ENDINGS_SEARCHED)} there",
         )
-    said = read_transcript(path, audio)
-    wanted, told = set(words_of(known)), {word.text for word in said}
-    if wanted and len(wanted & told) < _ALIKE * len(wanted):
+    words = read_transcript(path, audio)
+    expected, transcribed = set(words_of(known)), {word.text for word in words}
+    if expected and len(expected & transcribed) < _MIN_SHARED_WORDS * len(expected):
         raise InputError(
             f"the transcript is of other words than segment {name} has in its table",
             where=path,
             remedy="Give the transcript of this speech, or correct segments.csv",
         )
-    return said
+    return words
 
 
 def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:
-    """Return words of plain text, spread over where somebody speaks by their numbers of letters.
+    """Return words of plain text, spread over the time of speech by their numbers of letters.
 
     Raises
     ------
     InputError
-        If there are more words than anybody says in that time.
+        If there are more words than can be said in that time.
     """
     texts = words_of(text)
     if not texts:
         return ()
-    spoken = _spoken(audio)
+    spoken = _speech_times(audio)
     ends = np.cumsum([len(word) + 1 for word in texts], dtype=np.float64)
     places = np.concatenate([[0.0], ends / ends[-1]]) * len(spoken)
     times = np.interp(places, np.arange(len(spoken) + 1), np.append(spoken, spoken[-1] + _STEP))
@@ -135,7 +135,7 @@ def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:
 
 
 def words_of(text: str) -> tuple[str, ...]:
-    """Return the words of a text in small letters, without what stands between them."""
+    """Return the words of a text in lower case, without punctuation."""
     return tuple(_LETTERS.findall(text.lower()))
 
 
@@ -181,14 +181,14 @@ def _read_text_grid(path: Path) -> tuple[Word, ...]:
     try:
         grid = textgrid.openTextgrid(str(path), includeEmptyIntervals=False)
         tiers = [tier for tier in grid.tiers if tier.tierType == INTERVAL_TIER]
-        named = [tier for tier in tiers if tier.name.lower() in _WORD_TIERS]
-        entries = (named or tiers)[0].entries
+        word_tiers = [tier for tier in tiers if tier.name.lower() in _WORD_TIERS]
+        entries = (word_tiers or tiers)[0].entries
     except Exception as error:  # praatio raises whatever its parsing runs into
         raise InputError(
             "the file is not a TextGrid with a tier of words",
             remedy="Save it with Praat or an aligner, with intervals in a tier named words",
         ) from error
-    return _words([(one.label, one.start, one.end) for one in entries])
+    return _words([(entry.label, entry.start, entry.end) for entry in entries])
 
 
 def _read_table(text: str, path: Path) -> tuple[Word, ...]:
@@ -197,22 +197,22 @@ def _read_table(text: str, path: Path) -> tuple[Word, ...]:
         raise InputError(
             "the table has no words", remedy=f"Give a header with {', '.join(_TABLE)}; seconds"
         )
-    found = []
+    intervals = []
     for row in rows:
         try:
-            found.append((row["word"] or "", float(row["start"]), float(row["end"])))
+            intervals.append((row["word"] or "", float(row["start"]), float(row["end"])))
         except (TypeError, ValueError) as error:
             raise InputError(
                 "the row tells no time",
                 where=f"{path}, line {rows.line_num}",
                 remedy="Give seconds",
             ) from error
-    return _words(found)
+    return _words(intervals)
 
 
-def _words(found: Sequence[tuple[str, float, float]]) -> tuple[Word, ...]:
+def _words(intervals: Sequence[tuple[str, float, float]]) -> tuple[Word, ...]:
     words = []
-    for label, start, end in found:
+    for label, start, end in intervals:
         if not 0 <= start <= end < math.inf:
             raise InputError(
                 f"the word {label!r} is said from {start:g} to {end:g} s",
@@ -224,21 +224,23 @@ def _words(found: Sequence[tuple[str, float, float]]) -> tuple[Word, ...]:
 
 def _check(words: Sequence[Word], audio: Audio) -> None:
     seconds = audio.duration
-    last = max((word.end for word in words), default=0.0)
-    if last > seconds + _BEYOND or len(words) > max(3.0, FASTEST * seconds):
+    end = max((word.end for word in words), default=0.0)
+    if end > seconds + _OVERSHOOT or len(words) > max(3.0, FASTEST * seconds):
         raise InputError(
-            f"the transcript is of other speech: {len(words)} words until {last:.1f} s, and the "
+            f"the transcript is of other speech: {len(words)} words until {end:.1f} s, and the "
             f"speech lasts {seconds:.1f} s",
             remedy="Give the transcript of this speech, or none",
         )
 
 
-def _spoken(audio: Audio) -> NDArray[np.float64]:
-    """Return the times, one each 10 ms, at which somebody speaks; all where nobody does."""
+def _speech_times(audio: Audio) -> NDArray[np.float64]:
+    """Return the times of speech in steps of 10 ms; all times if there is none."""
     step = max(1, round(_STEP * audio.sample_rate))
-    whole = len(audio.samples) // step * step
-    if not whole:
+    length = len(audio.samples) // step * step
+    if not length:
         return np.zeros(1)
-    loud = np.sqrt(np.mean(audio.samples[:whole].astype(np.float64).reshape(-1, step) ** 2, axis=1))
-    heard = np.flatnonzero(loud > _QUIET * loud.max())
-    return np.asarray((heard if len(heard) else np.arange(len(loud))) * _STEP, np.float64)
+    loud = np.sqrt(
+        np.mean(audio.samples[:length].astype(np.float64).reshape(-1, step) ** 2, axis=1)
+    )
+    steps = np.flatnonzero(loud > _SPEECH_LOUDNESS * loud.max())
+    return np.asarray((steps if len(steps) else np.arange(len(loud))) * _STEP, np.float64)

@@ -1,1 +1,1 @@
-"""Points in space, joints of a body and landmarks of a face, and the motion that they tell."""
+"""Motion from points: joints of a body and landmarks of a face."""

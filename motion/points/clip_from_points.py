@@ -17,27 +17,27 @@ from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.errors import InputError
 from motion.points.joint_rotations import (
-    NEEDED,
+    REQUIRED_JOINTS,
     check_directions,
+    given_bones,
     rotations_from_joints,
-    told_bones,
 )
 from motion.skeleton import JOINT_NAMES, joint_index
 
 FloatArray = NDArray[np.float32]
 
-_FARTHEST: Final = 0.2
+_LARGEST_SHIFT: Final = 0.2
 """Metres beyond which no landmark of a face shifts."""
 
 EXACT: Final = 3e-4
 """Metres of misfit that count as much as a weight of 1, of landmarks without noise: only what no
 landmark shows stays 0."""
 
-_SWEEPS: Final = 200
-_SETTLED: Final = 1e-4
+_MAX_SWEEPS: Final = 200
+_TOLERANCE: Final = 1e-4
 """A sweep that changes no weight by more ends the search."""
 
-_OTHER_SIZE: Final = 2.5
+_MAX_SIZE_RATIO: Final = 2.5
 """How many times longer or shorter than the body's bones those of a person in metres may be."""
 
 
@@ -83,18 +83,18 @@ def facial_actions(shifts: FloatArray, body: BodyModel, *, misfit: float = EXACT
 
 
 def _bounded(
-    effects: NDArray[np.float64], wanted: NDArray[np.float64], misfit: float
+    effects: NDArray[np.float64], targets: NDArray[np.float64], misfit: float
 ) -> NDArray[np.float64]:
-    """Return the weights (K, T) in [0, 1] by which `effects` (P, K) come nearest to `wanted`."""
+    """Return the weights (K, T) in [0, 1] by which `effects` (P, K) come nearest to `targets`."""
     normal = effects.T @ effects + misfit**2 * np.eye(effects.shape[1])
-    aims = effects.T @ wanted.T
-    weights = np.clip(np.linalg.solve(normal, aims), 0, 1)
-    for _ in range(_SWEEPS):
-        before = weights.copy()
+    projections = effects.T @ targets.T
+    weights = np.clip(np.linalg.solve(normal, projections), 0, 1)
+    for _ in range(_MAX_SWEEPS):
+        previous = weights.copy()
         for k, row in enumerate(normal):
-            left = aims[k] - row @ weights
-            weights[k] = np.clip(weights[k] + left / row[k], 0, 1)
-        if np.abs(weights - before).max() < _SETTLED:
+            residual = projections[k] - row @ weights
+            weights[k] = np.clip(weights[k] + residual / row[k], 0, 1)
+        if np.abs(weights - previous).max() < _TOLERANCE:
             break
     return np.asarray(weights)
 
@@ -112,7 +112,7 @@ def _check_shifts(shifts: FloatArray, count: int) -> None:
             remedy="Fill the gap or leave the frame out",
         )
     farthest = float(np.linalg.norm(shifts, axis=2).max(initial=0))
-    if farthest > _FARTHEST:
+    if farthest > _LARGEST_SHIFT:
         raise InputError(
             f"a landmark shifts by {farthest:.3g} m, farther than any face moves",
             remedy="Give metres, as shifts from the neutral face while the head is held still",
@@ -127,7 +127,7 @@ def clip_from_points(
     body: BodyModel,
     landmarks: FloatArray | None = None,
 ) -> MotionClip:
-    """Return the clip in which a body's bones, and its face, are as points tell.
+    """Return the clip that moves a body's bones and face to given points.
 
     Parameters
     ----------
@@ -150,16 +150,16 @@ def clip_from_points(
         If joints are missing, unknown or without number or direction, not in metres, or the
         landmarks are not those of the body.
     """
-    given = _checked(joints, names)
+    points = _checked(joints, names)
     rest = body.joints(np.zeros(0))
-    check_directions(given)
-    _check_size(given, rest)
+    check_directions(points)
+    _check_size(points, rest)
     if landmarks is not None and len(landmarks) != len(joints):
         raise InputError(
             f"there are {len(landmarks)} frames of landmarks and {len(joints)} of joints",
             remedy="Give both for the same frames",
         )
-    poses, trans = rotations_from_joints(given, rest, frame_rate)
+    poses, trans = rotations_from_joints(points, rest, frame_rate)
     return MotionClip(
         poses=poses.astype(np.float32),
         trans=trans.astype(np.float32),
@@ -177,13 +177,13 @@ def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np
         )
     unknown = [name for name in names if name not in JOINT_NAMES]
     if unknown or len(set(names)) < len(names):
-        what = f"unknown joint {unknown[0]!r}" if unknown else "a joint is named twice"
-        raise InputError(what, remedy=f"Use SMPL-X's names: {', '.join(JOINT_NAMES[:22])}, …")
-    missing = [name for name in NEEDED if name not in names]
+        problem = f"unknown joint {unknown[0]!r}" if unknown else "a joint is named twice"
+        raise InputError(problem, remedy=f"Use SMPL-X's names: {', '.join(JOINT_NAMES[:22])}, …")
+    missing = [name for name in REQUIRED_JOINTS if name not in names]
     if missing:
         raise InputError(
             f"the joints lack {', '.join(missing)}",
-            remedy=f"Give at least {', '.join(NEEDED)}",
+            remedy=f"Give at least {', '.join(REQUIRED_JOINTS)}",
         )
     if not np.isfinite(joints).all():
         frame, joint = map(int, np.argwhere(~np.isfinite(joints))[0, :2])
@@ -194,15 +194,15 @@ def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np
     return {name: joints[:, index].astype(np.float64) for index, name in enumerate(names)}
 
 
-def _check_size(given: Mapping[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
+def _check_size(points: Mapping[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
     """Raise where the figure is not as large as a person in metres."""
     ratios = []
-    for start, end in told_bones(given):
-        length = np.median(np.linalg.norm(given[end] - given[start], axis=1))
-        own = np.linalg.norm(rest[joint_index(end)] - rest[joint_index(start)])
-        ratios.append(float(length) / float(own))
+    for start, end in given_bones(points):
+        length = np.median(np.linalg.norm(points[end] - points[start], axis=1))
+        rest_length = np.linalg.norm(rest[joint_index(end)] - rest[joint_index(start)])
+        ratios.append(float(length) / float(rest_length))
     size = float(np.median(ratios))
-    if not 1 / _OTHER_SIZE < size < _OTHER_SIZE:
+    if not 1 / _MAX_SIZE_RATIO < size < _MAX_SIZE_RATIO:
         raise InputError(
             f"the bones are {size:.3g} times as long as the body's",
             remedy="Give metres",

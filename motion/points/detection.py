@@ -22,13 +22,13 @@ from motion.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
-_BRIDGED: Final = 0.25
+_LONGEST_GAP: Final = 0.25
 """Seconds that a person may be lost for; what lies between is filled in straight."""
 
 SHORTEST: Final = 2.0
 """Seconds below which a stretch is too short to learn from."""
 
-_CUT: Final = 1.0
+_CUT_SHIFT: Final = 1.0
 """Widths of a face by which it moves from one frame to the next where the picture was cut."""
 
 _CHEEKS: Final = (234, 454)
@@ -39,13 +39,13 @@ FASTEST: Final = 30.0
 
 _POSE: Final = 33
 _FACE: Final = 478
-_REPEATED: Final = 0.5
-"""Seconds for which a frame stands where the next comes late."""
+_REPETITION_SHARE: Final = 0.5
+"""Seconds for which a frame is repeated if the next comes late."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Detection:
-    """Points of one person in the frames of a video; not a number where nobody was found.
+    """Points of one person in the frames of a video; NaN where no person was found.
 
     Attributes
     ----------
@@ -87,21 +87,21 @@ class Stretch:
     reason: str
 
 
-def stretches(found: Detection) -> tuple[Stretch, ...]:
+def stretches(detection: Detection) -> tuple[Stretch, ...]:
     """Divide a video into stretches of one person in view, and those that are left out.
 
     A person who is lost for a quarter of a second is still there. A cut ends a stretch.
     """
-    body = np.isfinite(found.pose[:, 0, 0])
-    face = np.isfinite(found.face[:, 0, 0])
+    body = np.isfinite(detection.pose[:, 0, 0])
+    face = np.isfinite(detection.face[:, 0, 0])
     reasons = np.select([~body, ~face], ["nobody was found", "no face was found"], "")
-    _bridge(reasons, round(_BRIDGED * found.frame_rate))
+    _bridge(reasons, round(_LONGEST_GAP * detection.frame_rate))
     changes = np.flatnonzero(reasons[1:] != reasons[:-1]) + 1
-    bounds = sorted({0, len(found), *changes.tolist(), *_cuts(found)})
+    bounds = sorted({0, len(detection), *changes.tolist(), *_cuts(detection)})
     divided = [
         Stretch(start=start, end=end, reason=str(reasons[start])) for start, end in pairwise(bounds)
     ]
-    least = SHORTEST * found.frame_rate
+    least = SHORTEST * detection.frame_rate
     return tuple(
         Stretch(start=one.start, end=one.end, reason=f"shorter than {SHORTEST:g} s")
         if not one.reason and one.end - one.start < least
@@ -118,30 +118,30 @@ def _bridge(reasons: NDArray[np.str_], longest: int) -> None:
             reasons[before:after] = ""
 
 
-def _cuts(found: Detection) -> list[int]:
+def _cuts(detection: Detection) -> list[int]:
     """Return the frames in which a face is suddenly elsewhere."""
-    seen = np.flatnonzero(np.isfinite(found.face[:, 0, 0]))
-    if len(seen) < 2:
+    frames_with_face = np.flatnonzero(np.isfinite(detection.face[:, 0, 0]))
+    if len(frames_with_face) < 2:
         return []
-    sides = found.face[seen][:, list(_CHEEKS), :2]
+    sides = detection.face[frames_with_face][:, list(_CHEEKS), :2]
     width = np.linalg.norm(sides[:, 0] - sides[:, 1], axis=1)
-    moved = np.linalg.norm(np.diff(sides.mean(axis=1), axis=0), axis=1)
-    sudden = moved > _CUT * np.maximum(width[1:], width[:-1])
-    return [int(frame) for frame in seen[1:][sudden & (np.diff(seen) == 1)]]
+    shifts = np.linalg.norm(np.diff(sides.mean(axis=1), axis=0), axis=1)
+    sudden = shifts > _CUT_SHIFT * np.maximum(width[1:], width[:-1])
+    return [int(frame) for frame in frames_with_face[1:][sudden & (np.diff(frames_with_face) == 1)]]
 
 
 def _filled(values: FloatArray) -> FloatArray:
     """Return `values`, shape (T, …), with lost frames filled in from those around them."""
     flat = values.reshape(len(values), -1)
-    known = np.isfinite(flat).all(axis=1)
-    if known.all():
+    is_known = np.isfinite(flat).all(axis=1)
+    if is_known.all():
         return values
     frames = np.arange(len(values))
-    columns = [np.interp(frames, frames[known], column[known]) for column in flat.T]
+    columns = [np.interp(frames, frames[is_known], column[is_known]) for column in flat.T]
     return np.stack(columns, axis=1).reshape(values.shape)
 
 
-def detect(video: Path, told: Callable[[int, int], None]) -> Detection:
+def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
     """Return where a person's body and face are in each frame of a video.
 
     Where several people are seen, the detector follows one of them.
@@ -150,7 +150,7 @@ def detect(video: Path, told: Callable[[int, int], None]) -> Detection:
     ----------
     video : Path
         Any file that FFmpeg reads.
-    told : callable
+    on_frame : callable
         Told after each frame how many are done, of how many.
 
     Raises
@@ -160,25 +160,25 @@ def detect(video: Path, told: Callable[[int, int], None]) -> Detection:
     """
     finder = _finder()
     poses: list[NDArray[np.float64]] = []
-    seen: list[NDArray[np.float64]] = []
+    visibilities: list[NDArray[np.float64]] = []
     faces: list[NDArray[np.float64]] = []
     rate = FASTEST
-    lost = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
+    missing = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
     with finder, warnings.catch_warnings():
         # MediaPipe calls what protobuf will drop one day; its version is pinned.
         warnings.filterwarnings("ignore", message="SymbolDatabase.GetPrototype")
         for rate, place, total, picture in _frames(video):
-            pose, visible, face = _looked_at(finder, picture, lost)
-            late = place - len(poses)
-            held = (poses[-1], seen[-1], faces[-1]) if poses else lost
-            for number in range(late):
-                earlier = held if number < _REPEATED * rate else lost
-                for kept, value in zip((poses, seen, faces), earlier, strict=True):
-                    kept.append(value)
+            pose, visible, face = _detect_picture(finder, picture, missing)
+            gap = place - len(poses)
+            latest = (poses[-1], visibilities[-1], faces[-1]) if poses else missing
+            for number in range(gap):
+                earlier = latest if number < _REPETITION_SHARE * rate else missing
+                for results, value in zip((poses, visibilities, faces), earlier, strict=True):
+                    results.append(value)
             poses.append(pose)
-            seen.append(visible)
+            visibilities.append(visible)
             faces.append(face)
-            told(len(poses), max(total, len(poses)))
+            on_frame(len(poses), max(total, len(poses)))
     if not poses:
         raise InputError(
             "the video has no picture", where=video, remedy="Export it again as MP4 (H.264)"
@@ -186,7 +186,7 @@ def detect(video: Path, told: Callable[[int, int], None]) -> Detection:
     return Detection(
         frame_rate=rate,
         pose=np.stack(poses),
-        visibility=np.stack(seen),
+        visibility=np.stack(visibilities),
         face=np.stack(faces),
     )
 
@@ -203,19 +203,19 @@ def _finder() -> Any:
     return Holistic(model_complexity=1, refine_face_landmarks=True)
 
 
-def _looked_at(
-    finder: Any, picture: NDArray[np.uint8], lost: tuple[NDArray[np.float64], ...]
+def _detect_picture(
+    finder: Any, picture: NDArray[np.uint8], missing: tuple[NDArray[np.float64], ...]
 ) -> tuple[NDArray[np.float64], ...]:
     """Return pose, visibility and face of one picture."""
     height, width = picture.shape[:2]
-    found = finder.process(picture)
-    pose, visible, face = lost
-    if found.pose_world_landmarks is not None:
-        marks = found.pose_world_landmarks.landmark
+    result = finder.process(picture)
+    pose, visible, face = missing
+    if result.pose_world_landmarks is not None:
+        marks = result.pose_world_landmarks.landmark
         pose = np.array([(mark.x, mark.y, mark.z) for mark in marks])
         visible = np.array([mark.visibility for mark in marks])
-    if found.face_landmarks is not None:
-        marks = found.face_landmarks.landmark
+    if result.face_landmarks is not None:
+        marks = result.face_landmarks.landmark
         face = np.array([(mark.x * width, mark.y * height, mark.z * width) for mark in marks])
     return pose, visible, face
 
@@ -250,11 +250,11 @@ def _frames_of(
             where=video,
             remedy="Cut it into shorter files",
         )
-    begun, last = None, -1
+    start, last = None, -1
     for frame in container.decode(stream):
         time = float(frame.time or 0)
-        begun = time if begun is None else begun
-        place = round((time - begun) * rate)
+        start = time if start is None else start
+        place = round((time - start) * rate)
         if place > last:
             last = place
             yield rate, place, total, np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)

@@ -1,4 +1,4 @@
-"""A clip of what a detector found in a stretch of video, its face by MediaPipe's mesh."""
+"""A motion clip from the points detected in a stretch of video."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from motion.skeleton import REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
 
-_STEADY: Final = (10, 151, 9, 168, 6, 197, 33, 133, 362, 263, 127, 356, 234, 454)
+_RIGID_LANDMARKS: Final = (10, 151, 9, 168, 6, 197, 33, 133, 362, 263, 127, 356, 234, 454)
 """Points of forehead, bridge of the nose, corners of the eyes and temples: no expression moves
 them much."""
 
@@ -41,10 +41,10 @@ _MOUTH: Final = {"left": 291, "right": 61}
 _FRONT_OF_EYE: Final = 0.012
 """Metres from the middle of an eye to its front."""
 
-_CALM: Final = 25
+_NEUTRAL_PERCENTILE: Final = 25
 """Percent of the frames, those with the mouth most nearly shut, that may show the neutral face."""
 
-_SMOOTHED: Final = 0.03
+_SMOOTHING: Final = 0.03
 """Seconds, a standard deviation, over which a detected face is averaged."""
 
 
@@ -69,19 +69,19 @@ def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDA
         Metres, in the head's frame.
     """
     upright = mesh * [1, -1, -1]
-    steady = list(_STEADY)
-    first = nearest_similarity(upright[:, steady], upright[0, steady]).apply(upright)
+    rigid = list(_RIGID_LANDMARKS)
+    first = nearest_similarity(upright[:, rigid], upright[0, rigid]).apply(upright)
     typical = np.median(first, axis=0)
-    held = nearest_similarity(upright[:, steady], typical[steady]).apply(upright)
-    held = gaussian_filter1d(held, _SMOOTHED * frame_rate, axis=0, mode="nearest")
-    neutral = held[_calm(held)].mean(axis=0)
-    own = np.stack([_eye(neutral, "left"), _eye(neutral, "right"), neutral[_NOSE_TIP],
+    aligned = nearest_similarity(upright[:, rigid], typical[rigid]).apply(upright)
+    aligned = gaussian_filter1d(aligned, _SMOOTHING * frame_rate, axis=0, mode="nearest")
+    neutral = aligned[_neutral_frames(aligned)].mean(axis=0)
+    anchors = np.stack([_eye(neutral, "left"), _eye(neutral, "right"), neutral[_NOSE_TIP],
                     neutral[_MOUTH["left"]], neutral[_MOUTH["right"]]])  # fmt: skip
-    fit = nearest_similarity(own[None], _anchors(body))
+    fit = nearest_similarity(anchors[None], _anchors(body))
     onto = fit.apply(neutral[None])[0]
     landmarks = FaceLandmarks.of(body)
     _, nearest = KDTree(onto[:, :2]).query(landmarks.neutral[:, :2])
-    shifts = fit.scales[0] * fit.turns[0].apply((held - neutral)[:, nearest].reshape(-1, 3))
+    shifts = fit.scales[0] * fit.turns[0].apply((aligned - neutral)[:, nearest].reshape(-1, 3))
     return np.asarray(shifts.reshape(len(mesh), landmarks.count, 3), np.float32)
 
 
@@ -90,15 +90,15 @@ def _eye(face: FloatArray, side: str) -> FloatArray:
     return np.asarray(face[list(_LIDS[side][1])].mean(axis=0))
 
 
-def _calm(held: FloatArray) -> NDArray[np.intp]:
-    """Return the frames of a neutral face: eyes open, and the mouth as nearly shut as it gets."""
-    mouth = np.linalg.norm(held[:, _LIPS[0]] - held[:, _LIPS[1]], axis=1)
-    lids = [np.linalg.norm(held[:, above] - held[:, below], axis=1)
+def _neutral_frames(aligned: FloatArray) -> NDArray[np.intp]:
+    """Return the frames of a neutral face: open eyes and the most closed mouth."""
+    mouth = np.linalg.norm(aligned[:, _LIPS[0]] - aligned[:, _LIPS[1]], axis=1)
+    lids = [np.linalg.norm(aligned[:, above] - aligned[:, below], axis=1)
             for (above, below), _ in _LIDS.values()]  # fmt: skip
     opened = np.min(lids, axis=0)
     awake = np.flatnonzero(opened >= np.median(opened))
-    shut = mouth[awake] <= np.percentile(mouth[awake], _CALM)
-    return np.asarray(awake[shut])
+    is_closed = mouth[awake] <= np.percentile(mouth[awake], _NEUTRAL_PERCENTILE)
+    return np.asarray(awake[is_closed])
 
 
 def _anchors(body: BodyModel) -> FloatArray:
@@ -116,44 +116,46 @@ def _anchors(body: BodyModel) -> FloatArray:
     return np.stack([*eyes, nose, *corners]).astype(float)
 
 
-_ANCHORS: Final = 5.0
+_ANCHOR_WEIGHT: Final = 5.0
 """A second: what is detected is averaged around so many points in time and goes on smoothly between
 them, which takes the jitter out (Bhattacharya et al. 2024, section 4)."""
 
 _MISFIT: Final = 6e-3
 """Metres by which a detected face misses its facial actions, see `facial_actions`."""
 
-_SEEN: Final = 0.5
+_MIN_VISIBILITY: Final = 0.5
 """Visibility that a joint has on average at least to count."""
 
 _FEET: Final = ("heel", "foot_index", "ankle", "knee")
 _HANDS: Final = ("elbow", "wrist", "pinky", "index", "thumb")
 
 
-def clip_of_detection(found: Detection, body: BodyModel) -> MotionClip:
+def clip_from_detection(detection: Detection, body: BodyModel) -> MotionClip:
     """Return the motion of a person in a stretch of video, with the face in facial actions.
 
     Arms or legs that are not in the picture for most of the time are at rest.
 
     Parameters
     ----------
-    found : Detection
+    detection : Detection
         Without gaps.
     body : BodyModel
         The avatar whose facial actions they are.
     """
-    rate = found.frame_rate
-    seen = dict(zip(MEDIAPIPE, found.visibility.mean(axis=0), strict=True))
-    joints = {name: _steadied(found.pose[:, place], rate) for place, name in enumerate(MEDIAPIPE)}
+    rate = detection.frame_rate
+    visibility = dict(zip(MEDIAPIPE, detection.visibility.mean(axis=0), strict=True))
+    joints = {
+        name: _smoothed(detection.pose[:, place], rate) for place, name in enumerate(MEDIAPIPE)
+    }
     joints["left_foot"], joints["right_foot"] = (
         joints["left_foot_index"], joints["right_foot_index"],
     )  # fmt: skip
     notes = []
-    if min(seen[name] for name in LEGS) < _SEEN:
+    if min(visibility[name] for name in LEGS) < _MIN_VISIBILITY:
         joints = {name: at for name, at in joints.items() if not _is_of(name, _FEET)}
         joints = {name: at for name, at in joints.items() if not name.endswith("foot")}
     for side in ("left", "right"):
-        if seen[f"{side}_elbow"] < _SEEN:
+        if visibility[f"{side}_elbow"] < _MIN_VISIBILITY:
             joints = {name: at for name, at in joints.items()
                       if not (name.startswith(side) and _is_of(name, _HANDS))}  # fmt: skip
             notes.append(f"the {side} arm is out of the picture for most of the time: it hangs")
@@ -162,21 +164,21 @@ def clip_of_detection(found: Detection, body: BodyModel) -> MotionClip:
         poses=poses.astype(np.float32),
         trans=trans.astype(np.float32),
         frame_rate=rate,
-        arkit=facial_actions(landmark_shifts(found.face, rate, body), body, misfit=_MISFIT),
+        arkit=facial_actions(landmark_shifts(detection.face, rate, body), body, misfit=_MISFIT),
     )
-    clip, moved = clear_of_body(clip)
+    clip, clearance_notes = clear_of_body(clip)
     clip, _ = place(clip)
-    said = "; ".join((*notes, *moved))
-    return clip.with_provenance(notes=said) if said else clip
+    note = "; ".join((*notes, *clearance_notes))
+    return clip.with_provenance(notes=note) if note else clip
 
 
 def _is_of(name: str, parts: tuple[str, ...]) -> bool:
     return name.partition("_")[2] in parts
 
 
-def _steadied(points: FloatArray, frame_rate: float) -> FloatArray:
+def _smoothed(points: FloatArray, frame_rate: float) -> FloatArray:
     """Return (T, 3) points without jitter."""
-    width = round(frame_rate / _ANCHORS)
+    width = round(frame_rate / _ANCHOR_WEIGHT)
     bounds = np.arange(0, len(points), max(width, 1))
     if width < 2 or len(bounds) < 3:
         return points

@@ -1,4 +1,4 @@
-"""From where the joints of somebody are to how the joints of a body are turned.
+"""Joint rotations of a body from the joint positions of a person.
 
 Every bone that is told points where it was told to, with the body's own length. What positions
 cannot tell is chosen as people are built: upper arms and thighs are twisted so that elbows and
@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from motion.body.skinning import share_forearm_twist, twist_angles
 from motion.errors import InputError
-from motion.points.turning import smallest_turns, turns_of_frames
+from motion.points.turning import frame_rotations, smallest_rotations
 from motion.skeleton import (
     FINGER_NAMES,
     FINGERS,
@@ -32,45 +32,45 @@ from motion.skeleton import (
 
 FloatArray = NDArray[np.float64]
 
-NEEDED: Final = ("pelvis", "neck", "left_shoulder", "right_shoulder")
-"""Joints without which nobody knows how the trunk is turned."""
+REQUIRED_JOINTS: Final = ("pelvis", "neck", "left_shoulder", "right_shoulder")
+"""Joints that determine the trunk's rotation."""
 
 LEGS: Final = ("left_knee", "right_knee", "left_ankle", "right_ankle")
-"""Joints without which the body stands where it is."""
+"""Joints that determine the body's translation."""
 
 _SIDES: Final = (("left", 1.0), ("right", -1.0))
 _SPINE: Final = ("pelvis", "spine1", "spine2", "spine3", "neck")
-_ACROSS: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
+_UNIT_AXES: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
 
 _PELVIS_STAYS: Final = np.radians(45)
-"""How far the shoulders turn to either side before the hips, where these are not told, follow."""
+"""How far the shoulders turn before the hips, if these are not given, follow."""
 
 _STRAIGHT: Final = np.sin(np.radians(12))
-"""Sine of the bend of an elbow or knee below which its plane tells little about the twist."""
+"""Sine of an elbow's or knee's bend below which its plane hardly determines the twist."""
 
-_PLANE_OVER: Final = 0.08
+_PLANE_SMOOTHING: Final = 0.08
 """Seconds, a standard deviation, over which the plane of a bend is averaged."""
 
 _UPRIGHT: Final = 0.5
 """How far a head whose roll is not told goes back from how its neck leans to how the chest does."""
 
-_NO_LENGTH: Final = 1e-6
+_MIN_LENGTH: Final = 1e-6
 """Metres below which a bone has no direction."""
 
 _HANGING: Final = 78.0
-"""Degrees by which arms that are not told hang down from the rest pose."""
+"""Degrees by which arms that are not given hang down from the rest pose."""
 
 
 class _Figure:
-    """The turns of joints in the world, found one after the other from the pelvis outwards."""
+    """World rotations of joints, computed from the pelvis outwards."""
 
     def __init__(
-        self, given: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
+        self, points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
     ) -> None:
-        self.given = given
+        self.given = points
         self.rest = rest
         self.frame_rate = frame_rate
-        self.frames = len(given["pelvis"])
+        self.frames = len(points["pelvis"])
         self.world: dict[str, Rotation] = {}
 
     def has(self, *names: str) -> bool:
@@ -85,14 +85,14 @@ class _Figure:
         return np.asarray(self.rest[joint_index(end)] - self.rest[joint_index(start)])
 
     def reached(self, start: str, end: str) -> FloatArray:
-        """Return what leads from a joint to its child as it is turned now, shape (T, 3)."""
+        """Return the vector from a joint to its child in the current pose, shape (T, 3)."""
         return np.asarray(self.world[start].apply(self.resting(start, end)))
 
     def swing(self, joint: str, end: str, start: Rotation) -> None:
         """Turn `joint` from `start` on by the smallest turn that makes it point at `end`."""
         self.world[joint] = start
         if self.has(joint, end):
-            turn = smallest_turns(self.reached(joint, end), self.told(joint, end))
+            turn = smallest_rotations(self.reached(joint, end), self.told(joint, end))
             self.world[joint] = turn * self.world[joint]
 
     def locals(self) -> FloatArray:
@@ -101,24 +101,24 @@ class _Figure:
         relaxed = Rotation.from_rotvec(RELAXED_HANDS.astype(float)).as_matrix()
         local[:, FINGERS] = relaxed
         for index, (joint, parent) in enumerate(zip(JOINT_NAMES, PARENTS, strict=True)):
-            turned = self.world.get(joint)
-            if parent < 0 and turned is not None:
-                local[:, index] = turned.as_matrix()
-            elif turned is not None:
-                local[:, index] = (self.world[JOINT_NAMES[parent]].inv() * turned).as_matrix()
+            rotation = self.world.get(joint)
+            if parent < 0 and rotation is not None:
+                local[:, index] = rotation.as_matrix()
+            elif rotation is not None:
+                local[:, index] = (self.world[JOINT_NAMES[parent]].inv() * rotation).as_matrix()
         return local
 
 
 def rotations_from_joints(
-    given: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
+    points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the rotations and the translation of a body whose bones point as told.
+    """Return the rotations and translation of a body whose bones have the given directions.
 
     Parameters
     ----------
-    given : mapping of str to ndarray, shape (T, 3)
-        Where SMPL-X joints are, metres, y up; at least `NEEDED`. A joint counts where its parent,
-        or the next one inwards on a spine that is told in parts, is told as well.
+    points : mapping of str to ndarray, shape (T, 3)
+        Positions of SMPL-X joints in metres, y up; at least `REQUIRED_JOINTS`. A joint counts only
+        if its parent is given too, or, on a spine of which joints are missing, the next one below.
     rest : ndarray, shape (55, 3)
         The joints of the body at rest, metres.
     frame_rate : float
@@ -129,15 +129,15 @@ def rotations_from_joints(
     poses : ndarray, shape (T, 55, 3)
         Axis-angle against the parent, radians.
     trans : ndarray, shape (T, 3)
-        Metres. Where legs are not told, the body stands at the origin and its feet stay.
+        Metres. Without legs, the body stands at the origin and its feet do not move.
 
     Raises
     ------
     InputError
         If a bone has no direction.
     """
-    check_directions(given)
-    figure = _Figure(given, rest, frame_rate)
+    check_directions(points)
+    figure = _Figure(points, rest, frame_rate)
     heading = _heading(figure)
     _turn_trunk(figure, heading)
     _turn_head(figure)
@@ -151,24 +151,24 @@ def rotations_from_joints(
     return poses.reshape(-1, JOINT_COUNT, 3), _translation(figure, heading)
 
 
-def check_directions(given: Mapping[str, FloatArray]) -> None:
+def check_directions(points: Mapping[str, FloatArray]) -> None:
     """Raise `InputError` where a bone has no direction."""
-    for start, end in told_bones(given):
-        lengths = np.linalg.norm(given[end] - given[start], axis=1)
-        if lengths.min() < _NO_LENGTH:
+    for start, end in given_bones(points):
+        lengths = np.linalg.norm(points[end] - points[start], axis=1)
+        if lengths.min() < _MIN_LENGTH:
             raise InputError(
                 f"{start} and {end} are one point in frame {int(lengths.argmin())}",
                 remedy="Leave out frames in which joints were not found",
             )
 
 
-def told_bones(given: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
-    """Return the bones that are told: of the trunk, then each joint with its parent."""
+def given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
+    """Return the given bones: of the trunk, then each joint with its parent."""
     trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
     trunk += [("neck", f"{side}_shoulder") for side, _ in _SIDES]
     pairs = zip(PARENTS, JOINT_NAMES, strict=True)
     limbs = [(JOINT_NAMES[parent], joint) for parent, joint in pairs if parent >= 0]
-    return trunk + [bone for bone in limbs if bone[0] in given and bone[1] in given]
+    return trunk + [bone for bone in limbs if bone[0] in points and bone[1] in points]
 
 
 def _heading(figure: _Figure) -> Rotation:
@@ -176,8 +176,8 @@ def _heading(figure: _Figure) -> Rotation:
     if figure.has("left_hip", "right_hip"):
         return _about_y(_yaw(figure.told("right_hip", "left_hip")))
     yaw = _yaw(figure.told("right_shoulder", "left_shoulder"))
-    turned = yaw - yaw.mean()
-    return _about_y(yaw.mean() + turned - np.clip(turned, -_PELVIS_STAYS, _PELVIS_STAYS))
+    deviations = yaw - yaw.mean()
+    return _about_y(yaw.mean() + deviations - np.clip(deviations, -_PELVIS_STAYS, _PELVIS_STAYS))
 
 
 def _yaw(across: FloatArray) -> FloatArray:
@@ -189,17 +189,17 @@ def _about_y(angles: FloatArray) -> Rotation:
 
 
 def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
-    """Turn pelvis and spine: upwards as told, and between the turns of hips and shoulders."""
+    """Turn pelvis and spine along the given bones and between the turns of hips and shoulders."""
     knots = [joint for joint in _SPINE if figure.has(joint)]
     if figure.has("left_hip", "right_hip"):
         hips = figure.told("right_hip", "left_hip"), figure.resting("right_hip", "left_hip")
     else:
-        hips = heading.apply(_ACROSS[0]), _ACROSS[0]
+        hips = heading.apply(_UNIT_AXES[0]), _UNIT_AXES[0]
     wide = "collar" if figure.has("left_collar", "right_collar") else "shoulder"
     right, left = f"right_{wide}", f"left_{wide}"
     low, high = knots[:2], knots[-2:]
-    pelvis = turns_of_frames((figure.resting(*low), hips[1]), (figure.told(*low), hips[0]))
-    chest = turns_of_frames(
+    pelvis = frame_rotations((figure.resting(*low), hips[1]), (figure.told(*low), hips[0]))
+    chest = frame_rotations(
         (figure.resting(*high), figure.resting(right, left)),
         (figure.told(*high), figure.told(right, left)),
     )
@@ -207,10 +207,10 @@ def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
     for number, joint in enumerate(_SPINE[:-1]):
         figure.world[joint] = pelvis * Rotation.from_rotvec(bend * number / 3)
     for start, end in pairwise(knots):
-        between = _SPINE[_SPINE.index(start) : _SPINE.index(end) + 1]
-        reached = sum(figure.reached(*bone) for bone in pairwise(between))
-        turn = smallest_turns(np.asarray(reached), figure.told(start, end))
-        for joint in between[:-1]:
+        joints = _SPINE[_SPINE.index(start) : _SPINE.index(end) + 1]
+        spine_vector = sum(figure.reached(*bone) for bone in pairwise(joints))
+        turn = smallest_rotations(np.asarray(spine_vector), figure.told(start, end))
+        for joint in joints[:-1]:
             figure.world[joint] = turn * figure.world[joint]
 
 
@@ -225,7 +225,7 @@ def _turn_head(figure: _Figure) -> None:
     if figure.has("left_eye", "right_eye"):
         eyes = ("right_eye", "left_eye")
         ahead = "jaw" if figure.has("jaw") else "left_eye"
-        figure.world["head"] = turns_of_frames(
+        figure.world["head"] = frame_rotations(
             (figure.resting(*eyes), figure.resting("head", ahead)),
             (figure.told(*eyes), figure.told("head", ahead)),
         )
@@ -235,8 +235,8 @@ def _turn_head(figure: _Figure) -> None:
         figure.swing("head", "jaw", neck * Rotation.from_rotvec(_UPRIGHT * lean))
     axis = figure.resting("neck", "head")
     axis = axis / np.linalg.norm(axis)
-    turned = twist_angles((neck.inv() * figure.world["head"]).as_quat(), axis)
-    figure.world["neck"] = neck * Rotation.from_rotvec(turned[:, None] / 2 * axis)
+    angles = twist_angles((neck.inv() * figure.world["head"]).as_quat(), axis)
+    figure.world["neck"] = neck * Rotation.from_rotvec(angles[:, None] / 2 * axis)
 
 
 def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
@@ -248,39 +248,39 @@ def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
     else:
         _turn_collar(figure, collar, shoulder)
     if figure.has(elbow):
-        _turn_limb(figure, (shoulder, elbow, wrist), collar, _ACROSS[2])
+        _turn_limb(figure, (shoulder, elbow, wrist), collar, _UNIT_AXES[2])
     else:
         down = Rotation.from_euler("z", -sign * _HANGING, degrees=True)
         figure.world[shoulder] = figure.world[elbow] = figure.world[collar] * down
 
 
 def _turn_collar(figure: _Figure, collar: str, shoulder: str) -> None:
-    """Turn a collar that is not told so that the shoulder lies where it is told to from the neck.
+    """Turn a collar that is not given so that the shoulder has its given direction from the neck.
 
     The collar's end can only be on a sphere around its start: it is put where the line from the
     neck leaves that sphere, or comes nearest to it.
     """
     chest = figure.world["spine3"]
     start = chest.apply(figure.resting("neck", collar))
-    reach = np.linalg.norm(figure.resting(collar, shoulder))
+    length = np.linalg.norm(figure.resting(collar, shoulder))
     line = figure.told("neck", shoulder)
     line = line / np.linalg.norm(line, axis=1, keepdims=True)
-    along = (start * line).sum(axis=1)
-    beside = (start**2).sum(axis=1) - along**2
-    far = along + np.sqrt(np.maximum(reach**2 - beside, 0))
-    wanted = far[:, None] * line - start
+    projections = (start * line).sum(axis=1)
+    squared_distances = (start**2).sum(axis=1) - projections**2
+    line_lengths = projections + np.sqrt(np.maximum(length**2 - squared_distances, 0))
+    target = line_lengths[:, None] * line - start
     figure.world[collar] = (
-        smallest_turns(chest.apply(figure.resting(collar, shoulder)), wanted) * chest
+        smallest_rotations(chest.apply(figure.resting(collar, shoulder)), target) * chest
     )
 
 
-def _turn_limb(figure: _Figure, limb: tuple[str, str, str], above: str, bends: FloatArray) -> None:
+def _turn_limb(figure: _Figure, limb: tuple[str, str, str], parent: str, bends: FloatArray) -> None:
     """Turn the two long bones of an arm or leg, twisted so that the joint between bends as it can.
 
-    A limb that is nearly straight does not tell its twist; it then is as after the smallest turn.
+    A nearly straight limb does not determine its twist, which then is that of the smallest turn.
     """
     start, middle, end = limb
-    figure.swing(start, middle, figure.world[above])
+    figure.swing(start, middle, figure.world[parent])
     figure.world[middle] = figure.world[start]
     if not figure.has(start, middle, end):
         return
@@ -291,40 +291,40 @@ def _turn_limb(figure: _Figure, limb: tuple[str, str, str], above: str, bends: F
     forwards = figure.world[start].apply(bends)
     forwards -= (forwards * axis).sum(axis=1, keepdims=True) * axis
     sideways = np.cross(axis, forwards)
-    beside = lower - (lower * axis).sum(axis=1, keepdims=True) * axis
-    weight = np.linalg.norm(beside, axis=1)
+    perpendicular = lower - (lower * axis).sum(axis=1, keepdims=True) * axis
+    weight = np.linalg.norm(perpendicular, axis=1)
     plane = weight[:, None] * np.column_stack(
-        [(beside * forwards).sum(axis=1), (beside * sideways).sum(axis=1)]
+        [(perpendicular * forwards).sum(axis=1), (perpendicular * sideways).sum(axis=1)]
     )
     plane[:, 0] += _STRAIGHT**2
-    plane = gaussian_filter1d(plane, _PLANE_OVER * figure.frame_rate, axis=0, mode="nearest")
+    plane = gaussian_filter1d(plane, _PLANE_SMOOTHING * figure.frame_rate, axis=0, mode="nearest")
     twist = np.arctan2(plane[:, 1], plane[:, 0])
     figure.world[start] = Rotation.from_rotvec(twist[:, None] * axis) * figure.world[start]
     figure.swing(middle, end, figure.world[start])
 
 
 def _turn_hand(figure: _Figure, side: str) -> None:
-    """Turn a hand and its fingers as far as they are told; the rest is relaxed."""
+    """Turn a hand and its given fingers; the others are relaxed."""
     wrist, middle, index = (f"{side}_{part}" for part in ("wrist", "middle1", "index1"))
-    last = next((f"{side}_{f}1" for f in ("ring", "pinky") if figure.has(f"{side}_{f}1")), None)
+    outer = next((f"{side}_{f}1" for f in ("ring", "pinky") if figure.has(f"{side}_{f}1")), None)
     figure.swing(wrist, middle, figure.world[f"{side}_elbow"])
-    if last is not None and figure.has(wrist, middle, index):
-        figure.world[wrist] = turns_of_frames(
-            (figure.resting(wrist, middle), figure.resting(last, index)),
-            (figure.told(wrist, middle), figure.told(last, index)),
+    if outer is not None and figure.has(wrist, middle, index):
+        figure.world[wrist] = frame_rotations(
+            (figure.resting(wrist, middle), figure.resting(outer, index)),
+            (figure.told(wrist, middle), figure.told(outer, index)),
         )
     for finger in FINGER_NAMES:
         chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
         if figure.has(wrist, *chain):
-            for (joint, end), above in zip(pairwise(chain), (wrist, chain[0]), strict=True):
-                figure.swing(joint, end, figure.world[above])
+            for (joint, end), parent in zip(pairwise(chain), (wrist, chain[0]), strict=True):
+                figure.swing(joint, end, figure.world[parent])
             figure.world[chain[-1]] = figure.world[chain[-2]]
 
 
 def _turn_leg(figure: _Figure, side: str, heading: Rotation) -> None:
     hip, knee, ankle, foot = (f"{side}_{part}" for part in ("hip", "knee", "ankle", "foot"))
     if figure.has(hip, *LEGS):
-        _turn_limb(figure, (hip, knee, ankle), "pelvis", -_ACROSS[2])
+        _turn_limb(figure, (hip, knee, ankle), "pelvis", -_UNIT_AXES[2])
         figure.swing(ankle, foot, figure.world[knee])
     else:
         figure.world[hip] = heading

@@ -1,4 +1,4 @@
-"""Joints of another skeleton, or points that a detector found, as joints of our body.
+"""Joints of another skeleton, or detected points, as joints of our body.
 
 Skeletons differ in build: where a neck sits between the shoulders, how far forward a head is. Their
 average is taken for our body's rest, so that nobody shrugs or looks down for a whole recording.
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
-from motion.points.turning import front_views, smallest_turns, turns_of_frames
+from motion.points.turning import frame_rotations, front_views, smallest_rotations
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
@@ -34,13 +34,11 @@ _EARS: Final = ("left_ear", "right_ear")
 _SHOULDERS: Final = ("left_shoulder", "right_shoulder")
 _HIPS: Final = ("left_hip", "right_hip")
 _HEAD: Final = ("head", "jaw", "left_eye", "right_eye")
-_NO_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
-_BUILT_OTHERWISE: Final = tuple(
-    joint for joint in JOINT_NAMES if "spine" in joint or "collar" in joint
-)
+_NOT_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
+_COMPUTED: Final = tuple(joint for joint in JOINT_NAMES if "spine" in joint or "collar" in joint)
 """Joints that lie elsewhere in every skeleton; without them trunk and shoulders follow the rest."""
 
-_FROM_EARS: Final = np.array([0, -0.2, 1.0])
+_EARS_TO_HEAD: Final = np.array([0, -0.2, 1.0])
 _TO_CROWN: Final = np.array([0, 0.278, 0.02])
 _TO_NOSE: Final = np.array([0, 0.866, 0.434])
 """Directions in an upright head: from between the ears to the nose, and from the neck to crown and
@@ -49,7 +47,7 @@ nose, the latter as in TED Gesture's mean pose."""
 _KNUCKLES: Final = 0.59
 """Where the middle finger's knuckle lies on the way from the little to the index finger's."""
 
-_LEAST: Final = 1e-6
+_MIN_LENGTH: Final = 1e-6
 
 
 def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
@@ -67,23 +65,25 @@ def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
     Raises
     ------
     InputError
-        If the trunk is not told, or has no extent.
+        If the trunk is not given, or has no extent.
     """
-    kept = {name: values for name, values in points.items() if name not in _BUILT_OTHERWISE}
-    _check_trunk(kept)
-    seen_by_camera = "left_ear" in kept
-    if "pelvis" not in kept:
-        kept["pelvis"] = _middle(kept, _HIPS)
-    kept = _upright(kept, frame_rate, seen_by_camera=seen_by_camera)
-    chest = _chest(kept)
-    if "neck" not in kept:
-        kept["neck"] = _middle(kept, _SHOULDERS) + chest.apply(_at_rest("neck") - _rest_top())
+    joints = {name: values for name, values in points.items() if name not in _COMPUTED}
+    _check_trunk(joints)
+    seen_by_camera = "left_ear" in joints
+    if "pelvis" not in joints:
+        joints["pelvis"] = _middle(joints, _HIPS)
+    joints = _upright(joints, frame_rate, seen_by_camera=seen_by_camera)
+    chest = _chest(joints)
+    if "neck" not in joints:
+        joints["neck"] = _middle(joints, _SHOULDERS) + chest.apply(_at_rest("neck") - _rest_top())
     for side in ("left", "right"):
-        _name_knuckles(kept, side)
-        arm = [name for name in kept if name.startswith(side) and _part(name) not in _NO_ARM]
-        _settle(kept, chest, f"{side}_shoulder", arm)
-    _tell_head(kept, chest)
-    return {name: values for name, values in kept.items() if name in JOINT_NAMES}
+        _place_knuckles(joints, side)
+        arm = [
+            name for name in joints if name.startswith(side) and _body_part(name) not in _NOT_ARM
+        ]
+        _set_bone_length(joints, chest, f"{side}_shoulder", arm)
+    _place_head(joints, chest)
+    return {name: values for name, values in joints.items() if name in JOINT_NAMES}
 
 
 def _check_trunk(points: Points) -> None:
@@ -97,7 +97,7 @@ def _check_trunk(points: Points) -> None:
             "says which is which)",
         )
     across = points[_SHOULDERS[0]] - points[_SHOULDERS[1]]
-    if np.linalg.norm(across, axis=1).min() < _LEAST:
+    if np.linalg.norm(across, axis=1).min() < _MIN_LENGTH:
         frame = int(np.linalg.norm(across, axis=1).argmin())
         raise InputError(
             f"both shoulders are one point in frame {frame}",
@@ -112,7 +112,7 @@ def _upright(
     trunk = [points[name] for name in ("pelvis", *_SHOULDERS)]
     up = np.median((trunk[1] + trunk[2]) / 2 - trunk[0], axis=0)
     size = float(np.linalg.norm(_rest_top() - _at_rest("pelvis")))
-    size /= max(float(np.linalg.norm(up)), _LEAST)
+    size /= max(float(np.linalg.norm(up)), _MIN_LENGTH)
     if seen_by_camera:
         places = list(_SHOULDERS) + (list(_HIPS) if _HIPS[0] in points else ["pelvis"])
         turn = front_views(
@@ -122,14 +122,14 @@ def _upright(
         )
     else:
         axis = np.where(np.arange(3) == np.abs(up).argmax(), np.sign(up), 0)
-        turn = smallest_turns(axis[None], np.array([[0, 1.0, 0]]))
+        turn = smallest_rotations(axis[None], np.array([[0, 1.0, 0]]))
     return {name: size * turn.apply(values) for name, values in points.items()}
 
 
 def _chest(points: Points) -> Rotation:
     """Return how the chest is turned, from hips and shoulders."""
     across = _at_rest(_SHOULDERS[0]) - _at_rest(_SHOULDERS[1])
-    return turns_of_frames(
+    return frame_rotations(
         (_rest_top() - _at_rest("pelvis"), across),
         (
             _middle(points, _SHOULDERS) - points["pelvis"],
@@ -138,54 +138,56 @@ def _chest(points: Points) -> Rotation:
     )
 
 
-def _settle(points: dict[str, FloatArray], chest: Rotation, end: str, moved: list[str]) -> None:
+def _set_bone_length(
+    points: dict[str, FloatArray], chest: Rotation, end: str, others: list[str]
+) -> None:
     """Turn the bone from the neck to `end` so that on average it points as at rest.
 
-    The points that are `moved` with its end keep where they are from it.
+    The points that are `others` with its end keep where they are from it.
     """
     bone = points[end] - points["neck"]
-    seen = np.median(chest.inv().apply(bone), axis=0)
-    if np.linalg.norm(seen) < _LEAST:
+    mean_bone = np.median(chest.inv().apply(bone), axis=0)
+    if np.linalg.norm(mean_bone) < _MIN_LENGTH:
         raise InputError(f"neck and {end} are one point", remedy="Check the names of the joints")
-    turn = smallest_turns(seen[None], (_at_rest(end) - _at_rest("neck"))[None])
+    turn = smallest_rotations(mean_bone[None], (_at_rest(end) - _at_rest("neck"))[None])
     settled = chest.apply(turn.apply(chest.inv().apply(bone)))
-    for name in moved:
+    for name in others:
         points[name] = points[name] + settled - bone
 
 
-def _part(name: str) -> str:
+def _body_part(name: str) -> str:
     return name.partition("_")[2]
 
 
-def _tell_head(points: dict[str, FloatArray], chest: Rotation) -> None:
-    """Put head, jaw and eyes where they are on our body, as far as its turn is told."""
+def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
+    """Place head, jaw and eyes as on our body, by what is known of the head's rotation."""
     neck = points["neck"]
     if "nose" in points and all(ear in points for ear in _EARS):
         ears = points[_EARS[0]] - points[_EARS[1]]
         middle = _middle(points, _EARS)
-        turned = turns_of_frames(
-            (np.array([1.0, 0, 0]), _FROM_EARS), (ears, points["nose"] - middle)
+        rotation = frame_rotations(
+            (np.array([1.0, 0, 0]), _EARS_TO_HEAD), (ears, points["nose"] - middle)
         )
         points["head"] = middle
     elif "nose" in points and "crown" in points:
-        turned = turns_of_frames(
+        rotation = frame_rotations(
             (_TO_CROWN, _TO_NOSE), (points["crown"] - neck, points["nose"] - neck)
         )
-        points["head"] = neck + turned.apply(_at_rest("head") - _at_rest("neck"))
+        points["head"] = neck + rotation.apply(_at_rest("head") - _at_rest("neck"))
     else:
         if "nose" in points:
             points.setdefault("jaw", points["nose"])
         if "head" in points:
-            _settle(points, chest, "head", [name for name in _HEAD if name in points])
+            _set_bone_length(points, chest, "head", [name for name in _HEAD if name in points])
         return
-    _settle(points, chest, "head", ["head"])
-    nod = np.median((chest.inv() * turned).as_rotvec()[:, 0])
-    turned = turned * Rotation.from_rotvec([-nod, 0, 0])
+    _set_bone_length(points, chest, "head", ["head"])
+    nod = np.median((chest.inv() * rotation).as_rotvec()[:, 0])
+    rotation = rotation * Rotation.from_rotvec([-nod, 0, 0])
     for name in _HEAD[1:]:
-        points[name] = points["head"] + turned.apply(_at_rest(name) - _at_rest("head"))
+        points[name] = points["head"] + rotation.apply(_at_rest(name) - _at_rest("head"))
 
 
-def _name_knuckles(points: dict[str, FloatArray], side: str) -> None:
+def _place_knuckles(points: dict[str, FloatArray], side: str) -> None:
     """Name a detector's knuckles as joints."""
     index, pinky = points.get(f"{side}_index"), points.get(f"{side}_pinky")
     if index is not None and pinky is not None:

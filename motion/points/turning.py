@@ -16,46 +16,46 @@ from scipy.spatial.transform import Rotation
 
 FloatArray = NDArray[np.float64]
 
-_OPPOSITE = 1e-9
+_ANTIPARALLEL = 1e-9
 """Below this, one plus the cosine between two directions means that they are opposite."""
 
 
-def smallest_turns(present: FloatArray, wanted: FloatArray) -> Rotation:
-    """Return the smallest turns that take directions `present` to `wanted`, each (T, 3)."""
-    present, wanted = _units(present), _units(wanted)
-    scalar = 1 + (present * wanted).sum(axis=1)
-    vector = np.cross(present, wanted)
-    opposite = scalar < _OPPOSITE
+def smallest_rotations(current: FloatArray, target: FloatArray) -> Rotation:
+    """Return the smallest turns that take directions `current` to `target`, each (T, 3)."""
+    current, target = _units(current), _units(target)
+    scalar = 1 + (current * target).sum(axis=1)
+    vector = np.cross(current, target)
+    opposite = scalar < _ANTIPARALLEL
     if opposite.any():
-        least = np.eye(3)[np.abs(present[opposite]).argmin(axis=1)]
-        vector[opposite] = _units(np.cross(present[opposite], least))
+        least = np.eye(3)[np.abs(current[opposite]).argmin(axis=1)]
+        vector[opposite] = _units(np.cross(current[opposite], least))
     return Rotation.from_quat(np.column_stack([vector, scalar]))
 
 
-def turns_of_frames(
-    present: tuple[FloatArray, FloatArray], wanted: tuple[FloatArray, FloatArray]
+def frame_rotations(
+    current: tuple[FloatArray, FloatArray], target: tuple[FloatArray, FloatArray]
 ) -> Rotation:
-    """Return the turns that take a first direction exactly and a second as near as they can.
+    """Return the rotations that align one direction exactly and another as closely as possible.
 
     Parameters
     ----------
-    present : pair of ndarray, shape (3,)
+    current : pair of ndarray, shape (3,)
         Two directions at rest.
-    wanted : pair of ndarray, shape (T, 3)
+    target : pair of ndarray, shape (T, 3)
         Where they point in each frame. Where both are one line, any turn about it may come out.
     """
-    rest = _frames(present[0][None], present[1][None])
-    return Rotation.from_matrix(_frames(*wanted) @ np.swapaxes(rest, 1, 2))
+    rest = _frames(current[0][None], current[1][None])
+    return Rotation.from_matrix(_frames(*target) @ np.swapaxes(rest, 1, 2))
 
 
 def _frames(first: FloatArray, second: FloatArray) -> FloatArray:
     """Return right-handed frames whose first axes, columns, are `first`, shape (T, 3, 3)."""
     first = _units(first)
-    across = np.cross(first, second)
-    line = np.linalg.norm(across, axis=1) < _OPPOSITE
+    normal = np.cross(first, second)
+    line = np.linalg.norm(normal, axis=1) < _ANTIPARALLEL
     if line.any():
-        across[line] = np.cross(first[line], np.eye(3)[np.abs(first[line]).argmin(axis=1)])
-    third = _units(across)
+        normal[line] = np.cross(first[line], np.eye(3)[np.abs(first[line]).argmin(axis=1)])
+    third = _units(normal)
     return np.stack([first, np.cross(third, first), third], axis=2)
 
 
@@ -85,8 +85,8 @@ class Similarity:
 
     def apply(self, points: FloatArray) -> FloatArray:
         """Return `points`, shape (T, P, 3), turned, scaled and shifted frame by frame."""
-        turned = np.einsum("tab,tpb->tpa", self.turns.as_matrix(), points)
-        return np.asarray(self.scales[:, None, None] * turned + self.shifts[:, None])
+        rotated = np.einsum("tab,tpb->tpa", self.turns.as_matrix(), points)
+        return np.asarray(self.scales[:, None, None] * rotated + self.shifts[:, None])
 
 
 def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
@@ -99,17 +99,17 @@ def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
         The same points in the normal view.
     """
     centres, centre = points.mean(axis=1), reference.mean(axis=0)
-    away, wanted = points - centres[:, None], reference - centre
-    turns = Rotation.concatenate([Rotation.align_vectors(wanted, frame)[0] for frame in away])
-    turned = np.einsum("tab,tpb->tpa", turns.as_matrix(), away)
-    scales = (turned * wanted).sum(axis=(1, 2)) / (away**2).sum(axis=(1, 2))
+    centred, target = points - centres[:, None], reference - centre
+    turns = Rotation.concatenate([Rotation.align_vectors(target, frame)[0] for frame in centred])
+    rotated = np.einsum("tab,tpb->tpa", turns.as_matrix(), centred)
+    scales = (rotated * target).sum(axis=(1, 2)) / (centred**2).sum(axis=(1, 2))
     return Similarity(
         turns=turns, scales=scales, shifts=centre - scales[:, None] * turns.apply(centres)
     )
 
 
 def front_views(trunk: FloatArray, reference: FloatArray, frame_rate: float) -> Rotation:
-    """Return the turns by which a trunk faces front and stands upright on average.
+    """Return the rotations by which a trunk faces front and is upright on average.
 
     Only what changes slowly is taken out, so that a camera's place and moves go and the person's
     own leaning and turning stay.
@@ -118,7 +118,7 @@ def front_views(trunk: FloatArray, reference: FloatArray, frame_rate: float) -> 
     ----------
     trunk : ndarray, shape (T, P, 3)
     reference : ndarray, shape (P, 3)
-        The same points of somebody who stands upright and faces front.
+        The same points of a person who stands upright and faces front.
     frame_rate : float
         Frames per second.
     """

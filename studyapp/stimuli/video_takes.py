@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.files import harmless_cell, write_text
 from motion.formats import write_clip
 from motion.points.detection import Detection, Stretch, detect, stretches
-from motion.points.found_motion import clip_of_detection
+from motion.points.found_motion import clip_from_detection
 from motion.segment import check_name
 from renderer.look import default_body
 from training.data.found_take import usable_name
@@ -109,7 +109,7 @@ def import_video(
             )
     body = read_body(default_body())
     clips = [
-        clip_of_detection(found.stretch(part.start, part.end), body).with_provenance(
+        clip_from_detection(found.stretch(part.start, part.end), body).with_provenance(
             source=video.name, format="video (MediaPipe)"
         )
         for part in kept

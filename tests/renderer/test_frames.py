@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.body.model import BodyModel
-from motion.body.surface import PLAIN, VertexNormals, surface_colours
+from motion.body.surface import DEFAULT_COLOUR, VertexNormals, surface_colours
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
@@ -67,7 +67,7 @@ def test_the_face_looks_as_kept(clip: MotionClip, body_path: Path, tmp_path: Pat
 def test_a_body_that_does_not_say_what_it_is_made_of_has_one_plain_colour(body: BodyModel) -> None:
     bare = replace(body, surface={})
     colours = surface_colours(bare)
-    expected = np.array(PLAIN) / 255
+    expected = np.array(DEFAULT_COLOUR) / 255
     np.testing.assert_allclose(colours[:, :3], np.tile(expected, (len(colours), 1)), atol=1e-6)
 
 

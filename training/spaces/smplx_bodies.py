@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from torch import Tensor, nn
 from torch.nn import functional
 
-from motion.body.archive import added_to_mean_hands
+from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
 from motion.placement import place
 from motion.skeleton import FINGERS, JOINT_COUNT, PARENTS, RELAXED_HANDS, REST_JOINTS, joint_index
@@ -133,7 +133,7 @@ def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
         frame_rate=frame_rate,
         expressions=values[:, _JAW.stop :].astype(np.float32),
     )
-    return place(added_to_mean_hands(clip, RELAXED_HANDS))[0]
+    return place(add_mean_hands(clip, RELAXED_HANDS))[0]
 
 
 _AXIS_LENGTH: Final = 0.05

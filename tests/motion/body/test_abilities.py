@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motion.body.abilities import BodyAbilities, face_for, not_shown, read_expression_matrix
+from motion.body.abilities import (
+    BodyAbilities,
+    face_for,
+    read_expression_matrix,
+    unsupported_features,
+)
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
@@ -47,7 +52,7 @@ def _clip(**more: Any) -> MotionClip:
 def test_what_a_body_does_not_show_is_said(
     body: dict[str, Any], clip: dict[str, Any], sentence: str | None
 ) -> None:
-    said = not_shown(_clip(**clip), _body(**body))
+    said = unsupported_features(_clip(**clip), _body(**body))
     assert len(said) == (sentence is not None)
     assert sentence is None or re.search(sentence, said[0])
 

@@ -12,10 +12,10 @@ from hypothesis import given
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.clip_npz import (
+    has_fingers_relative_to_mean_hands,
     has_provenance,
     read_clip,
     read_frame_rate,
-    tells_fingers_from_mean_hands,
     write_clip,
 )
 from tests.motion.random_clips import assert_same_clip, clips, random_clip
@@ -97,7 +97,7 @@ def test_python_objects_beside_the_motion_are_left_alone(tmp_path: Path) -> None
     markers = np.array({"C7": 3}, dtype=object)
     clip = read_clip(save(tmp_path / "a.npz", markers_latent_vids=markers, num_betas=16))
     assert np.allclose(clip.poses, 0.1)
-    assert not tells_fingers_from_mean_hands(tmp_path / "a.npz")
+    assert not has_fingers_relative_to_mean_hands(tmp_path / "a.npz")
 
 
 def test_poses_told_in_parts_are_put_together(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip, arkit_index
 from motion.points.clip_from_points import facial_actions
 from motion.points.detection import Detection, stretches
-from motion.points.found_motion import clip_of_detection, landmark_shifts
+from motion.points.found_motion import clip_from_detection, landmark_shifts
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from renderer.look import default_body
 from tests.motion.random_clips import clip_of
@@ -120,7 +120,7 @@ def test_a_talking_face_is_found_again(body: BodyModel) -> None:
 
 def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
     clip = talking()
-    found = clip_of_detection(detection(pose=seen_pose(clip), face=seen_face(clip, body)), body)
+    found = clip_from_detection(detection(pose=seen_pose(clip), face=seen_face(clip, body)), body)
     before, after = (
         forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, found)
     )
@@ -136,7 +136,7 @@ def test_an_arm_out_of_the_picture_hangs_and_that_is_said(body: BodyModel) -> No
     clip = talking()
     visibility = np.ones((FRAMES, 33))
     visibility[:, 13] = 0.1
-    found = clip_of_detection(
+    found = clip_from_detection(
         detection(pose=seen_pose(clip), face=seen_face(clip, body), visibility=visibility), body
     )
     assert "left arm is out of the picture" in found.provenance["notes"]
