@@ -34,12 +34,20 @@ HEAVY = (
 """None is needed to serve a study; each takes long to load, or hundreds of megabytes."""
 
 
-def test_the_server_loads_nothing_heavy() -> None:
-    code = "import json, sys, studyapp.web.server; print(json.dumps(sorted(sys.modules)))"
+@pytest.mark.parametrize(
+    ("module", "spared"),
+    [
+        ("studyapp.web.server", HEAVY),
+        ("studyapp.desk.server", HEAVY),
+        ("studyapp.desk.job_process", (*HEAVY, "flask", "sqlalchemy")),
+    ],
+)
+def test_serving_and_running_jobs_loads_nothing_heavy(module: str, spared: tuple[str, ...]) -> None:
+    code = f"import json, sys, {module}; print(json.dumps(sorted(sys.modules)))"
 
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
-    assert set(HEAVY) & set(json.loads(done.stdout)) == set()
+    assert set(spared) & set(json.loads(done.stdout)) == set()
 
 
 def test_an_address_that_is_taken_is_said_before_anything_is_made(tiny_study: Path) -> None:

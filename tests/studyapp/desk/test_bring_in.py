@@ -11,7 +11,6 @@ import pytest
 from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.jobs import job_standings
 from studyapp.desk.lab import Lab
-from tests.studyapp.desk.conftest import Joined, Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.studies.takes import write_motion
 
@@ -95,24 +94,3 @@ def test_the_import_brings_in_what_it_can_and_leaves_the_rest_with_the_reason(
     page = ada.get(PAGE)
     assert "no segment is called" in page.text
     assert "take-9.npz" in page.text
-
-
-def test_a_viewer_brings_nothing_in(
-    ada: ResearchBrowser, joined: Joined, researcher: Researcher, motion: bytes
-) -> None:
-    mary = joined("viewer")
-    mary.get(PAGE, 403)
-    assert send(mary, motion, offset=0, size=len(motion))[0] == 403
-    assert mary.post(f"{TINY}jobs/import").status_code == 403
-    assert "take-0" in mary.get(f"{TINY}material").text
-    stranger = researcher("Eve", "viewer")
-    stranger.get(f"{TINY}material", 404)
-
-
-def test_a_piece_without_the_code_of_our_pages_is_refused(
-    lab: Lab, ada: ResearchBrowser, motion: bytes
-) -> None:
-    address = {**WHAT, "size": str(len(motion)), "offset": "0"}
-    answer = ada.client.post(UPLOADS, query_string=address, data=motion)
-    assert answer.status_code == 403
-    assert not (lab.folder / "tiny" / "inbox").exists()

@@ -2,78 +2,114 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from flask import Flask
-from werkzeug.routing import Rule
 
 from motion.errors import InputError
 from studyapp.desk.app import open_desk
 from studyapp.desk.inbox import LARGEST_PIECE
-from studyapp.desk.pages import PAGES, STUDY_PAGES
+from studyapp.desk.pages import PAGES
 from studyapp.desk.server import run_desk
-from tests.studyapp.desk.conftest import Researcher
+from studyapp.researchers.account import Role
+from tests.studyapp.desk.conftest import Joined, Researcher
+from tests.studyapp.web.research.research_browser import ResearchBrowser
 
-OPEN_TO_ALL = {page.rule for page in PAGES if page.needs is None}
+OPEN_TO_ALL = {page.endpoint for page in PAGES if page.needs is None}
+VALUES = {"study": "tiny", "token": "A" * 43, "filename": "viewer.js"}
+
+IN_A_STUDY: dict[Role, set[str]] = {
+    "viewer": {
+        *("study_page", "open_study_pages", "take_part_as_test"),
+        *("job", "job_archive", "job_file"),
+        *("material", "clip", "clip_video", "clip_scene", "segment_motion", "segment_scene"),
+    },
+    "analyst": {
+        *("settings", "save_settings", "start_job", "stop_running_job", "remove_clip"),
+        *("bring_in", "take_files", "remove_upload", "uploaded", "take_piece"),
+    },
+    "owner": {"begin_new_version"},
+}
+"""The pages of a study that each role may open beyond those of the role before."""
 
 
-def pages(desk: Flask, method: str) -> list[str]:
-    """Return an address of each page of the desk that takes `method`."""
-    found = []
+def pages(desk: Flask, method: str, below: str = "/research/") -> Iterator[tuple[str, str]]:
+    """Yield endpoint and an address of each page of the desk that takes `method`."""
+    addresses = desk.url_map.bind("localhost")
     for rule in desk.url_map.iter_rules():
-        below = rule.rule.removeprefix("/research")
-        is_page = rule.endpoint.startswith("research.") and method in (rule.methods or ())
-        if is_page and below not in OPEN_TO_ALL:
-            found.append(_address(rule))
-    return found
-
-
-def _address(rule: Rule) -> str:
-    values = {"study": "tiny", "token": "A" * 43, "rest": "nowhere"}
-    values |= dict.fromkeys(rule.arguments - set(values), "1")
-    address = rule.rule
-    for name in rule.arguments:
-        kind = next(part for part in address.split("<") if part.split(">")[0].endswith(name))
-        address = address.replace(f"<{kind.split('>')[0]}>", values[name])
-    return address
+        is_page = rule.rule.startswith(below) and method in (rule.methods or ())
+        if is_page and rule.endpoint not in OPEN_TO_ALL:
+            values = {name: VALUES.get(name, "1") for name in rule.arguments}
+            yield rule.endpoint.rpartition(".")[2], addresses.build(rule.endpoint, values, method)
 
 
 def test_nobody_comes_in_without_logging_in(desk: Flask) -> None:
-    found = pages(desk, "GET")
-    assert len(found) > 10
-    for page in found:
-        answer = desk.test_client().get(page)
-        assert answer.status_code == 303, page
-        assert answer.headers["Location"].startswith("/research/log-in"), page
+    addresses = [address for _, address in pages(desk, "GET")]
+    assert len(addresses) > 10
+    for address in (*addresses, "/tiny/research/"):
+        answer = desk.test_client().get(address, follow_redirects=True)
+        assert answer.request.path == "/research/log-in", address
 
 
-def test_no_form_of_another_site_does_anything(desk: Flask, researcher: Researcher) -> None:
-    ada = researcher("Ada")
-    ada.post("/research/studies/tiny/take-over")
-    found = pages(desk, "POST")
-    assert len(found) > 10
-    for page in found:
-        assert ada.client.post(page).status_code == 403, page
-        code = ada.code()
-        elsewhere = {"Sec-Fetch-Site": "cross-site"}
-        sent = ada.client.post(page, data={"form_code": code}, headers=elsewhere)
-        assert sent.status_code == 403, page
+def test_no_form_of_another_site_does_anything(desk: Flask, ada: ResearchBrowser) -> None:
+    addresses = [address for _, address in pages(desk, "POST")]
+    assert len(addresses) > 10
+    for address in addresses:
+        assert ada.client.post(address).status_code == 403, address
+        sent = ada.client.post(
+            address,
+            data={"form_code": ada.code()},
+            headers={"Sec-Fetch-Site": "cross-site"},
+        )
+        assert sent.status_code == 403, address
 
 
-def test_each_page_of_a_study_needs_a_right_in_it() -> None:
-    assert all(page.needs is not None for page in STUDY_PAGES)
+@pytest.mark.parametrize("role", IN_A_STUDY)
+def test_each_role_in_a_study_opens_its_pages_and_no_others(
+    desk: Flask, ada: ResearchBrowser, joined: Joined, role: Role
+) -> None:
+    roles = list(IN_A_STUDY)
+    allowed = set().union(*(IN_A_STUDY[each] for each in roles[: roles.index(role) + 1]))
+    browser = joined(role)
+    opened = set()
+    for method in ("GET", "POST"):
+        for endpoint, address in pages(desk, method, "/research/studies/<study>/"):
+            if endpoint in ("take_over", "study_link", "use_study_link"):
+                continue
+            answer = browser.post(address) if method == "POST" else browser.client.get(address)
+            answer.close()
+            if answer.status_code != 403:
+                opened.add(endpoint)
+    assert opened == allowed
 
 
-def test_too_much_at_once_is_refused(desk: Flask, researcher: Researcher) -> None:
-    ada = researcher("Ada")
-    ada.post("/research/studies/tiny/take-over")
+@pytest.mark.parametrize(
+    ("role", "refused"),
+    [("viewer", ("make", "make/study", "researchers")), ("analyst", ("researchers",))],
+)
+def test_each_role_at_the_desk_is_kept_from_the_pages_of_others(
+    researcher: Researcher, role: Role, refused: tuple[str, ...]
+) -> None:
+    researcher("Ada")
+    browser = researcher("Grace", role)
+    for page in ("make", "make/study?template=pairwise", "researchers"):
+        is_refused = browser.client.get(f"/research/{page}").status_code == 403
+        assert is_refused is (page.partition("?")[0] in refused), page
+    is_refused = browser.post("/research/make/study", template="pairwise").status_code == 403
+    assert is_refused is ("make/study" in refused)
+
+
+def test_too_much_at_once_is_refused(ada: ResearchBrowser) -> None:
     text = "#" * 2 * LARGEST_PIECE
     answer = ada.post("/research/studies/tiny/settings", text=text, seen="")
     assert answer.status_code == 413
 
 
-def test_a_desk_says_what_it_cannot_serve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_desk_that_cannot_be_served_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(InputError, match="no such folder"):
         run_desk(tmp_path / "none", "127.0.0.1", 1)
     monkeypatch.setenv("DATABASE_URL", "postgresql://somewhere/else")

@@ -113,22 +113,18 @@ def test_nothing_and_more_than_the_rest_are_refused(inbox: Inbox, piece: bytes) 
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"name": "../take.wav"}, "cannot be called"),
-        ({"name": "..wav"}, "cannot be called"),
-        ({"name": ".hidden.wav"}, "cannot be called"),
-        ({"name": "a/b.wav"}, "cannot be called"),
-        ({"name": "a\\b.wav"}, "cannot be called"),
-        ({"name": "a\0.wav"}, "cannot be called"),
-        ({"name": "a\n.wav"}, "cannot be called"),
-        ({"name": "-rf.wav"}, "cannot be called"),
-        ({"name": "b" * 200 + ".wav"}, "cannot be called"),
-        ({"name": "run.py"}, "neither speech, motion nor a video"),
-        ({"name": "take.pkl"}, "neither speech, motion nor a video"),
-        ({"name": "page.html"}, "neither speech, motion nor a video"),
-        ({"name": "take.wav.exe"}, "neither speech, motion nor a video"),
-        ({"condition": ".."}, "not a usable condition name"),
-        ({"condition": "../../elsewhere"}, "not a usable condition name"),
-        ({"condition": "/etc"}, "not a usable condition name"),
+        *(
+            ({"name": name}, "cannot be called")
+            for name in ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", "b" * 200 + ".wav")
+        ),
+        *(
+            ({"name": name}, "neither speech, motion nor a video")
+            for name in ("run.py", "take.pkl", "take.wav.exe")
+        ),
+        *(
+            ({"condition": condition}, "not a usable condition name")
+            for condition in ("..", "../../elsewhere", "/etc")
+        ),
         ({"size": 0}, "is empty"),
         ({"size": 100_001}, "is too large"),
     ],

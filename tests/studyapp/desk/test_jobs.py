@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -23,7 +22,6 @@ from tests.studyapp.desk.job_watching import (
     wait_until_ended,
     wait_until_under_way,
 )
-from tests.studyapp.test_server import HEAVY
 
 
 @pytest.fixture
@@ -149,9 +147,3 @@ def test_a_job_of_another_version_is_none(jobs: Path) -> None:
     (jobs / "try").mkdir(parents=True)
     (jobs / "try" / "job.json").write_text('{"kind": "try", "pid": 3}')
     assert job_standings(jobs) == {}
-
-
-def test_what_runs_a_job_loads_nothing_heavy() -> None:
-    code = "import json, sys, studyapp.desk.job_process; print(json.dumps(sorted(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert {*HEAVY, "flask", "sqlalchemy"} & set(json.loads(done.stdout)) == set()

@@ -119,11 +119,3 @@ def test_what_is_wrong_is_said_and_nothing_is_made(
     assert said in problem.text.lower()
     assert "Kept title" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before
-
-
-def test_viewers_of_the_desk_make_no_studies(researcher: Researcher) -> None:
-    researcher("Ada")
-    mary = researcher("Mary", "viewer")
-    for page in ("/research/make", f"{MAKE}?template=pairwise"):
-        mary.get(page, 403)
-    assert mary.post(MAKE, name="mine", template="pairwise", language="en").status_code == 403

@@ -18,22 +18,8 @@ TINY = "/research/studies/tiny/"
 INSIDE = "/tiny/research/"
 
 
-def owner_of_tiny(researcher: Researcher) -> ResearchBrowser:
-    """Return the browser of the desk's owner, who has taken the study over."""
-    ada = researcher("Ada")
-    assert ada.post(f"{TINY}take-over").status_code == 303
-    return ada
-
-
 def invited(lab: Lab, tiny: LabStudy) -> str:
     return invite(tiny.database, lab.clock, role="viewer", by="Ada")
-
-
-def test_nobody_sees_anything_before_logging_in(desk: Flask) -> None:
-    nobody = desk.test_client()
-    for page in ("/research/", TINY, INSIDE, "/research/researchers"):
-        answer = nobody.get(page, follow_redirects=True)
-        assert answer.request.path == "/research/log-in", page
 
 
 def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk(
@@ -41,22 +27,22 @@ def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk
 ) -> None:
     viewer = researcher("Mary", "viewer")
     assert viewer.post(f"{TINY}take-over").status_code == 403
-    owner_of_tiny(researcher)
+    assert researcher("Ada").post(f"{TINY}take-over").status_code == 303
     grace = researcher("Grace")
     assert grace.post(f"{TINY}take-over").status_code == 409
     assert [each.name for each in accounts(tiny.database)] == ["Ada"]
 
 
-def test_who_belongs_to_a_study_opens_it_without_another_password(researcher: Researcher) -> None:
-    ada = owner_of_tiny(researcher)
+def test_who_belongs_to_a_study_opens_it_without_another_password(ada: ResearchBrowser) -> None:
     assert "tiny" in ada.get("/research/").text
     answer = ada.post(f"{TINY}open", way="researchers")
     assert answer.headers["Location"] == f"{INSIDE}researchers"
     assert "Ada (you)" in ada.get(f"{INSIDE}researchers").text
 
 
-def test_an_owner_of_the_desk_sees_no_study_of_others(researcher: Researcher) -> None:
-    owner_of_tiny(researcher)
+def test_an_owner_of_the_desk_sees_no_study_of_others(
+    researcher: Researcher, ada: ResearchBrowser
+) -> None:
     grace = researcher("Grace")
     assert "tiny" not in grace.get("/research/").text
     grace.get(TINY, 404)
@@ -64,17 +50,17 @@ def test_an_owner_of_the_desk_sees_no_study_of_others(researcher: Researcher) ->
     assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
 
 
-def test_a_name_is_no_proof(lab: Lab, tiny: LabStudy, researcher: Researcher) -> None:
-    owner_of_tiny(researcher)
+def test_a_name_is_no_proof(
+    lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
+) -> None:
     join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
     mary = researcher("Mary", "viewer")
     mary.get(TINY, 404)
 
 
 def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
-    lab: Lab, tiny: LabStudy, researcher: Researcher
+    lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
-    owner_of_tiny(researcher)
     mary = researcher("Mary", "viewer")
     link = f"{INSIDE}join/{invited(lab, tiny)}"
     answer = mary.client.get(link, follow_redirects=True)
@@ -85,9 +71,8 @@ def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
 
 
 def test_an_account_in_a_study_is_brought_by_its_password(
-    lab: Lab, tiny: LabStudy, researcher: Researcher
+    lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
-    owner_of_tiny(researcher)
     join(tiny.database, lab.clock, invited(lab, tiny), name="Old Mary", password=PASSWORD)
     mary = researcher("Mary", "viewer")
     fields = {"study": "tiny", "name": "Old Mary"}
@@ -98,8 +83,7 @@ def test_an_account_in_a_study_is_brought_by_its_password(
     mary.get(TINY)
 
 
-def test_logging_out_of_the_desk_ends_what_was_opened_from_it(researcher: Researcher) -> None:
-    ada = owner_of_tiny(researcher)
+def test_logging_out_of_the_desk_ends_what_was_opened_from_it(ada: ResearchBrowser) -> None:
     ada.post(f"{TINY}open")
     ada.get(INSIDE)
     ada.post("/research/log-out")
@@ -107,9 +91,8 @@ def test_logging_out_of_the_desk_ends_what_was_opened_from_it(researcher: Resear
 
 
 def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
-    lab: Lab, researcher: Researcher
+    lab: Lab, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
-    ada = owner_of_tiny(researcher)
     ada.post(f"{TINY}open")
     researcher("Grace", "owner")
     (number,) = (each.id for each in accounts(lab.database) if each.name == "Ada")
@@ -119,9 +102,8 @@ def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
 
 
 def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
-    lab: Lab, tiny: LabStudy, researcher: Researcher
+    lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
-    owner_of_tiny(researcher)
     mary = researcher("Mary", "viewer")
     mary.post(f"{TINY}join/{invited(lab, tiny)}", name="Mary")
     mary.post(f"{TINY}open")
@@ -132,9 +114,8 @@ def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
 
 
 def test_a_studys_own_login_is_closed_at_a_desk(
-    desk: Flask, lab: Lab, tiny: LabStudy, researcher: Researcher
+    desk: Flask, lab: Lab, tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
-    owner_of_tiny(researcher)
     join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
     mary = ResearchBrowser(desk)
     fields = {"form_code": mary.code(), "name": "Mary", "password": PASSWORD}
@@ -142,13 +123,6 @@ def test_a_studys_own_login_is_closed_at_a_desk(
         answer = getattr(mary.client, method)(f"{INSIDE}log-in", data=fields)
         assert answer.status_code in (303, 403)
     assert mary.client.get(INSIDE).status_code == 303
-
-
-def test_what_is_sent_from_elsewhere_does_nothing(lab: Lab, researcher: Researcher) -> None:
-    ada = owner_of_tiny(researcher)
-    for page in ("open", "try", "new-version", "take-over"):
-        assert ada.client.post(TINY + page, data={"way": ""}).status_code == 403
-    assert ada.client.get(INSIDE).status_code == 303
 
 
 def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
@@ -161,9 +135,8 @@ def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
 
 
 def test_another_study_in_place_of_one_is_another_study(
-    lab: Lab, desk: Flask, researcher: Researcher
+    lab: Lab, desk: Flask, ada: ResearchBrowser
 ) -> None:
-    ada = owner_of_tiny(researcher)
     ada.post(f"{TINY}open")
     ada.get(INSIDE)
     (lab.folder / "tiny").rename(lab.folder / "before")

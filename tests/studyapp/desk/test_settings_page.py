@@ -11,7 +11,6 @@ from studyapp.desk.studies import LabStudy
 from studyapp.researchers.audit import logged_changes
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -99,10 +98,3 @@ def test_how_many_take_part_may_change_under_participants(
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
     assert ada.post(SETTINGS, text=text, seen=seen(ada.get(SETTINGS))).status_code == 303
     assert tiny.standing().wanted == 6
-
-
-def test_a_viewer_of_the_study_edits_nothing(ada: ResearchBrowser, joined: Joined) -> None:
-    mary = joined("viewer")
-    mary.get(TINY)
-    mary.get(SETTINGS, 403)
-    assert mary.post(SETTINGS, text="", seen="").status_code == 403

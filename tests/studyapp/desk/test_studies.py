@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from tests.studyapp.test_server import HEAVY
 from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
@@ -20,12 +15,6 @@ def asked(study: LabStudy) -> str:
     served = study.served()
     assert served is not None
     return served.study.questions[0].text
-
-
-def test_a_desk_loads_nothing_heavy() -> None:
-    code = "import json, sys, studyapp.desk.server; print(json.dumps(sorted(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert set(HEAVY) & set(json.loads(done.stdout)) == set()
 
 
 def test_a_study_is_being_made_until_its_videos_are_there(tiny: LabStudy) -> None:
