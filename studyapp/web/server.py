@@ -25,7 +25,7 @@ from studyapp.session.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.web.media_store import MediaStore
 from studyapp.web.mounting import checked_prefix
-from studyapp.web.site import believed_proxies, study_site
+from studyapp.web.site import believed_proxies, site_of
 from studyapp.web.worker import StudyWorker
 
 RETRY_SECONDS: Final = 1.0
@@ -197,8 +197,7 @@ def serve_application(
 
 def _watch_for_alarms(app: Flask) -> None:
     """Send the alarms of the study of `app`, unless it is a rehearsal."""
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     if site.clock.speed == 1.0 and (channels := AlarmChannels.of(site.study)).is_any:
         watch_for_alarms(
             lambda: raise_alarms(site.database, site.served, site.clock, channels.send)

@@ -127,13 +127,18 @@ def attach(app: Flask, site: Site) -> None:
 
 
 def current_site() -> Site:
-    """Return where the present request's researcher logs in."""
+    """Return where the researcher of the present request logs in."""
     return cast(Site, current_app.extensions[EXTENSION])
 
 
+def site_of(app: Flask) -> StudySite:
+    """Return what `app` serves, which is one study."""
+    return cast(StudySite, app.extensions[EXTENSION])
+
+
 def study_site() -> StudySite:
-    """Return what the present request of a study needs."""
-    return cast(StudySite, current_app.extensions[EXTENSION])
+    """Return the study that the present request is for, with all that answering needs."""
+    return site_of(current_app)
 
 
 PROXIES: Final = "FORWARDED_ALLOW_IPS"

@@ -274,7 +274,7 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
     def _wait(
         self, conn: Any, go_on: Callable[..., None], *, seconds: float, to_send: bool = False
     ) -> None:
-        """Call `go_on` whenever something arrives on the line, or can be sent."""
+        """Call `callback` whenever something arrives on the line, or can be sent."""
         event = selectors.EVENT_WRITE if to_send else selectors.EVENT_READ
         self.poller.register(conn.sock, event, partial(go_on, conn))
         self._until[conn] = time.monotonic() + seconds

@@ -21,7 +21,7 @@ from studyapp.stimuli.recordings import Take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.support.fast_applications import fast_applications
 from tests.support.figures_at_hand import FiguresAtHand
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
@@ -185,8 +185,7 @@ def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask
     """Return the application of `tiny_study` on a clock that the test moves."""
     shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
     made = create_app(tiny_study)
-    with made.app_context():
-        site = study_site()
+    site = site_of(made)
     url = sqlite_url(tiny_study / "responses.db")
     attach(made, replace(site, clock=clock, figures=FiguresAtHand(site.folder, url)))
     yield made

@@ -13,7 +13,7 @@ import pytest
 from flask import Flask
 
 from studyapp.web.app import create_app
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -41,8 +41,7 @@ def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
         ) -> Flask:
             redefine(folder, *changes, added=added)
             app = create_app(folder, **options)
-            with app.app_context():
-                site = study_site()
+            site = site_of(app)
             closing.callback(site.database.close)
             if "rehearsal_speed" not in options:
                 attach(app, replace(site, clock=clock))

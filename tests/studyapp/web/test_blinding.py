@@ -14,13 +14,12 @@ from typing import Any
 
 import pytest
 from flask import Flask
-from flask.testing import FlaskClient
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
-from studyapp.database.tables import Trial, Video
-from studyapp.web.site import attach, study_site
+from studyapp.database.tables import Trial
+from studyapp.web.site import attach, site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
@@ -74,39 +73,22 @@ def test_scripts_and_style_know_nothing_of_conditions(script: Path) -> None:
     assert re.findall(CONDITIONS, script.read_text("utf-8")) == []
 
 
-def fetch(client: FlaskClient, trial: Trial, **headers: str) -> TestResponse:
-    return client.get(f"/media/{trial.videos[0].token}.mp4", headers=headers, buffered=True)
+FIGURES = (
+    *("figures/strip-take-0.png", "figures/grid-take-0.mp4"),
+    *("videos/sheet/index.html", "videos/sheet/sheet-01.png", "videos/sheet/.cells/0.webp"),
+)
+"""Files that name the conditions, in the study folder."""
 
 
-@pytest.fixture
-def two_videos(app: Flask, clock: SetClock) -> list[Trial]:
-    """Return the present and the following trial of a participant."""
-    Visitor(app, clock).enrol().begin().page()
-    return list(stored_in(app, LOADED))[:2]
-
-
-def test_videos_differ_in_no_header_but_their_length(app: Flask, two_videos: list[Trial]) -> None:
-    client = app.test_client()
-
-    answers = [fetch(client, trial) for trial in two_videos]
-
-    headers = [
-        {k: v for k, v in answer.headers if k not in ("Content-Length", "Date")}
-        for answer in answers
-    ]
-    assert headers[0] == headers[1]
-    assert not {"ETag", "Last-Modified", "Content-Disposition", "Expires"} & set(headers[0])
-    assert visible_secrets(str(headers[0])) == []
-    assert answers[0].headers["Content-Type"] == "video/mp4"
-
-
-def test_tokens_tell_nothing_and_never_repeat(app: Flask, clock: SetClock) -> None:
-    for _ in range(2):
-        Visitor(app, clock).enrol().begin()
-    tokens = [video.token for video in stored_in(app, select(Video))]
-
-    assert len(set(tokens)) == len(tokens) == 12
-    assert all(re.fullmatch(r"[A-Za-z0-9_-]{32}", token) for token in tokens)
+def test_no_address_leads_to_a_figure_or_contact_sheet(app: Flask, tiny_study: Path) -> None:
+    for file in FIGURES:
+        path = tiny_study / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"which condition is which")
+    roots = ("/", "/media/", "/media/../", "/media/..%2f", "/media/%2e%2e/", "/static/..%2f..%2f")
+    for root, file, ending in product(roots, FIGURES, ("", ".mp4")):
+        answer = app.test_client().get(f"{root}{file}{ending}")
+        assert answer.status_code in (308, 404), f"{root}{file}{ending}"
 
 
 def settled(visitor: Visitor) -> None:
@@ -156,8 +138,7 @@ def test_a_token_whose_time_is_not_now_is_like_none_at_all(
     visitor = Visitor(app, clock).enrol()
     token = list(stored_in(app, LOADED))[index].videos[0].token
     happens(visitor)
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
 
     for (method, headers), prefix in product(ASKED, (None, "/inner/")):
         attach(app, replace(site, accel_prefix=prefix))

@@ -13,7 +13,7 @@ from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.sent_by import COOKIE
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
@@ -272,8 +272,7 @@ def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
     opened: Opened, clock: SetClock
 ) -> None:
     app = opened(INVITATIONS)
-    with app.app_context():
-        (token,) = make_invitations(study_site().database, 1, clock)
+    (token,) = make_invitations(site_of(app).database, 1, clock)
     curious = app.test_client()
     for _ in range(3):
         assert curious.get(f"/?invitation={token}").status_code == 200
@@ -294,7 +293,6 @@ def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:
         database_url=f"sqlite:///{tmp_path / 'rehearsal.db'}",
     )
 
-    with app.app_context():
-        study: Study = study_site().study
+    study: Study = site_of(app).study
     assert study.recruitment.channel == "link"
     assert app.test_client().get("/").status_code == 200

@@ -17,7 +17,7 @@ from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from studyapp.session.intake import IntakeState, steer
 from studyapp.session.refusal import StudyFullError
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import stored_in
@@ -97,18 +97,16 @@ def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is
 
 
 def steered(app: Flask, state: IntakeState) -> None:
-    with app.app_context():
-        site = study_site()
-        steer(site.database, site.served, site.clock, state, by="Ada", reason="enough")
+    site = site_of(app)
+    steer(site.database, site.served, site.clock, state, by="Ada", reason="enough")
 
 
 def filled(app: Flask) -> None:
     """Give every place to somebody."""
     said = {"adult": "yes", "read": "yes"}
-    with app.app_context():
-        site = study_site()
-        for visit in "1234":
-            enrol(site.database, site.served, Arrival(visit=visit, form=said), site.clock)
+    site = site_of(app)
+    for visit in "1234":
+        enrol(site.database, site.served, Arrival(visit=visit, form=said), site.clock)
 
 
 @pytest.mark.parametrize(

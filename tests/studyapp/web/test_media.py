@@ -12,7 +12,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
 from studyapp.database.tables import StudySession, Video
 from studyapp.study.media import read_stimuli, write_stimuli
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.visitor import Visitor, stored_in
 from tests.support.studies.added_condition import make_videos_anew
@@ -75,8 +75,7 @@ def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
     app: Flask, address: str, tiny_study: Path
 ) -> None:
     whole = content(app, address)
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     attach(app, replace(site, accel_prefix="/study files/"))
 
     answer = app.test_client().get(address, headers={"Range": "bytes=0-"})

@@ -20,7 +20,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor, stored_in
 from tests.support.servers.s3_stand_in import (
@@ -97,8 +97,7 @@ def first_video(app: Flask, clock: SetClock) -> str:
 def test_what_is_shown_again_cannot_be_told_from_what_is_new(
     from_store: Flask, clock: SetClock
 ) -> None:
-    with from_store.app_context():
-        served = study_site().served
+    served = site_of(from_store).served
     known = {video.file.read_bytes() for video in served.videos.values()}
     shown_again = 0
     # Of four participants, some see the practice video again, others its mirrored pair.

@@ -8,7 +8,7 @@ from flask import Flask
 from motion.errors import InputError
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.mounting import checked_prefix
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
@@ -51,8 +51,7 @@ def test_a_whole_study_session_never_leaves_its_path(below: Flask, clock: SetClo
 def test_researchers_log_in_and_look_at_every_page_below_the_path(
     below: Flask, clock: SetClock
 ) -> None:
-    with below.app_context():
-        token = first_owner_link(study_site().database, clock)
+    token = first_owner_link(site_of(below).database, clock)
     client = below.test_client()
     join = PageReader(client.get(f"{PREFIX}/research/join/{token}").text)
     fields = {"name": "Ada", "password": PASSWORD, "again": PASSWORD}

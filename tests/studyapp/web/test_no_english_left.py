@@ -13,7 +13,7 @@ from flask import Flask
 
 from studyapp.study.settings.study import Study
 from studyapp.web.language import speak
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.functional.shown_studies import NAMES, write_shown_study
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.conftest import Serve
@@ -47,8 +47,7 @@ def visitor(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Visi
 
 
 def study_of(app: Flask) -> Study:
-    with app.app_context():
-        return study_site().study
+    return site_of(app).study
 
 
 @pytest.mark.parametrize("folder", NAMES, indirect=True)

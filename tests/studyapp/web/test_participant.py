@@ -1,4 +1,4 @@
-"""A participant's way over HTTP, and everything that is posted where it does not belong."""
+"""What a participant's pages say, and reports of watching that are none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables import Trial
 from studyapp.web.protection import AT_ONCE
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
@@ -24,31 +24,16 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
     return Visitor(app, clock).enrol().begin()
 
 
-def test_the_consent_page_states_the_terms_and_stores_nothing(serve: Serve) -> None:
-    plain = 'payment = "2.50 EUR"\n'
-    app = serve((plain, f'{plain}ethics = "Ethics committee, no. 7 <b>"\n'))
-    page = app.test_client().get("/").text
-
-    for words in ("Institute of Gestures", "10 minutes", "2.50 EUR", "gestures@example.org"):
-        assert words in page
-    assert "<dt>Ethics</dt><dd>Ethics committee, no. 7 &lt;b&gt;</dd>" in page
-    assert not stored_in(app, select(StudySession))
-
-
-def test_nothing_is_preselected_and_every_answer_has_words(visitor: Visitor) -> None:
+def test_a_trial_asks_of_its_emotion_and_preselects_nothing(app: Flask, visitor: Visitor) -> None:
     page = visitor.page()
 
+    (trial,) = stored_in(app, select(Trial).where(Trial.position == 1))
+    assert page.one(".emotion").get_text() == trial.emotion
     assert page.checked() == {}
     labels = [label.get_text(strip=True) for label in page.soup.select(".scale label")]
     assert labels == ["clearly A", "slightly A", "no difference", "slightly B", "clearly B"] * 2
     values = [radio["value"] for radio in page.soup.select("[name=rhythm]")]
     assert values == ["-2", "-1", "0", "1", "2"]
-
-
-def test_the_question_names_the_emotion_of_the_speech(app: Flask, visitor: Visitor) -> None:
-    emotion = visitor.page().one(".emotion").get_text()
-
-    assert stored_in(app, select(Trial).where(Trial.position == 1))[0].emotion == emotion
 
 
 NO_REPORTS: list[object] = [
@@ -131,9 +116,15 @@ def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
     serve: Serve, clock: SetClock
 ) -> None:
     hostile = "<script>alert(1)</script>' onload='x"
-    keys = (("title", "Gestures and speech"), ("contact", "gestures@example.org"))
+    terms = {
+        "title": "Gestures and speech",
+        "contact": "gestures@example.org",
+        "organisation": "Institute of Gestures",
+    }
+    payment = 'payment = "2.50 EUR"'
     app = serve(
-        *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys),
+        *((f'{key} = "{old}"', f'{key} = "{key} {hostile}"') for key, old in terms.items()),
+        (payment, f'payment = "payment {hostile}"\nethics = "ethics {hostile}"'),
         ("In which video do the gestures fit", hostile),
         ("You will", hostile),
     )
@@ -141,6 +132,9 @@ def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
     seen = [PageReader(visitor.client.get("/").text), visitor.enrol().page()]
     seen.append(visitor.begin().page())
 
+    for term in (*terms, "payment", "ethics"):
+        assert f"{term} {hostile}" in seen[0].soup.get_text()
+    assert "10 minutes" in seen[0].soup.get_text()
     for page in seen:
         assert hostile in page.soup.get_text()
         assert all(script.get("src") for script in page.soup.select("script"))

@@ -39,23 +39,6 @@ def test_pages_hold_no_inline_script_or_style_and_ask_nobody_else(template: Path
     assert all("src=" in tag for tag in re.findall(r"<script[^>]*>", text))
 
 
-def loaded(script: str) -> set[str]:
-    """Return the names of `script` and of all that it imports."""
-    imports = re.findall(r'from "\./([a-z_]+\.js)"', (WEB / "static" / script).read_text("utf-8"))
-    return {script}.union(*(loaded(each) for each in imports))
-
-
-def test_a_trial_page_with_all_it_loads_stays_under_80_kb(app: Flask, clock: SetClock) -> None:
-    page = Visitor(app, clock).enrol().begin().page()
-
-    linked = page.soup.select("link[href], script[src]")
-    names = {str(tag.get("href") or tag["src"]).rpartition("/")[2] for tag in linked}
-    files = set().union(*(loaded(name) if name.endswith(".js") else {name} for name in names))
-    assert {"style.css", "trial.js", "ranking.js"} <= files
-    total = len(page.text.encode()) + sum((WEB / "static" / f).stat().st_size for f in files)
-    assert total < 80_000
-
-
 def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
     answer = app.test_client().post("/", data={"visit": "x" * 70_000})
 

@@ -10,7 +10,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, Response
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -68,8 +68,7 @@ def test_what_is_refused_is_noted_by_its_kind(
 def test_the_character_nul_is_refused_wherever_it_stands(
     app: Flask, opened: Database, participant: Participant
 ) -> None:
-    with app.app_context():
-        attach(app, replace(study_site(), database=opened))
+    attach(app, replace(site_of(app), database=opened))
     client = app.test_client()
     page = f"/take/{participant.token}"
     nowhere = ("/take/%00", "/media/%00.mp4", "/take/%00/withdraw", "/?PROLIFIC_PID=a%00b")

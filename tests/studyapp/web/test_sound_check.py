@@ -17,7 +17,7 @@ from sqlalchemy import select
 from studyapp.database.tables import StudySession
 from studyapp.study.settings.presentation import Language
 from studyapp.web.participants.sound_check import spoken
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor
 from tests.support.studies.taking_part_steps import SetClock
@@ -60,7 +60,7 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
     source = visitor.page().value("audio", "src")
     told = []
     for drawn in ("123", "987"):
-        with listening.app_context(), study_site().database.writing() as session:
+        with site_of(listening).database.writing() as session:
             session.scalars(select(StudySession)).one().sound_digits = drawn
         page, sound = visitor.client.get(visitor.address), visitor.client.get(source)
         headers = [

@@ -11,7 +11,7 @@ from flask.testing import FlaskClient
 from sqlalchemy import Select, select
 
 from studyapp.database.tables import StudySession
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -25,7 +25,7 @@ MOST_PAGES = 60
 
 def stored_in(app: Flask, query: Select[Stored]) -> Sequence[Stored]:
     """Return the first column of what `query` finds in the database of `app`."""
-    with app.app_context(), study_site().database.reading() as session:
+    with site_of(app).database.reading() as session:
         return session.scalars(query).all()
 
 

@@ -8,7 +8,7 @@ import pytest
 from flask import Flask
 
 from studyapp.database.engine import Database
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researchers_at_hand import joined
 from tests.support.studies.taking_part_steps import SetClock
@@ -38,8 +38,7 @@ def hashing_costs_little(cheap_passwords: None) -> None:
 @pytest.fixture
 def stored(app: Flask) -> Database:
     """Return the database that the pages show."""
-    with app.app_context():
-        return study_site().database
+    return site_of(app).database
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from studyapp.results.stored_answers import stored_answers
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from studyapp.study.folder import StudyFolder
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.read_once import read_once
@@ -29,8 +29,7 @@ SCRIPT = "<script>alert(1)</script>"
 @pytest.fixture
 def people(app: Flask, clock: SetClock) -> list[Participant]:
     """Return two participants: one has finished, the other has answered a trial."""
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     done, other = (
         Participant(site.database, site.served, clock).enrol(name).begin() for name in "ab"
     )
@@ -92,8 +91,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
 def test_participants_go_by_the_pseudonyms_of_the_export(
     people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:
-    with log_in.app.app_context():
-        site = study_site()
+    site = site_of(log_in.app)
     arrival = Arrival(recruiter_participant="pid-4711", recruiter_study="one")
     enrol(log_in.stored, site.served, arrival, site.clock)
     exported = read_once(log_in.stored, pseudonyms, drawn_key)

@@ -85,13 +85,6 @@ ODD = [
     "/research/join/%00",
     "/research/log-in?next=%00",
     "/research/rehearsal/",
-    "/research/preview/0/1/1/static/../../../../study.toml",
-    "/research/preview/0/1/1/static/..%2f..%2f..%2fstudy.toml",
-    "/research/preview/0/1/1/static/%2e%2e/app.py",
-    "/research/preview/0/1/1/static//etc/passwd",
-    "/research/preview/0/1/1/media/..%2f0.mp4",
-    "/research/preview/99/1/1/",
-    "/research/preview/0/99999999/1/",
 ]
 
 

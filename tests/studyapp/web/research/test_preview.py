@@ -18,7 +18,7 @@ from studyapp.recruitment.invitations import make_test_participation
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
@@ -42,15 +42,13 @@ def protocol_app(
     path = tmp_path / "responses.db"
     path.write_bytes(empty_sqlite.read_bytes())
     app = create_app(finished_study(request.param), database_url=sqlite_url(path))
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     with closing(site.database):
         yield app
 
 
 def opened(app: Flask) -> tuple[ResearchBrowser, Database]:
-    with app.app_context():
-        database = study_site().database
+    database = site_of(app).database
     joined(database, SetClock(), "Ada")
     browser = ResearchBrowser(app)
     browser.log_in("Ada")
@@ -131,8 +129,12 @@ def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
         "0/1/0/",
         "0/1/1/media/0.mp4",
         "0/1/9/media/1.mp4",
+        "0/99999999/1/",
+        "0/1/1/media/..%2f0.mp4",
         "0/1/1/static/..%2f..%2f..%2fapp.py",
         "0/1/1/static/../app.py",
+        "0/1/1/static/%2e%2e/app.py",
+        "0/1/1/static//etc/passwd",
     ):
         assert browser.client.get(f"/research/preview/{rest}").status_code == 404, rest
     odd = browser.get("/research/preview?arm=nonsense&place=99999999999")

@@ -13,7 +13,7 @@ from studyapp.database.tables import StudySession
 from studyapp.session.intake import decided
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -21,8 +21,7 @@ from tests.support.studies.taking_part_steps import Participant, SetClock
 
 def people(app: Flask, clock: SetClock) -> None:
     """Let one finish, and another be in the middle."""
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     Participant(site.database, site.served, clock).enrol("one").begin().take_all()
     other = Participant(site.database, site.served, clock).enrol("other").begin()
     other.take_trial()

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import cast
 
 import pytest
 from flask import Flask
 
 from studyapp.researchers.audit import logged_changes, looks
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.figures_at_hand import FiguresAtHand
@@ -19,16 +18,14 @@ RESULTS = "/research/results"
 
 
 @pytest.fixture
-def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> Iterator[FiguresAtHand]:
+def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> FiguresAtHand:
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    with app.app_context():
-        yield cast(FiguresAtHand, study_site().figures)
+    return cast(FiguresAtHand, site_of(app).figures)
 
 
 def arrive(app: Flask, clock: SetClock, *names: str) -> None:
     """Let participants finish who do not answer all alike."""
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     for person, name in enumerate(names):
         comer = Participant(site.database, site.served, clock).enrol(name).begin()
         for trial in range(6):
@@ -101,9 +98,8 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
 ) -> None:
     arrive(log_in.app, log_in.clock, "one", "two", "three")
     analyst = log_in("analyst")
-    with log_in.app.app_context():
-        site = study_site()
-        comer = Participant(site.database, site.served, log_in.clock).enrol("four").begin()
+    site = site_of(log_in.app)
+    comer = Participant(site.database, site.served, log_in.clock).enrol("four").begin()
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
     assert "Results before the end" in analyst.get(RESULTS).text
     log_in.clock.advance(minutes=site.served.study.lease_minutes + 1)
