@@ -119,7 +119,11 @@ class Inbox:
                     remedy="Bring that one into the study, or remove it first",
                 )
             return upload.size
-        return partial.stat().st_size if partial.exists() else 0
+        try:
+            return partial.stat().st_size
+        except FileNotFoundError:
+            # There is none yet, or its last piece has just made it the complete file.
+            return upload.size if complete.exists() else 0
 
     def append(self, upload: Upload, offset: int, piece: bytes) -> int:
         """Add a piece to a file, and return how many bytes of it have arrived then.
