@@ -11,7 +11,7 @@ participant. What programs may rely on:
                                 consent form posts to ``/`` and leads to ``/take/<token>``. Both
                                 forms carry ``visit`` and the names that stood in the address, by
                                 which a recruiter or an invitation sends somebody (see
-                                `studyapp.web.participants.sent_by`); questions about the
+                                `studyapp.web.participants.recruiter_names`); questions about the
                                 participant are fields ``form:<question>``, and the consent form
                                 carries those of eligibility unseen.
 ``GET /take/<token>``           where the participant stands: sound check, questions,

@@ -1,4 +1,4 @@
-"""The web application of one study, and the page that tells whether it is well."""
+"""The web application of one study, and its health check."""
 
 from __future__ import annotations
 
@@ -34,21 +34,19 @@ from studyapp.web.site import Desk, StudySite, attach, current_site
 if TYPE_CHECKING:
     from _typeshed.wsgi import WSGIApplication
 
-LETTERS: Final = 32
-
 
 def window_name(token: str) -> str:
-    """Return a name that is the same for all windows of a participant and leads nowhere."""
-    return hashlib.sha256(f"window {token}".encode()).hexdigest()[:LETTERS]
+    """Return a name that all windows of a participant share, and that is no address."""
+    return hashlib.sha256(f"window {token}".encode()).hexdigest()[:32]
 
 
 LARGEST_REQUEST: Final = 64 * 1024
 SCRIPT_SECONDS: Final = 300
-"""How long a browser may keep style and scripts without asking again."""
+"""How long browsers may keep style and scripts."""
 
 
 class StudyWeb(Flask):
-    """Flask with a log that holds no address: addresses hold participants' tokens."""
+    """Flask whose log holds no addresses, because they hold participants' tokens."""
 
     def log_exception(self, exc_info: Any) -> None:
         """Log a failure under the name of the page, with its traceback."""
@@ -60,7 +58,7 @@ def create_app(
     *,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
-    tried: bool = False,
+    is_test: bool = False,
     accel_prefix: str | None = None,
     prefix: str = "",
     served: ServedStudy | None = None,
@@ -77,45 +75,47 @@ def create_app(
     database_url : str, optional
         See `studyapp.database.engine.database_url_of`.
     rehearsal_speed : float, optional
-        Makes a rehearsal: seconds that count as passed for each real one.
-    tried : bool
-        Makes the application for test participations, whose database is their own.
+        Makes a rehearsal, in which so many seconds pass for each real one.
+    is_test : bool
+        Makes the application for test participations, which have a database of their own.
     accel_prefix : str, optional
-        Where a proxy in front finds the study folder: videos are left to it (X-Accel-Redirect).
+        Where a proxy in front finds the study folder, to send the videos (X-Accel-Redirect).
     prefix : str
-        The path on the host below which the study lies; empty where it has the host to itself.
+        The path on the host below which the study is served; empty for the whole host.
     served : ServedStudy, optional
-        What was read of `folder` before; a process that takes another one's place then serves
-        the same study, whatever has become of the files.
+        What was read of `folder` before, so that a restarted worker serves the same study
+        whatever has become of the files.
     store : MediaStore, optional
         Where participants load the videos from.
     origin : str
         What the study's public addresses begin with, such as ``https://study.example.org``; empty
-        where nobody has said so.
+        if unknown.
     desk : Desk, optional
-        The desk by which researchers come in, in place of the study's own login.
+        The desk at which researchers log in, in place of the study's own login.
 
     Raises
     ------
     InputError
         If the study, its media or its database cannot be used, `prefix` is not a path, or the
-        study's design is not the one that its participants were asked about.
+        study's design has changed since participants came.
     """
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     prefix = checked_prefix(prefix)
     rehearsal = rehearsal_speed is not None
     served = served or ServedStudy.read(folder)
-    served = served.opened_to_try() if tried else served.opened_for(rehearsal=rehearsal)
+    served = served.opened_to_try() if is_test else served.opened_for(rehearsal=rehearsal)
     files = StudyFolder(folder)
-    if tried:
+    if is_test:
         database_url = sqlite_url(files.tries)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
-    app.jinja_env.globals.update(window_name=window_name, longest_text=MAX_TEXT_LENGTH, tried=tried)
+    app.jinja_env.globals.update(
+        window_name=window_name, longest_text=MAX_TEXT_LENGTH, is_test=is_test
+    )
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     site = StudySite(
         served=served,
@@ -129,7 +129,7 @@ def create_app(
         origin=origin,
         desk=desk,
     )
-    open_study(site.database, served, site.clock, new_version=tried)
+    open_study(site.database, served, site.clock, new_version=is_test)
     attach(app, site)
     keep_pace(app, site.clock)
     speak(app, language_of(served.study.page.language))
@@ -138,8 +138,8 @@ def create_app(
     app.register_blueprint(sound_check.pages)
     app.register_blueprint(media.pages)
     app.register_blueprint(health_pages)
-    if not rehearsal and not tried:
-        # A rehearsal is looked at from the study's own server, where researchers have accounts.
+    if not rehearsal and not is_test:
+        # Researchers watch a rehearsal at the study's own server, where they have accounts.
         app.register_blueprint(research_pages())
     register_error_pages(app)
     protect(
@@ -148,11 +148,11 @@ def create_app(
         media="" if store is None else store.origin,
     )
     mounted: WSGIApplication = app.wsgi_app
-    if not rehearsal and not tried:
+    if not rehearsal and not is_test:
         mounted = with_test_participations(
             mounted,
             lambda: create_app(
-                folder, tried=True, served=served, accel_prefix=accel_prefix, store=store
+                folder, is_test=True, served=served, accel_prefix=accel_prefix, store=store
             ),
             files.tries,
         )
@@ -161,32 +161,32 @@ def create_app(
 
 
 KNOWN_SECONDS: Final = 1.0
-"""For how long the last answer stands: anybody may ask, and to find out costs a write."""
+"""For how long a result counts: anybody may ask, and each check costs a write."""
 
 ANSWER_SECONDS: Final = 5.0
-"""How long the database may take. One that is frozen, or has no connection left, takes longer."""
+"""How long the database may take; one that is frozen or out of connections takes longer."""
 
 health_pages = Blueprint("health", __name__)
 
 
 @health_pages.get(HEALTH)
 def health() -> Response:
-    """Say whether answers can be stored; nothing of the study is told."""
-    known = cast(Health, current_app.extensions.setdefault(HEALTH, Health()))
-    if not known.is_well(current_site().database, current_app.logger):
+    """Say whether answers can be stored, and nothing of the study."""
+    check = cast(Health, current_app.extensions.setdefault(HEALTH, Health()))
+    if not check.is_well(current_site().database, current_app.logger):
         return Response("Answers cannot be stored.\n", 503, mimetype="text/plain")
     return Response("ok\n", mimetype="text/plain")
 
 
 class Health:
-    """Whether answers can be stored, as one attempt after the other finds out."""
+    """Whether answers can be stored, by one attempt after the other."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._attempt: _Attempt | None = None
 
     def is_well(self, database: Database, log: logging.Logger) -> bool:
-        """Return what the last attempt found, or a new one; False where it has no end in time."""
+        """Return the result of the last attempt, or a new one; False if it takes too long."""
         with self._lock:
             if self._attempt is None or self._attempt.is_outdated:
                 self._attempt = _Attempt(database, log)
@@ -195,7 +195,7 @@ class Health:
 
 
 class _Attempt:
-    """An attempt to write, beside the requests that wait for it."""
+    """An attempt to write, in a thread beside the requests that wait for it."""
 
     def __init__(self, database: Database, log: logging.Logger) -> None:
         self._began = time.monotonic()
@@ -205,11 +205,11 @@ class _Attempt:
 
     @property
     def is_outdated(self) -> bool:
-        """Whether it has ended, and what it found stands no longer."""
+        """Whether it has ended, and its result no longer counts."""
         return self._ended.is_set() and time.monotonic() - self._began >= KNOWN_SECONDS
 
     def succeeds(self) -> bool:
-        """Tell whether it has succeeded, as soon as it has, or has had its time."""
+        """Return whether it has succeeded, once it has ended or its time is over."""
         self._ended.wait(max(0.0, self._began + ANSWER_SECONDS - time.monotonic()))
         return self._succeeded
 

@@ -1,4 +1,4 @@
-"""Pages for what goes wrong: what happened, what to do, and that nothing is lost."""
+"""Error pages: what happened, what to do, and that nothing is lost."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ NOT_UNDERSTOOD: Final = (
     Message("Your browser's request could not be understood."),
     Message("Please go back and try again; what you answered before is stored."),
 )
-"""Of every other request that is at fault itself."""
+"""For every other request that is wrong itself."""
 
 OUR_FAULT: Final = (
     Message("Something went wrong on our side."),
@@ -77,7 +77,7 @@ NUL: Final = "\0"
 
 
 def wants_json() -> bool:
-    """Tell whether the request comes from a script rather than from a form."""
+    """Return whether the request comes from a script rather than from a form."""
     kinds = request.accept_mimetypes
     return kinds.best_match(["text/html", "application/json"]) == "application/json"
 
@@ -88,14 +88,14 @@ def register_error_pages(app: Flask) -> None:
     @app.before_request
     def refuse_nul() -> None:
         """Refuse the one character that no text of PostgreSQL, and no path, can hold."""
-        if NUL in request.path or _hold_nul(request.args):
+        if NUL in request.path or _holds_nul(request.args):
             abort(404)
-        if _hold_nul(request.form):
+        if _holds_nul(request.form):
             abort(400)
 
     @app.errorhandler(RefusalError)
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
-        note(refusal)
+        note_and_explain(refusal)
         return _page(refusal.messages, STATUS[type(refusal)])
 
     @app.errorhandler(OperationalError)
@@ -103,31 +103,27 @@ def register_error_pages(app: Flask) -> None:
     @app.errorhandler(LineHeldError)
     def ask_for_patience(error: SQLAlchemyError | LineHeldError) -> ResponseReturnValue:
         cause = error.orig if isinstance(error, OperationalError) else error
-        words = (str(cause).splitlines() or [""])[0]
-        app.logger.error("The database cannot be used: %s (%s)", words, type(cause).__name__)
+        first_line = (str(cause).splitlines() or [""])[0]
+        app.logger.error("The database cannot be used: %s (%s)", first_line, type(cause).__name__)
         return _page(OUR_FAULT, 503)
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
         status = error.code or FIRST_FAULT_OF_OURS
-        others = OUR_FAULT if status >= FIRST_FAULT_OF_OURS else NOT_UNDERSTOOD
-        return _page(WORDS.get(status, others), status)
+        default = OUR_FAULT if status >= FIRST_FAULT_OF_OURS else NOT_UNDERSTOOD
+        return _page(WORDS.get(status, default), status)
 
 
-def _hold_nul(values: MultiDict[str, str]) -> bool:
+def _holds_nul(values: MultiDict[str, str]) -> bool:
     return any(NUL in name or NUL in value for name, value in values.items(multi=True))
 
 
-def note(refusal: RefusalError) -> None:
-    """Note for the researcher that a participant's request was refused."""
-    site, token = study_site(), (request.view_args or {}).get("token")
+def note_and_explain(refusal: RefusalError) -> str:
+    """Note a participant's refusal for researchers; return what happened and what to do."""
+    token = (request.view_args or {}).get("token")
     if token is not None and request.endpoint is not None:
-        asked = request.endpoint.rpartition(".")[2]
-        note_refusal(site.database, token, asked, refusal, site.clock)
-
-
-def told(refusal: RefusalError) -> str:
-    """Return in the page's language what happened and what to do."""
+        site, page = study_site(), request.endpoint.rpartition(".")[2]
+        note_refusal(site.database, token, page, refusal, site.clock)
     return _joined(refusal.messages)
 
 
@@ -140,12 +136,12 @@ def _page(messages: tuple[Message, Message], status: int) -> ResponseReturnValue
     if wants_json():
         return jsonify(problem=_joined(messages)), status
     token = (request.view_args or {}).get("token")
-    known = token is not None and status != 404
+    has_way_back = token is not None and status != 404
     what, remedy = messages
     return render_template(
         "problem.html",
         study=study_site().study,
         what=say(what),
         remedy=say(remedy),
-        back=url_for("participant.stand", token=token) if known else None,
+        back=url_for("participant.stand", token=token) if has_way_back else None,
     ), status

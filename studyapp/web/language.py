@@ -1,6 +1,6 @@
-"""The language of a study's pages: one for the whole application, from the study's file.
+"""The language of a study's pages: one for the whole application, named in the study's file.
 
-The English texts stand where they are used. Their translations are
+The English texts are in the code that uses them. Their translations are
 ``catalogues/<language>/LC_MESSAGES/messages.po``, compiled in memory when the application starts.
 """
 
@@ -28,19 +28,19 @@ SOURCE: Final = "en"
 """The language of the texts in templates and code."""
 
 REGIONS: Final = {SOURCE: "en_GB"}
-"""Where a language is written in more than one way."""
+"""Regions of languages that are written in more than one way."""
 
 EXTENSION: Final = "motionjury-language"
 COUNTS: Final = range(200)
 """Numbers among which every plural form of a language occurs."""
 
 ScriptTexts = Mapping[str, str | Mapping[str, str]]
-"""Translations of the scripts' texts; of one with a plural by its category (CLDR)."""
+"""Translations of the scripts' texts; those with a plural by its category (CLDR)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Language:
-    """What pages are written in.
+    """The language that pages are written in.
 
     Attributes
     ----------
@@ -49,9 +49,9 @@ class Language:
     locale : Locale
         How it writes lists and numbers.
     texts : gettext translations
-        From the English texts.
+        Of the English texts.
     script_texts : mapping
-        What `static/words.js` needs of them.
+        Those that `static/words.js` needs.
     """
 
     code: str
@@ -103,21 +103,23 @@ def catalogue_path(code: str) -> Path:
 def _script_texts(
     catalogue: Catalog, locale: Locale, texts: gettext_files.NullTranslations
 ) -> ScriptTexts:
-    """Return the translations of what scripts say."""
-    found: dict[str, str | Mapping[str, str]] = {}
+    """Return the translations of the scripts' texts."""
+    script_texts: dict[str, str | Mapping[str, str]] = {}
     for message in catalogue:
         if not any(file.endswith(".js") for file, _ in message.locations):
             continue
         if isinstance(message.id, str):
-            found[message.id] = texts.gettext(message.id)
+            script_texts[message.id] = texts.gettext(message.id)
         else:
             one, many = message.id
-            found[one] = {locale.plural_form(n): texts.ngettext(one, many, n) for n in COUNTS}
-    return found
+            script_texts[one] = {
+                locale.plural_form(n): texts.ngettext(one, many, n) for n in COUNTS
+            }
+    return script_texts
 
 
 def speak(app: Flask, language: Language) -> None:
-    """Let the pages of `app` be written in `language`."""
+    """Write the pages of `app` in `language`."""
     app.extensions[EXTENSION] = language
     app.jinja_env.add_extension("jinja2.ext.i18n")
     # The method is the extension's own; type checkers do not know it.
@@ -128,24 +130,24 @@ def speak(app: Flask, language: Language) -> None:
     app.jinja_env.globals["language"] = language
 
 
-def spoken() -> Language:
-    """Return the language of the application that answers the present request."""
+def page_language() -> Language:
+    """Return the language of the pages of the present request."""
     return cast(Language, current_app.extensions[EXTENSION])
 
 
 def gettext(text: str, /, **values: object) -> str:
     """Return `text` in the page's language, ``%(places)s`` filled with `values`."""
-    return spoken().texts.gettext(text) % values
+    return page_language().texts.gettext(text) % values
 
 
 def ngettext(one: str, many: str, count: int, /, **values: object) -> str:
     """Return the form for `count` things in the page's language; ``%(num)s`` is the count."""
-    return spoken().texts.ngettext(one, many, count) % {"num": count, **values}
+    return page_language().texts.ngettext(one, many, count) % {"num": count, **values}
 
 
 def say(message: Message) -> str:
     """Return `message` in the page's language."""
-    return spoken().say(message)
+    return page_language().say(message)
 
 
 _ = gettext

@@ -1,4 +1,4 @@
-"""The videos, under names that say nothing."""
+"""The videos, under random names."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from studyapp.web.site import study_site
 class FilePart:
     """The bytes of `path` from `start` up to, not including, `stop`.
 
-    A server that knows the number of bytes may also let the kernel send them, from where the
-    descriptor stands.
+    A server that knows the number of bytes may let the kernel send them, from the descriptor's
+    position on.
     """
 
     def __init__(self, path: Path, start: int, stop: int) -> None:
@@ -31,8 +31,8 @@ class FilePart:
 
     def read(self, size: int = -1) -> bytes:
         """Return the next bytes, at most `size` of them where it is not negative."""
-        wanted = self._left if size < 0 else min(size, self._left)
-        block = self._file.read(wanted) or b""
+        count = self._left if size < 0 else min(size, self._left)
+        block = self._file.read(count) or b""
         self._left -= len(block)
         return block
 
@@ -51,36 +51,36 @@ KEPT_SECONDS: Final = 3600
 BLOCK: Final = 1 << 16
 
 OWN_COPY: Final = "own"
-"""What a page adds to the address of a video that the store does not send."""
+"""Added by pages to the address of a video that the store does not send."""
 
 
 @pages.get("/media/<token>.mp4")
 def video(token: str) -> Response:
-    """Send the video of a trial, whole or the byte range asked for.
+    """Send the video of a trial, whole or the requested byte range.
 
-    The headers are the same for every file: its name and age would tell videos apart.
+    The headers are the same for every file: name and age would tell videos apart.
     """
     site = study_site()
     if request.method == "HEAD":
         content = content_of(site.database, token)
     else:
         content = content_to_send(site.database, token, site.clock)
-    found = site.served.videos.get(content) if content is not None else None
-    if content is None or found is None:
+    video_file = site.served.videos.get(content) if content is not None else None
+    if content is None or video_file is None:
         abort(404)
     site.record.require_unchanged()
-    elsewhere = _in_store(token, content)
-    if elsewhere is not None:
-        return elsewhere
-    response = send_video(found.file)
+    redirection = _redirect_to_store(token, content)
+    if redirection is not None:
+        return redirection
+    response = send_video(video_file.file)
     response.headers["Cache-Control"] = f"private, max-age={KEPT_SECONDS}"
     return response
 
 
-def _in_store(token: str, content: Content) -> Response | None:
-    """Send the browser to the store for `content`; None where this server has to send it.
+def _redirect_to_store(token: str, content: Content) -> Response | None:
+    """Send the browser to the store for `content`; None if this server must send it.
 
-    It has to where a page asks for its own copy: then the store may be down.
+    It must where a page asks for the server's own copy, because the store may be down.
     """
     site = study_site()
     if site.store is None or request.method != "GET" or OWN_COPY in request.args:
@@ -88,7 +88,7 @@ def _in_store(token: str, content: Content) -> Response | None:
     try:
         address = site.store.address(content, earlier_contents(site.database, token))
     except InputError as error:
-        # Such as keys that have expired. The file is here as well.
+        # Such as expired keys. The file is on this server as well.
         current_app.logger.error("A video is sent from here: %s", error.what)
         return None
     if address is None:
@@ -100,40 +100,41 @@ def _in_store(token: str, content: Content) -> Response | None:
 
 def send_video(file: Path) -> Response:
     """Send `file`, whole or the byte range that the present request asks for."""
-    return _left_to_proxy(file) or _sent(file)
+    return _send_through_proxy(file) or _send(file)
 
 
-def _left_to_proxy(file: Path) -> Response | None:
-    """Name `file` to the proxy in front, which sends it in place of this answer.
+def _send_through_proxy(file: Path) -> Response | None:
+    """Name `file` to the proxy in front, which sends it in place of this response.
 
-    None where there is no such proxy, or it cannot reach the file: a link to outside the study.
+    None if there is no such proxy, or it cannot reach the file, such as a link out of the study.
     """
     site = study_site()
     if site.accel_prefix is None or not file.is_relative_to(site.folder):
         return None
-    inner = quote(f"{site.accel_prefix.rstrip('/')}/{file.relative_to(site.folder).as_posix()}")
-    return Response(mimetype="video/mp4", headers={"X-Accel-Redirect": inner})
+    inner_path = quote(
+        f"{site.accel_prefix.rstrip('/')}/{file.relative_to(site.folder).as_posix()}"
+    )
+    return Response(mimetype="video/mp4", headers={"X-Accel-Redirect": inner_path})
 
 
-def _sent(file: Path) -> Response:
-    """Send `file`, or the part of it that was asked for."""
+def _send(file: Path) -> Response:
     size = file.stat().st_size
-    # No version of a file is ever named, so a condition on one cannot hold.
-    asked = None if "If-Range" in request.headers else request.range
+    # Files have no version, so that no condition on one can hold.
+    byte_range = None if "If-Range" in request.headers else request.range
     start, stop = 0, size
     headers = {"Accept-Ranges": "bytes"}
-    if asked is not None:
-        part = asked.range_for_length(size)
-        where = asked.to_content_range_header(size)
-        if part is None or part[1] is None or where is None:
+    if byte_range is not None:
+        ends = byte_range.range_for_length(size)
+        content_range = byte_range.to_content_range_header(size)
+        if ends is None or ends[1] is None or content_range is None:
             raise RequestedRangeNotSatisfiable(size)
-        start, stop = part[0], part[1]
-        headers["Content-Range"] = where
+        start, stop = ends[0], ends[1]
+        headers["Content-Range"] = content_range
     headers["Content-Length"] = str(stop - start)
     return Response(
         # The server hands such a body to the kernel, which sends it without this process.
         wrap_file(request.environ, cast(IO[bytes], FilePart(file, start, stop)), BLOCK),
-        206 if asked is not None else 200,
+        206 if byte_range is not None else 200,
         headers,
         mimetype="video/mp4",
         direct_passthrough=True,

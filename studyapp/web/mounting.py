@@ -1,7 +1,7 @@
-"""The study below a path of its host, and once more below ``/try/`` for who tries it.
+"""The study below a path of its host, and again below ``/try/`` for test participations.
 
-Every address begins with that path. A proxy in front passes addresses on as they are. Nobody can
-name another path in a header.
+Every address begins with that path. A proxy in front passes addresses on unchanged, and no header
+can name another path.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from flask import Flask, request
+from flask import Flask
 from werkzeug.utils import redirect
 from werkzeug.wrappers import Request, Response
 
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment
 
 PREFIX: Final = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
-"""Parts that need no escaping in any file or address; none is ``.`` or ``..``."""
-
+"""Parts that need no escaping in files and addresses; none is ``.`` or ``..``."""
 
 HEALTH: Final = "/healthz"
 TRY: Final = "/try"
@@ -49,50 +48,50 @@ def at_sub_path(application: WSGIApplication, prefix: str) -> WSGIApplication:
         Such as ``/studies/one``; see `checked_prefix`.
     """
 
-    def answer(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+    def dispatch(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
         path = environ.get("PATH_INFO", "")
         inside = below(prefix, {**environ, "SCRIPT_NAME": ""})
-        # Who looks whether the server is well asks it directly, past any proxy.
+        # Health checks come directly, past any proxy.
         if inside is not None or path == HEALTH:
             return application(inside or environ, start_response)
         if path == prefix:
-            asked = Request(environ).query_string.decode("latin-1")
-            elsewhere = redirect(f"{prefix}/{asked and f'?{asked}'}", 308)
+            query = Request(environ).query_string.decode("latin-1")
+            response = redirect(f"{prefix}/{query and f'?{query}'}", 308)
         else:
-            elsewhere = Response("There is no such page.\n", 404, mimetype="text/plain")
-        elsewhere.headers.update(PROTECTION | {"Cache-Control": "no-store"})
-        # An address without a host stays on the host, and scheme, by which the proxy was asked.
-        elsewhere.autocorrect_location_header = False
-        return elsewhere(environ, start_response)
+            response = Response("There is no such page.\n", 404, mimetype="text/plain")
+        response.headers.update(PROTECTION | {"Cache-Control": "no-store"})
+        # An address without a host keeps the host and the scheme that the proxy was asked for.
+        response.autocorrect_location_header = False
+        return response(environ, start_response)
 
-    return answer
+    return dispatch
 
 
 def with_test_participations(
-    study: WSGIApplication, make_tried: Callable[[], Flask], tries: Path
+    study: WSGIApplication, make_test: Callable[[], Flask], database: Path
 ) -> WSGIApplication:
-    """Return the study for participants, and below `TRY` the same for who tries it.
+    """Return the study for participants, and below `TRY` the same for test participations.
 
     Parameters
     ----------
     study : WSGI application
         For participants.
-    make_tried : callable
-        Makes the other one, once somebody asks for it.
-    tries : Path
-        Its database. Without it nobody has a link, and nothing is made.
+    make_test : callable
+        Makes the other one, when somebody first asks for it.
+    database : Path
+        Of the other one. Without it nobody has a link, and nothing is made.
     """
-    made_once, making = cache(make_tried), threading.Lock()
+    make_once, lock = cache(make_test), threading.Lock()
 
-    def answer(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+    def dispatch(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
         inside = below(TRY, environ)
-        if inside is None or not tries.exists():
+        if inside is None or not database.exists():
             return study(environ, start_response)
-        with making:
-            tried = made_once()
-        return tried(inside, start_response)
+        with lock:
+            test = make_once()
+        return test(inside, start_response)
 
-    return answer
+    return dispatch
 
 
 def checked_prefix(text: str) -> str:
@@ -113,15 +112,6 @@ def checked_prefix(text: str) -> str:
     return path
 
 
-if TYPE_CHECKING:
-    from _typeshed.wsgi import StartResponse, WSGIApplication, WSGIEnvironment
-
-
-def address_to_try(token: str) -> str:
-    """Return where the holder of `token` tries the study, from the host's root."""
-    return f"{request.script_root}{path_to_try(token)}"
-
-
 def path_to_try(token: str) -> str:
-    """Return the same from the study's root."""
+    """Return the path from the study's root of the test participation with `token`."""
     return f"{TRY}/?invitation={token}"

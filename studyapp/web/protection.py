@@ -1,4 +1,4 @@
-"""What protects participants and the server: headers of every answer, and a limit on reports.
+"""Protection of participants and server: headers of every response, and a limit on reports.
 
 The headers keep a page's address, content and origin to itself.
 """
@@ -32,31 +32,30 @@ PARTICIPANTS: Final = ("entrance", "participant", "sound_check")
 
 
 FOREIGN_FILES: Final = "research.job_file"
-"""Endpoint of files that are no pages of ours, such as reports."""
+"""Endpoint of files that are no pages of the server, such as reports."""
 
 SHUT_IN: Final = (
     "sandbox allow-scripts allow-downloads; default-src data: blob: 'unsafe-inline'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-"""The policy of such files: whatever is in them has no origin, and asks nobody for anything."""
-
+"""The policy of such files: their scripts have no origin, and load nothing."""
 
 BROWSERS_KEEP: Final = ("static", "media.video", "research.viewer_file", "research.viewer_avatar")
-"""Endpoints of what a browser may keep."""
+"""Endpoints of files that browsers may keep."""
 
 
 def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
-    """Add the headers to every answer of `app`.
+    """Add the headers to every response of `app`.
 
-    Pages can be shown within those of others only where a recruiter needs it; those of
-    researchers never.
+    Participants' pages can be framed by other sites only if a recruiter needs it; researchers'
+    pages never.
 
     Parameters
     ----------
     media : str
         The origin of the store that participants load videos from; empty where there is none.
     """
-    # Speech comes along with the motion that researchers turn around.
+    # The viewer of motion plays speech from data addresses.
     alone = _policy(media="data:") | {"X-Frame-Options": "DENY"}
     framed = _policy(media=media) | {"X-Frame-Options": "DENY"}
     if recruitment.channel == "mturk":
@@ -78,9 +77,9 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
 def _policy(
     *, frames: Sequence[str] = (), forms: Sequence[str] = (), media: str = ""
 ) -> dict[str, str]:
-    """Return the policy of pages that `frames` may hold, and whose forms may go to `forms`.
+    """Return the policy of pages that `frames` may show, and whose forms may go to `forms`.
 
-    Their videos may come from `media` too, played or fetched ahead.
+    Their videos may also come from `media`.
     """
     rules = (
         "default-src 'none'",
@@ -100,11 +99,11 @@ PER_SECOND: Final = 3.0
 
 
 AT_ONCE: Final = 30
-"""Reports that may come together, as from a page whose line was lost for long."""
+"""Reports that may come together, such as after a lost connection."""
 
 
 KEPT: Final = 10_000
-"""Participants after which those are forgotten who have sent nothing for a while."""
+"""Participants beyond which those who have sent nothing for a while are forgotten."""
 
 
 class Pace:
@@ -115,31 +114,31 @@ class Pace:
         self._lock = threading.Lock()
 
     def seconds_to_wait(self, token: str, now: float) -> float:
-        """Count a report; return 0, or how long to wait with it where it is one too many.
+        """Count a report; return 0, or how long to wait if it is one too many.
 
         Parameters
         ----------
         token : str
             The participant's.
         now : float
-            The present moment in seconds, from any one beginning.
+            The present moment in seconds, on any clock.
         """
-        whose = hash(token)
+        participant = hash(token)
         with self._lock:
             if len(self._paid_until) >= KEPT:
                 self._paid_until = {
-                    who: until for who, until in self._paid_until.items() if until > now
+                    each: until for each, until in self._paid_until.items() if until > now
                 }
-            until = max(now, self._paid_until.get(whose, now)) + 1 / PER_SECOND
+            until = max(now, self._paid_until.get(participant, now)) + 1 / PER_SECOND
             wait = until - now - AT_ONCE / PER_SECOND
             if wait > 1e-9:
                 return wait
-            self._paid_until[whose] = until
+            self._paid_until[participant] = until
             return 0.0
 
 
 def keep_pace(app: Flask, clock: Clock) -> None:
-    """Refuse reports to `app` beyond what one participant may send, before anything is read."""
+    """Refuse a participant's excess reports before they are read."""
     pace = Pace()
 
     @app.before_request

@@ -33,21 +33,21 @@ RETRY_SECONDS: Final = 1.0
 
 WORKERS: Final = 2
 THREADS: Final = 128
-"""Requests that one worker works on side by side.
+"""Requests that one worker answers side by side.
 
-Lines cost no thread, however slow they are: see `studyapp.web.worker`. Threads that wait for the
-database cost next to nothing.
+Slow connections cost no thread, see `studyapp.web.worker`; threads that wait for the database cost
+next to nothing.
 """
 
 CONNECTIONS: Final = 1000
-"""Lines that one worker keeps open."""
+"""Connections that one worker keeps open."""
 
 DESCRIPTORS: Final = 4 * CONNECTIONS
-"""Files that one worker may have open; each line may have a video's besides its own."""
+"""Files that one worker may have open: connections, and the videos they read."""
 
 
 class StudyServer(BaseApplication):  # type: ignore[misc]
-    """gunicorn, set up in this process; every worker makes its own application."""
+    """gunicorn, configured in this process; every worker makes its own application."""
 
     def __init__(self, options: dict[str, Any], make: Callable[[], Flask]) -> None:
         self.options = options
@@ -55,15 +55,14 @@ class StudyServer(BaseApplication):  # type: ignore[misc]
         super().__init__()
 
     def load_config(self) -> None:
-        """Take over the options; no file and no command line is read."""
+        """Set the options; gunicorn reads no file and no command line."""
         for name, value in self.options.items():
             self.cfg.set(name, value)
 
     def load(self) -> Flask:
         """Make the application, in the worker's own process.
 
-        Where the database is away just then, it is waited for: a worker that gives up takes the
-        whole server with it.
+        A worker that gave up would stop the whole server, so this waits for a missing database.
         """
         while True:
             try:
@@ -101,13 +100,13 @@ def run_server(
     workers : int
         Processes.
     threads : int
-        Requests that each of them handles side by side.
+        Requests that each process answers side by side.
     database_url, rehearsal_speed, accel_prefix, prefix, origin
         See `studyapp.web.app.create_app`.
     new_version : bool
-        Whether a design that has changed since participants came becomes a new version.
+        Whether a design that has changed since participants came is served as a new version.
     from_store : bool
-        Whether participants load the videos from the store that they were published to.
+        Whether participants load the videos from the store to which they were published.
     on_ready : callable, optional
         Called when the server listens.
 
@@ -127,7 +126,7 @@ def run_server(
     AlarmChannels.of(served.study)
     require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
-    # The workers find the newest schema and version and need not make them all at once.
+    # Before the workers start, so that they need not all make schema and version at once.
     with closing(Database.open(url)) as database:
         open_study(database, served, Clock(), new_version=new_version)
 
@@ -181,16 +180,16 @@ def serve_application(
         "loglevel": "warning",
         "proc_name": "motionjury",
         "control_socket_disable": True,
-        # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
-        # is read in `studyapp.web.site`. The sub-path is ours to name.
+        # Of a proxy's headers, only the scheme is trusted here; `studyapp.web.site` reads the
+        # client's address.
         "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
         "forwarder_headers": "",
     }
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
     _allow_descriptors()
-    # What is loaded here stays for good. Workers share its memory as long as no collection of
-    # garbage walks over it, and end without one.
+    # What is loaded by now is never freed. Workers share its memory as long as garbage collection
+    # does not touch it.
     gc.freeze()
     StudyServer(options, make).run()
 

@@ -1,4 +1,4 @@
-"""What every request needs: the study, its database and clock, and from which address it came."""
+"""What every request needs: the study, its database and clock, and the client's address."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Site(Protocol):
 
     @property
     def name(self) -> str:
-        """What tells it apart from others on the host."""
+        """Its name among others on the host."""
 
     @property
     def title(self) -> str:
-        """What stands above its pages."""
+        """The title of its pages."""
 
     @property
     def database(self) -> Database:
@@ -44,20 +44,20 @@ class Site(Protocol):
 
     @property
     def clock(self) -> Clock:
-        """What tells its time."""
+        """Its clock."""
 
     @property
     def origin(self) -> str:
-        """What its public addresses begin with, before the path; empty where nobody said so."""
+        """What its public addresses begin with, before the path; empty if unknown."""
 
     @property
     def desk(self) -> Desk | None:
-        """The desk by which researchers come in; None where they log in here."""
+        """The desk at which researchers log in; None if they log in here."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Desk:
-    """The desk at which a study is.
+    """The desk that serves a study.
 
     Attributes
     ----------
@@ -80,17 +80,17 @@ class StudySite:
     folder : Path
         The study folder.
     record : VideoRecord
-        Tells whether its videos are still those that are served.
+        Checks that its videos are still those that are served.
     figures : FigureProcess
-        Computes what pages of researchers show of the answers so far.
+        Computes the interim figures of researchers' pages.
     accel_prefix : str or None
-        Where a proxy in front finds that folder; None where this server sends the videos itself.
+        Where a proxy in front finds that folder; None if this server sends the videos itself.
     store : MediaStore or None
         Where participants load the videos from instead.
     origin : str
-        What the study's public addresses begin with, before the path; empty where nobody said so.
+        What the study's public addresses begin with, before the path; empty if unknown.
     desk : Desk or None
-        The desk by which researchers come in; None where they log in here.
+        The desk at which researchers log in; None if they log in here.
     """
 
     served: ServedStudy
@@ -142,34 +142,34 @@ def study_site() -> StudySite:
 
 
 PROXIES: Final = "FORWARDED_ALLOW_IPS"
-"""Names the proxies that are believed; gunicorn reads it too."""
+"""Names the trusted proxies; gunicorn reads it too."""
 
 OWN_NETWORK: Final = 64
-"""Leading bits of an IPv6 address that are one household's or institute's."""
+"""Leading bits of an IPv6 address that a household or an institute shares."""
 
 
 def client_address() -> str:
-    """Return the address that asks; of IPv6, its network, as anybody has very many addresses.
+    """Return the client's address; of IPv6, its network, as every client has many addresses.
 
-    A proxy says for whom it asks, in the last entry of ``X-Forwarded-For``. It is believed where
-    the environment names it in ``FORWARDED_ALLOW_IPS``, as the server itself does.
+    A proxy names its client in the last entry of ``X-Forwarded-For``. It is trusted if the
+    environment names it in ``FORWARDED_ALLOW_IPS``.
     """
     peer = _parsed(request.remote_addr or "")
     forwarded = _parsed(request.headers.get("X-Forwarded-For", "").rpartition(",")[2].strip())
-    found = forwarded if forwarded is not None and _is_trusted(peer) else peer
-    if found is None:
+    client = forwarded if forwarded is not None and _is_trusted(peer) else peer
+    if client is None:
         return "unknown"
-    if isinstance(found, ipaddress.IPv6Address):
-        if found.ipv4_mapped is not None:
-            return str(found.ipv4_mapped)
-        return str(ipaddress.ip_network((found, OWN_NETWORK), strict=False))
-    return str(found)
+    if isinstance(client, ipaddress.IPv6Address):
+        if client.ipv4_mapped is not None:
+            return str(client.ipv4_mapped)
+        return str(ipaddress.ip_network((client, OWN_NETWORK), strict=False))
+    return str(client)
 
 
 def newcomers_address() -> str | None:
-    """Return `client_address`, None where a proxy asks that is not believed.
+    """Return `client_address`, None behind a proxy that is not trusted.
 
-    The address of such a proxy would be that of everybody.
+    All participants would share the address of such a proxy.
     """
     peer = _parsed(request.remote_addr or "")
     proxied = "X-Forwarded-For" in request.headers and (peer is None or not peer.is_global)
@@ -188,13 +188,13 @@ def _parsed(text: str) -> Address | None:
 
 
 def _is_trusted(peer: Address | None) -> bool:
-    """Tell whether the one that asks is a proxy of ours; without an address it is a socket."""
+    """Return whether the peer is a trusted proxy; without an address, it is a local socket."""
     networks = believed_proxies()
     return peer is None or networks is None or any(peer in network for network in networks)
 
 
 def believed_proxies() -> tuple[Network, ...] | None:
-    """Return the networks whose proxies are believed; None for all.
+    """Return the networks of trusted proxies; None for all.
 
     Raises
     ------
@@ -216,16 +216,16 @@ def believed_proxies() -> tuple[Network, ...] | None:
 
 @dataclass(frozen=True)
 class TokenCookie:
-    """A cookie with a token that says who sends it.
+    """A cookie with a token that identifies a visitor.
 
     Attributes
     ----------
     whose : str
-        Begins its name.
+        What its name begins with.
     path : str
-        Which pages get it, from the study's root.
+        The pages that get it, from the study's root.
     kept : timedelta or None
-        For how long the browser keeps it; None until it is closed.
+        How long the browser keeps it; None until it is closed.
     """
 
     whose: str
@@ -233,15 +233,15 @@ class TokenCookie:
     kept: timedelta | None = None
 
     def name(self, study: str) -> str:
-        """Return its name: two studies on one host, which ports tell apart, have two."""
+        """Return its name, which differs between studies on one host."""
         return f"{self.whose}-{hashlib.sha256(study.encode()).hexdigest()[:8]}"
 
     def read(self, study: str) -> str | None:
-        """Return what the browser sent, None where it sent none."""
+        """Return the token that the browser sent, None if it sent none."""
         return request.cookies.get(self.name(study))
 
     def send(self, response: Response, study: str, token: str, *, below: str = "") -> None:
-        """Have the browser keep `token`, for pages of a study that lies `below` this one."""
+        """Have the browser keep `token`, for the pages of a study at the path `below`."""
         response.set_cookie(
             self.name(study),
             token,

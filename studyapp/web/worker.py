@@ -1,4 +1,4 @@
-"""gunicorn's worker: no thread waits for a line, and its log quotes no request."""
+"""gunicorn's worker: no thread waits for a connection, and its log quotes no request."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ REFUSALS: Final[dict[type[Exception], tuple[int, str]]] = {
     errors.UnsupportedTransferCoding: (501, "Not Implemented"),
     errors.ForbiddenProxyRequest: (403, "Forbidden"),
 }
-"""What is no request of HTTP as it should be, and is not answered with `BAD_REQUEST`."""
+"""Statuses for faulty requests other than `BAD_REQUEST`."""
 
 OWN_FAULTS: Final = (
     errors.InvalidResponseHeader,
@@ -41,38 +41,38 @@ OWN_FAULTS: Final = (
 
 LARGEST_HEAD: Final = 64 * 1024
 REQUEST_SECONDS: Final = 30.0
-"""Within which a request must have come whole, from its first byte on."""
+"""Within which a request must arrive, from its first byte on."""
 
 SENDING_SECONDS: Final = 60.0
-"""For how long the other side may take nothing of an answer."""
+"""For how long a client may read nothing of a response."""
 
 CLOSING_SECONDS: Final = 2.0
-HELD_SECONDS: Final = 1.0
-"""How long an answer is kept back that asks for patience, so that nobody asks again at once."""
+DELAY_SECONDS: Final = 1.0
+"""How long a 429 is delayed, so that nobody asks again at once."""
 
-ASKS_FOR_PATIENCE: Final = b"HTTP/1.1 429 "
+TOO_MANY_REQUESTS: Final = b"HTTP/1.1 429 "
 BLOCK: Final = 1 << 16
 
 END_OF_HEAD: Final = b"\r\n\r\n"
 BODY_LENGTH: Final = re.compile(rb"\r\ncontent-length[ \t]*:[ \t]*([0-9]{1,18})[ \t]*\r\n", re.I)
 IN_CHUNKS: Final = re.compile(rb"\r\ntransfer-encoding[ \t]*:", re.I)
-ASKS_TO_GO_ON: Final = re.compile(rb"\r\nexpect[ \t]*:[ \t]*100-continue[ \t]*\r\n", re.I)
-GO_ON: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
+EXPECTS_CONTINUE: Final = re.compile(rb"\r\nexpect[ \t]*:[ \t]*100-continue[ \t]*\r\n", re.I)
+CONTINUE: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
 
-class Line(socket.socket):
-    """A participant's line. What is sent stays here until the other side takes it."""
+class BufferedSocket(socket.socket):
+    """A participant's connection, which keeps what is sent until the client takes it."""
 
     def __init__(self, accepted: socket.socket) -> None:
         super().__init__(fileno=accepted.detach())
         self.setblocking(False)
         self._unsent: deque[memoryview | tuple[int, int, int]] = deque()
-        self.is_held = False
+        self.is_delayed = False
 
     def sendall(self, data: Any, flags: int = 0, /) -> None:
         """Keep `data` until it can be sent."""
         self._unsent.append(memoryview(bytes(data)))
-        self.is_held = self.is_held or data[: len(ASKS_FOR_PATIENCE)] == ASKS_FOR_PATIENCE
+        self.is_delayed = self.is_delayed or data[: len(TOO_MANY_REQUESTS)] == TOO_MANY_REQUESTS
 
     def sendfile(self, file: Any, offset: int = 0, count: int | None = None) -> int:
         """Keep a part of `file` until it can be sent; the file itself may be closed."""
@@ -83,37 +83,37 @@ class Line(socket.socket):
 
     @property
     def is_sent(self) -> bool:
-        """Whether the other side has taken everything."""
+        """Whether the client has taken everything."""
         return not self._unsent
 
-    def send_on(self) -> bool:
-        """Send what can be sent at once; tell whether anything was."""
-        moved = False
+    def flush(self) -> bool:
+        """Send what can be sent at once; return whether anything was."""
+        sent_any = False
         with suppress(BlockingIOError):
             while self._unsent:
                 first = self._unsent[0]
                 if isinstance(first, memoryview):
-                    rest: memoryview | tuple[int, int, int] = first[self.send(first) :]
-                    done = not rest
+                    remainder: memoryview | tuple[int, int, int] = first[self.send(first) :]
+                    done = not remainder
                 else:
                     descriptor, start, stop = first
                     sent = os.sendfile(self.fileno(), descriptor, start, stop - start)
                     if sent == 0 and start < stop:
                         raise EOFError
-                    rest, done = (descriptor, start + sent, stop), start + sent == stop
+                    remainder, done = (descriptor, start + sent, stop), start + sent == stop
                     if done:
                         os.close(descriptor)
-                self._unsent[0] = rest
+                self._unsent[0] = remainder
                 if done:
                     self._unsent.popleft()
-                moved = True
-        return moved
+                sent_any = True
+        return sent_any
 
     def close(self) -> None:
-        """Close it, whatever was not sent."""
-        for kept in self._unsent:
-            if isinstance(kept, tuple):
-                os.close(kept[0])
+        """Close it, and drop what was not sent."""
+        for part in self._unsent:
+            if isinstance(part, tuple):
+                os.close(part[0])
         self._unsent.clear()
         super().close()
 
@@ -121,28 +121,28 @@ class Line(socket.socket):
 class StudyWorker(ThreadWorker):  # type: ignore[misc]
     """A process that handles requests in threads.
 
-    A thread is given a request when all of it is there, and is free again when the answer is made:
-    whoever sends or reads slowly costs a connection, and no thread. Where connections run out,
-    those go first that have kept the worker waiting longest.
+    A thread is given a request when it has arrived completely, and is free again when the response
+    is made: a slow client costs a connection, and no thread. When connections run out, those that
+    have kept the worker waiting longest are closed first.
 
-    gunicorn's own words about a request that cannot be read, or that fails, quote it: its
-    address holds a participant's token.
+    gunicorn's own messages about faulty and failed requests quote them, and their addresses hold
+    participants' tokens.
 
     Attributes
     ----------
     largest_request : int
-        Bytes that a request may have beyond its head.
+        Bytes that the body of a request may have.
     """
 
     largest_request: ClassVar[int] = LARGEST_REQUEST
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._until: dict[Any, float] = {}
-        """Until when each line is waited for that no thread has."""
-        self._held: deque[tuple[float, Any]] = deque()
-        """Lines whose answers are kept back, each with until when."""
-        self._looked_at = 0.0
+        self._deadlines: dict[Any, float] = {}
+        """Until when to wait for each connection that no thread has."""
+        self._delayed: deque[tuple[float, Any]] = deque()
+        """Connections whose responses are delayed, each with until when."""
+        self._checked_at = 0.0
 
     def handle_quit(self, sig: int, frame: Any) -> None:
         """End at once, on SIGQUIT.
@@ -153,110 +153,112 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         Worker.handle_quit(self, sig, frame)
 
     def enqueue_req(self, conn: Any) -> None:
-        """Gather a request on a line that is new, or that has been answered."""
+        """Receive a request on a connection that is new, or free again."""
         begun = b""
         if conn.parser is None:
-            conn.sock, conn.data_ready = Line(conn.sock), True
+            conn.sock, conn.data_ready = BufferedSocket(conn.sock), True
         else:
             begun = conn.parser.unreader.take_buffered()
-        conn.arrived, conn.length, conn.whole = bytearray(begun), None, False
+        conn.received, conn.length, conn.is_complete = bytearray(begun), None, False
         is_first = conn.parser is None or begun
-        self._wait(conn, self._gather, seconds=REQUEST_SECONDS if is_first else self.cfg.keepalive)
-        self._gather(conn)
+        self._watch(
+            conn, self._receive, seconds=REQUEST_SECONDS if is_first else self.cfg.keepalive
+        )
+        self._receive(conn)
 
-    def _gather(self, conn: Any, _line: object = None) -> None:
-        """Take what has arrived, and give the request to a thread once all of it is there."""
+    def _receive(self, conn: Any, _socket: object = None) -> None:
+        """Read what has arrived, and give the request to a thread once it is complete."""
         try:
             piece = conn.sock.recv(BLOCK)
         except BlockingIOError:
-            # What has come with the request before may be a whole one.
-            if not conn.arrived or conn.length is not None:
+            # What came with the request before may be a complete one.
+            if not conn.received or conn.length is not None:
                 return
             piece = None
         except OSError:
             self._drop(conn)
             return
-        if piece and not conn.arrived:
-            self._until[conn] = time.monotonic() + REQUEST_SECONDS
-        conn.arrived += piece or b""
+        if piece and not conn.received:
+            self._deadlines[conn] = time.monotonic() + REQUEST_SECONDS
+        conn.received += piece or b""
         if conn.length is None:
-            refusal = self._measure(conn)
+            refusal = self._read_head(conn)
             if refusal is not None:
                 self._refuse(conn, *refusal)
                 return
-        conn.whole = conn.length is not None and len(conn.arrived) >= conn.length
-        if piece == b"" and not conn.arrived:
+        conn.is_complete = conn.length is not None and len(conn.received) >= conn.length
+        if piece == b"" and not conn.received:
             self._drop(conn)
-        elif conn.whole or piece == b"" or self._is_too_large(conn):
-            self._stop_waiting(conn)
-            # Of this alone: no thread ever reads from the line.
-            conn.parser = get_parser(self.cfg, [bytes(conn.arrived)], conn.client)
+        elif conn.is_complete or piece == b"" or self._is_too_large(conn):
+            self._unwatch(conn)
+            # Only of these bytes: no thread ever reads from the connection.
+            conn.parser = get_parser(self.cfg, [bytes(conn.received)], conn.client)
             super().enqueue_req(conn)
 
-    def _measure(self, conn: Any) -> tuple[int, str] | None:
-        """Note how long the request is once its head is there; return why it is refused."""
-        head = conn.arrived.find(END_OF_HEAD)
+    def _read_head(self, conn: Any) -> tuple[int, str] | None:
+        """Note how long the request is once its head is there; return why it is refused, if so."""
+        head = conn.received.find(END_OF_HEAD)
         if head < 0:
-            return HEAD_TOO_LARGE if len(conn.arrived) > LARGEST_HEAD else None
-        lines = bytes(conn.arrived[: head + len(END_OF_HEAD)])
+            return HEAD_TOO_LARGE if len(conn.received) > LARGEST_HEAD else None
+        lines = bytes(conn.received[: head + len(END_OF_HEAD)])
         if IN_CHUNKS.search(lines):
             return LENGTH_REQUIRED
-        found = BODY_LENGTH.search(lines)
-        conn.length = len(lines) + (int(found[1]) if found else 0)
+        length = BODY_LENGTH.search(lines)
+        conn.length = len(lines) + (int(length[1]) if length else 0)
         conn.head_length = len(lines)
-        if len(conn.arrived) < conn.length and ASKS_TO_GO_ON.search(lines):
-            conn.sock.sendall(GO_ON)
+        if len(conn.received) < conn.length and EXPECTS_CONTINUE.search(lines):
+            conn.sock.sendall(CONTINUE)
             with suppress(OSError):
-                conn.sock.send_on()
+                conn.sock.flush()
         return None
 
     def _is_too_large(self, conn: Any) -> bool:
         return conn.length is not None and conn.length - conn.head_length > self.largest_request
 
     def handle(self, conn: Any) -> bool:
-        """Answer a request, in a thread; return whether another one may follow on the line."""
-        keeps = super().handle(conn)
+        """Answer a request, in a thread; return whether the connection is kept for another one."""
+        keep_alive = super().handle(conn)
         conn.sock.setblocking(False)
-        if not conn.sock.is_held:
+        if not conn.sock.is_delayed:
             with suppress(OSError, EOFError):
-                conn.sock.send_on()
-        # Where the next request begins is known only behind a whole one.
-        return bool(keeps) and conn.whole
+                conn.sock.flush()
+        # Only behind a complete request is it known where the next one begins.
+        return bool(keep_alive) and conn.is_complete
 
     def finish_request(self, conn: Any, fs: Any) -> None:
         """Send what the thread could not send at once."""
-        conn.keeps = not fs.cancelled() and fs.exception() is None and fs.result()
-        if conn.sock.is_held:
-            self._held.append((time.monotonic() + HELD_SECONDS, conn))
+        conn.keep_alive = not fs.cancelled() and fs.exception() is None and fs.result()
+        if conn.sock.is_delayed:
+            self._delayed.append((time.monotonic() + DELAY_SECONDS, conn))
         else:
             self._send(conn)
 
     def _send(self, conn: Any) -> None:
-        conn.sock.is_held = False
-        self._wait(conn, self._send_on, seconds=SENDING_SECONDS, to_send=True)
-        self._send_on(conn)
+        conn.sock.is_delayed = False
+        self._watch(conn, self._flush, seconds=SENDING_SECONDS, to_send=True)
+        self._flush(conn)
 
-    def _send_on(self, conn: Any, _line: object = None) -> None:
+    def _flush(self, conn: Any, _socket: object = None) -> None:
         try:
-            if conn.sock.send_on():
-                self._until[conn] = time.monotonic() + SENDING_SECONDS
+            if conn.sock.flush():
+                self._deadlines[conn] = time.monotonic() + SENDING_SECONDS
         except (OSError, EOFError):
             self._drop(conn)
             return
         if not conn.sock.is_sent:
             return
-        self._stop_waiting(conn)
-        if conn.keeps:
+        self._unwatch(conn)
+        if conn.keep_alive:
             self.enqueue_req(conn)
-        elif conn.whole:
+        elif conn.is_complete:
             self._drop(conn)
         else:
-            # Closing over what was not read would take the answer back.
+            # Closing with unread bytes would reset the connection, and lose the response.
             with suppress(OSError):
                 conn.sock.shutdown(socket.SHUT_WR)
-            self._wait(conn, self._read_to_end, seconds=CLOSING_SECONDS)
+            self._watch(conn, self._drain, seconds=CLOSING_SECONDS)
 
-    def _read_to_end(self, conn: Any, _line: object = None) -> None:
+    def _drain(self, conn: Any, _socket: object = None) -> None:
         try:
             ended = conn.sock.recv(BLOCK) == b""
         except OSError:
@@ -265,54 +267,54 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
             self._drop(conn)
 
     def _refuse(self, conn: Any, status: int, reason: str) -> None:
-        self._stop_waiting(conn)
+        self._unwatch(conn)
         util.write_error(conn.sock, status, reason, "")
-        conn.keeps = conn.whole = False
-        self._wait(conn, self._send_on, seconds=CLOSING_SECONDS, to_send=True)
-        self._send_on(conn)
+        conn.keep_alive = conn.is_complete = False
+        self._watch(conn, self._flush, seconds=CLOSING_SECONDS, to_send=True)
+        self._flush(conn)
 
-    def _wait(
-        self, conn: Any, go_on: Callable[..., None], *, seconds: float, to_send: bool = False
+    def _watch(
+        self, conn: Any, callback: Callable[..., None], *, seconds: float, to_send: bool = False
     ) -> None:
-        """Call `callback` whenever something arrives on the line, or can be sent."""
+        """Call `callback` whenever something arrives on the connection, or can be sent."""
         event = selectors.EVENT_WRITE if to_send else selectors.EVENT_READ
-        self.poller.register(conn.sock, event, partial(go_on, conn))
-        self._until[conn] = time.monotonic() + seconds
+        self.poller.register(conn.sock, event, partial(callback, conn))
+        self._deadlines[conn] = time.monotonic() + seconds
 
-    def _stop_waiting(self, conn: Any) -> None:
-        del self._until[conn]
+    def _unwatch(self, conn: Any) -> None:
+        del self._deadlines[conn]
         self.poller.unregister(conn.sock)
 
     def _drop(self, conn: Any) -> None:
-        if conn in self._until:
-            self._stop_waiting(conn)
+        if conn in self._deadlines:
+            self._unwatch(conn)
         self.nr_conns -= 1
         conn.sock.close()
 
     def murder_pending(self) -> None:
-        """Close the lines that were waited for long enough, and more where there are too many."""
+        """Close connections whose time is over, and more if there are too many."""
         now = time.monotonic()
         is_full = self.nr_conns >= self.worker_connections
-        while self._held and (is_full or self._held[0][0] <= now or not self.alive):
-            self._send(self._held.popleft()[1])
-        if not is_full and now - self._looked_at < 1:
+        while self._delayed and (is_full or self._delayed[0][0] <= now or not self.alive):
+            self._send(self._delayed.popleft()[1])
+        if not is_full and now - self._checked_at < 1:
             return
-        self._looked_at = now
-        overdue = [conn for conn in self._until if self._is_overdue(conn, now)]
+        self._checked_at = now
+        overdue = [conn for conn in self._deadlines if self._is_overdue(conn, now)]
         if is_full and not overdue:
-            longest = sorted(self._until, key=self._until.__getitem__)
+            longest = sorted(self._deadlines, key=self._deadlines.__getitem__)
             overdue = longest[: max(1, self.worker_connections // 10)]
         for conn in overdue:
             self._drop(conn)
 
     def _is_overdue(self, conn: Any, now: float) -> bool:
-        # Who sends slowly, or has sent nothing yet, does not keep a server from ending.
-        hurries = not self.alive and (conn.arrived or conn.parser is None)
-        hurry = REQUEST_SECONDS - CLOSING_SECONDS if hurries else 0.0
-        return self._until[conn] - hurry <= now
+        # Slow clients do not keep a server from ending.
+        is_ending = not self.alive and (conn.received or conn.parser is None)
+        shortened = REQUEST_SECONDS - CLOSING_SECONDS if is_ending else 0.0
+        return self._deadlines[conn] - shortened <= now
 
     def handle_error(self, req: Any, client: socket.socket, addr: Any, exc: Exception) -> None:
-        """Answer a request that is no HTTP, or that failed outside all pages."""
+        """Answer a request that is not HTTP, or that failed outside all pages."""
         del req, addr
         if isinstance(exc, errors.ParseException) and not isinstance(exc, OWN_FAULTS):
             status, reason = REFUSALS.get(type(exc), BAD_REQUEST)

@@ -19,7 +19,7 @@ from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
 from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
-from studyapp.web.worker import HELD_SECONDS, REQUEST_SECONDS, StudyWorker
+from studyapp.web.worker import DELAY_SECONDS, REQUEST_SECONDS, StudyWorker
 from tests.support.hanging_lines import hanging, slow_body, whole_video
 from tests.support.servers.page_scan import seen_videos
 from tests.support.servers.study_server import HOST, study_server
@@ -166,6 +166,6 @@ def test_who_sends_too_many_reports_is_kept_waiting_for_the_answer(tmp_path: Pat
     with study_server(tmp_path, said, database_url=url, speed=1.0) as server:
         waited, afterwards = asyncio.run(flood())
 
-    assert waited >= HELD_SECONDS
+    assert waited >= DELAY_SECONDS
     assert afterwards == 200
     assert said.read_text("utf-8") == ""

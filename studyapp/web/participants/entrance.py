@@ -1,7 +1,7 @@
-"""The entrance: who may take part, what the study is, consent.
+"""The entrance: eligibility, what the study is, consent.
 
-Newcomers who cannot be let in are told so on whatever page they come to first. Nothing is stored
-before consent, except that somebody whom a recruiter named was screened out.
+Newcomers who cannot be admitted are told so on the first page they reach. Nothing is stored before
+consent, except that somebody named by a recruiter was screened out.
 """
 
 from __future__ import annotations
@@ -23,15 +23,21 @@ from studyapp.session.refusal import IneligibleError, StudyFullError, Unacceptab
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
-from studyapp.web.errors import STATUS, told
-from studyapp.web.language import say, spoken
+from studyapp.web.errors import STATUS, note_and_explain
+from studyapp.web.language import page_language, say
 from studyapp.web.participants.participant import (
     form_fields,
     problems_of,
+    redirect_to_current_page,
     screened_out_page,
-    to_where_they_stand,
 )
-from studyapp.web.participants.sent_by import COOKIE, VISIT, arrival_of, is_preview, names_in
+from studyapp.web.participants.recruiter_names import (
+    COOKIE,
+    VISIT,
+    arrival_of,
+    is_preview,
+    read_names,
+)
 from studyapp.web.site import study_site
 
 pages = Blueprint("entrance", __name__)
@@ -39,29 +45,29 @@ pages = Blueprint("entrance", __name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
-    """Who stands at the entrance, as far as the pages there carry it along.
+    """A person at the entrance, as its pages pass them along.
 
     Attributes
     ----------
     visit : str
         Drawn when the first page was opened.
     recruiter : mapping of str to str
-        By what they were sent; nothing at all where nobody named them.
-    given : mapping of question name to text
-        What was answered so far.
+        The recruiter's names for them; empty if nobody named them.
+    answers : mapping of question name to text
+        So far.
     """
 
     visit: str
     recruiter: Mapping[str, str]
-    given: Mapping[str, str]
+    answers: Mapping[str, str]
 
     @property
     def arrival(self) -> Arrival:
-        """Who they are to the study."""
-        return arrival_of(self.recruiter, visit=self.visit, given=self.given)
+        """The same, as the study knows them."""
+        return arrival_of(self.recruiter, visit=self.visit, form=self.answers)
 
     def page(self, stage: Stage, *, problem: str = "") -> str:
-        """Return the page of one stage; with a problem, it says what cannot be accepted."""
+        """Return the page of a stage, with the problem of the submitted answers."""
         site = study_site()
         study = site.study
         return render_template(
@@ -71,11 +77,11 @@ class Entrant:
             paragraphs=_paragraphs(study),
             visit=self.visit,
             recruiter=self.recruiter,
-            given=self.given,
+            answers=self.answers,
             problem=problem,
-            problems=problems_of(stage, self.given) if problem else {},
+            problems=problems_of(stage, self.answers) if problem else {},
             devices=_devices_needed(study),
-            refused=_calls_itself() not in study.page.devices,
+            refused=_stated_device() not in study.page.devices,
         )
 
     def first_page(self) -> str:
@@ -83,7 +89,7 @@ class Entrant:
         return self.page("eligibility" if study_site().study.form.eligibility else "consent")
 
     def preview(self) -> str:
-        """Return what the study is, for somebody who cannot begin yet."""
+        """Return a description of the study for people who cannot begin yet."""
         site = study_site()
         return render_template(
             "preview.html",
@@ -97,11 +103,11 @@ class Entrant:
 @pages.get("/consent")
 @pages.get("/")
 def arrive() -> ResponseReturnValue:
-    """Ask whether they may take part, or say what the study is; nothing is stored."""
+    """Ask for eligibility, or describe the study; nothing is stored."""
     visit = secrets.token_urlsafe(24)
     if is_preview(request.args):
-        return Entrant(visit=visit, recruiter={}, given={}).preview()
-    entrant = Entrant(visit=visit, recruiter=names_in(request.args), given={})
+        return Entrant(visit=visit, recruiter={}, answers={}).preview()
+    entrant = Entrant(visit=visit, recruiter=read_names(request.args), answers={})
     if _was_screened_out(entrant):
         return _screened_out(entrant)
     _require_welcome(entrant)
@@ -110,22 +116,22 @@ def arrive() -> ResponseReturnValue:
 
 @pages.post("/consent")
 def consent() -> ResponseReturnValue:
-    """Say what the study is and ask for consent, if they may take part; nothing is stored.
+    """Describe the study and ask for consent, if they are eligible; nothing is stored.
 
-    Who has a study session already is brought back to it.
+    Participants who have a study session already are led back to it.
     """
     entrant = _entrant()
     site = study_site()
     token = enrolled(site.database, site.served, entrant.arrival, site.clock)
     if token is not None:
-        return _to_their_page(token)
+        return _redirect(token)
     if _was_screened_out(entrant):
         return _screened_out(entrant)
     _require_welcome(entrant)
     try:
-        check_eligibility(study_site().study, entrant.given)
+        check_eligibility(site.study, entrant.answers)
     except UnacceptableError as refusal:
-        return entrant.page("eligibility", problem=told(refusal)), 422
+        return entrant.page("eligibility", problem=note_and_explain(refusal)), 422
     except IneligibleError:
         return _screened_out(entrant)
     return entrant.page("consent")
@@ -133,7 +139,7 @@ def consent() -> ResponseReturnValue:
 
 @pages.post("/")
 def start() -> ResponseReturnValue:
-    """Enrol the participant, or bring them back to where they were."""
+    """Enrol the participant, or lead them back to where they were."""
     site = study_site()
     site.record.require_unchanged()
     entrant = _entrant()
@@ -142,17 +148,16 @@ def start() -> ResponseReturnValue:
     try:
         token = enrol(site.database, site.served, entrant.arrival, site.clock)
     except UnacceptableError as refusal:
-        unclear = problems_of("eligibility", entrant.given)
-        stage: Stage = "eligibility" if unclear else "consent"
-        return entrant.page(stage, problem=told(refusal)), 422
+        stage: Stage = "eligibility" if problems_of("eligibility", entrant.answers) else "consent"
+        return entrant.page(stage, problem=note_and_explain(refusal)), 422
     except IneligibleError:
         return _screened_out(entrant)
-    return _to_their_page(token)
+    return _redirect(token)
 
 
 @pages.errorhandler(StudyFullError)
 def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
-    """Say why nobody new is let in, and lead back whoever came from elsewhere, or has begun."""
+    """Say why nobody new is admitted, with the ways back to a recruiter or a begun session."""
     site = study_site()
     what, remedy = refusal.messages
     recruitment = site.study.recruitment
@@ -163,17 +168,17 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
         remedy=say(remedy),
         invited=recruitment.channel == "invitations",
         back=way_back(recruitment),
-        # Only the window knows whether it was here before, where nobody is named.
+        # Without names, only the window knows whether it was here before.
         may_have_begun=recruitment.channel == "link"
         and request.method != "POST"
-        and not names_in(request.args),
+        and not read_names(request.args),
     )
     return page, STATUS[type(refusal)]
 
 
-def _to_their_page(token: str) -> Response:
-    """Lead to where the participant stands, and have the browser know it again."""
-    response = make_response(to_where_they_stand(token))
+def _redirect(token: str) -> Response:
+    """Lead to the participant's current page, and have the browser remember the participant."""
+    response = make_response(redirect_to_current_page(token))
     COOKIE.send(response, study_site().study.name, token)
     return response
 
@@ -192,7 +197,7 @@ def _was_screened_out(entrant: Entrant) -> bool:
 
 
 def _screened_out(entrant: Entrant) -> ResponseReturnValue:
-    """Say so; whom the recruiter named stays screened out, and only then is told a code."""
+    """Say so; people named by the recruiter stay screened out, and are told a code."""
     site = study_site()
     named = site.study.recruitment.names_participants
     if named:
@@ -201,14 +206,14 @@ def _screened_out(entrant: Entrant) -> ResponseReturnValue:
 
 
 def _entrant() -> Entrant:
-    """Return who sent the form of one of the entrance's pages."""
-    recruiter = names_in(request.form)
+    """Return who sent a form of the entrance."""
+    recruiter = read_names(request.form)
     visit = request.form.get("visit", "")
     if not recruiter and not VISIT.fullmatch(visit):
         raise UnacceptableError(
             "The start did not come from the start page.", "Please open the study's link again."
         )
-    return Entrant(visit=visit, recruiter=recruiter, given=form_fields())
+    return Entrant(visit=visit, recruiter=recruiter, answers=form_fields())
 
 
 def _paragraphs(study: Study) -> list[str]:
@@ -222,19 +227,19 @@ DEVICES: Final[Mapping[Device, Message]] = MappingProxyType(
         "phone": Message("a phone"),
     }
 )
-"""What one needs, of every kind of device."""
+"""The words for each kind of device."""
 
 
 def _devices_needed(study: Study) -> str:
-    """Return on which devices one can take part, in words; empty where any will do."""
+    """Return in words on which devices one can take part; empty if on all."""
     allowed = [device for device in DEVICES if device in study.page.devices]
     if len(allowed) == len(DEVICES):
         return ""
-    return spoken().either([say(DEVICES[device]) for device in allowed])
+    return page_language().either([say(DEVICES[device]) for device in allowed])
 
 
-def _calls_itself() -> Device:
-    """Return what the browser says it runs on: a first guess, until the script has measured."""
+def _stated_device() -> Device:
+    """Return the device that the browser claims to run on, until the script has measured."""
     agent, hint = request.headers.get("User-Agent", ""), request.headers.get("Sec-CH-UA-Mobile")
     if hint == "?1" or (hint is None and "Mobi" in agent and "iPad" not in agent):
         return "phone"

@@ -1,4 +1,4 @@
-"""The participant's way: questions about them, instructions, trials, completion code."""
+"""A participant's pages: questions about them, instructions, trials, completion code."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
 from studyapp.session.watch_reports import record_watched
 from studyapp.study.settings.questions import Stage
-from studyapp.web.errors import note, told, wants_json
+from studyapp.web.errors import note_and_explain, wants_json
 from studyapp.web.language import say
 from studyapp.web.participants.trial_page import frozen_words, trial_page
 from studyapp.web.site import study_site
@@ -32,42 +32,41 @@ LONGEST_NUMBER: Final = 6
 @pages.get("/take/<token>")
 def stand(token: str) -> ResponseReturnValue:
     """Show where the participant stands."""
-    return where_they_stand(token)
+    return current_page(token)
 
 
 @pages.post("/take/<token>/form/<any(demographics, closing):stage>")
 def form(token: str, stage: Stage) -> ResponseReturnValue:
-    """Store what the participant says about themselves."""
+    """Store answers about the participant."""
     site = study_site()
-    given = form_fields()
+    form_answers = form_fields()
     try:
-        answer_form(site.database, site.served, token, stage, given, site.clock)
+        answer_form(site.database, site.served, token, stage, form_answers, site.clock)
     except UnacceptableError as refusal:
-        note(refusal)
-        problem = told(refusal)
-        return form_page(token, stage, problem=problem, given=given), 422
-    return to_where_they_stand(token)
+        problem = note_and_explain(refusal)
+        return form_page(token, stage, problem=problem, form_answers=form_answers), 422
+    return redirect_to_current_page(token)
 
 
 @pages.post("/take/<token>/begin")
 def begin_trials(token: str) -> ResponseReturnValue:
     """Leave the instructions, if they were understood."""
     site = study_site()
-    given = form_fields()
+    comprehension = form_fields()
     try:
-        begin(site.database, site.served, token, site.clock, answers=given)
+        begin(site.database, site.served, token, site.clock, answers=comprehension)
     except UnacceptableError as refusal:
-        note(refusal)
-        return where_they_stand(token, problem=told(refusal), about=given), 422
+        problem = note_and_explain(refusal)
+        return current_page(token, problem=problem, comprehension=comprehension), 422
     except IneligibleError:
         named = site.study.recruitment.names_participants
         return screened_out_page(named=named, was_sent=named, has_tried=True), 403
-    return to_where_they_stand(token)
+    return redirect_to_current_page(token)
 
 
 @pages.post("/take/<token>/break")
 def end_break(token: str) -> ResponseReturnValue:
-    """Go on after a break; the form of one that is over leads on too."""
+    """Go on after a break; the form of an earlier break leads on too."""
     site = study_site()
     position = request.form.get("position", "")
     if not position.isdecimal() or len(position) > LONGEST_NUMBER:
@@ -75,7 +74,7 @@ def end_break(token: str) -> ResponseReturnValue:
             "This did not come from a break page.", "Please go on; nothing is lost."
         )
     leave_break(site.database, site.served, token, int(position), site.clock)
-    return to_where_they_stand(token)
+    return redirect_to_current_page(token)
 
 
 @pages.post("/take/<token>/answers")
@@ -88,15 +87,14 @@ def answers(token: str) -> ResponseReturnValue:
     except UnacceptableError as refusal:
         if wants_json():
             raise
-        note(refusal)
-        problem = told(refusal)
-        return where_they_stand(token, problem=problem, given=fields), 422
-    return to_where_they_stand(token)
+        problem = note_and_explain(refusal)
+        return current_page(token, problem=problem, trial_answers=fields), 422
+    return redirect_to_current_page(token)
 
 
 @pages.post("/take/<token>/unplayable")
 def unplayable(token: str) -> ResponseReturnValue:
-    """Go on without the video that does not play."""
+    """Go on without a video that does not play."""
     site = study_site()
     trial_token, video_token, media_error = (
         request.form.get(name, "") for name in ("trial", "video", "error")
@@ -114,9 +112,8 @@ def unplayable(token: str) -> ResponseReturnValue:
     except UnacceptableError as refusal:
         if wants_json():
             raise
-        note(refusal)
-        return where_they_stand(token, problem=told(refusal)), 422
-    return to_where_they_stand(token)
+        return current_page(token, problem=note_and_explain(refusal)), 422
+    return redirect_to_current_page(token)
 
 
 @pages.post("/take/<token>/watched/<video_token>")
@@ -129,20 +126,15 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
         raise UnacceptableError(
             "This is not a report of played intervals.", "Please reload the page."
         ) from None
-    known = record_watched(
-        site.database,
-        site.served,
-        token,
-        video_token,
-        report,
-        site.clock,
+    watched_so_far = record_watched(
+        site.database, site.served, token, video_token, report, site.clock
     )
-    return jsonify(vars(known))
+    return jsonify(vars(watched_so_far))
 
 
 @pages.get("/take/<token>/withdraw")
 def ask_to_withdraw(token: str) -> ResponseReturnValue:
-    """Ask whether the participant really wants to stop, and say what becomes of the answers."""
+    """Ask whether the participant wants to stop, and say what happens to the answers."""
     site = study_site()
     promise = promise_made(site.database, token)
     return render_template("withdraw.html", study=site.study, token=token, promise=promise)
@@ -150,44 +142,44 @@ def ask_to_withdraw(token: str) -> ResponseReturnValue:
 
 @pages.post("/take/<token>/withdraw")
 def withdraw_consent(token: str) -> ResponseReturnValue:
-    """Take the consent back."""
+    """Withdraw the consent."""
     site = study_site()
     withdraw(site.database, token, site.clock)
-    return to_where_they_stand(token)
+    return redirect_to_current_page(token)
 
 
-def to_where_they_stand(token: str) -> ResponseReturnValue:
-    """Lead to the page that shows where the participant stands, in the way that was asked for."""
+def redirect_to_current_page(token: str) -> ResponseReturnValue:
+    """Lead to the participant's current page, by a redirect or in JSON."""
     address = url_for("participant.stand", token=token)
     if wants_json():
         return jsonify(next=address)
     return redirect(address, 303)
 
 
-def where_they_stand(
+def current_page(
     token: str,
     *,
     problem: str = "",
-    given: Fields | None = None,
-    about: Mapping[str, str] | None = None,
+    trial_answers: Fields | None = None,
+    comprehension: Mapping[str, str] | None = None,
 ) -> str:
-    """Return the page of where the participant stands, with what cannot be accepted of it.
+    """Return the participant's current page.
 
     Parameters
     ----------
     problem : str, optional
-        What cannot be accepted.
-    given : mapping of field to values, optional
-        What was answered to a trial.
-    about : mapping of question name to text, optional
-        What was answered to the questions under the instructions.
+        Why the submitted answers cannot be accepted.
+    trial_answers : mapping of field to values, optional
+        The submitted answers of a trial.
+    comprehension : mapping of question name to text, optional
+        The submitted answers to the questions under the instructions.
     """
     site = study_site()
     situation = look(site.database, site.served, token, site.clock)
     if situation.form is not None:
         return form_page(token, situation.form)
     if situation.trial is not None:
-        return _trial_page(token, situation.trial, problem, given or {})
+        return _trial_page(token, situation.trial, problem, trial_answers or {})
     if situation.sound_tries is not None:
         page = "sound_check"
     else:
@@ -204,22 +196,22 @@ def where_they_stand(
         frozen=frozen_words(site.study),
         leaving=situation.leaving,
         questions=site.study.form.comprehension,
-        given=about or {},
-        problems=problems_of("comprehension", about) if about is not None else {},
+        answers=comprehension or {},
+        problems={} if comprehension is None else problems_of("comprehension", comprehension),
     )
 
 
 def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -> str:
-    """Return the page for whom the study does not look.
+    """Return the page for people who cannot take part.
 
     Parameters
     ----------
     named : bool
-        Whether it is stored, under their recruiter's name for them, that they were here.
+        Whether their visit is stored, under the recruiter's name for them.
     was_sent : bool
         Whether a recruiter sent them.
     has_tried : bool
-        Whether they have read the instructions, and did not understand them.
+        Whether they failed the questions about the instructions.
     """
     study = study_site().study
     return render_template(
@@ -232,7 +224,7 @@ def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -
     )
 
 
-def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> str:
+def _trial_page(token: str, trial: ShownTrial, problem: str, trial_answers: Fields) -> str:
     site = study_site()
     site.record.require_unchanged()
     study = site.study
@@ -244,16 +236,16 @@ def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> s
         page=trial_page(study, trial),
         from_store=site.store is not None,
         problem=problem,
-        given=given,
+        answers=trial_answers,
     )
 
 
 FORM_FIELD: Final = "form:"
-"""Stands before the names of questions about the participant; no question's name holds a colon."""
+"""Prefix of fields with answers about the participant; no question's name holds a colon."""
 
 
 def form_page(
-    token: str, stage: Stage, *, problem: str = "", given: Mapping[str, str] | None = None
+    token: str, stage: Stage, *, problem: str = "", form_answers: Mapping[str, str] | None = None
 ) -> str:
     """Return the page that asks the questions of `stage`."""
     study = study_site().study
@@ -264,22 +256,22 @@ def form_page(
         stage=stage,
         questions=study.form.questions_at(stage),
         problem=problem,
-        problems=problems_of(stage, given or {}) if problem else {},
-        given=given or {},
+        problems=problems_of(stage, form_answers or {}) if problem else {},
+        answers=form_answers or {},
     )
 
 
-def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
-    """Return what cannot be accepted of the answers to the questions of `stage`, by question."""
-    found = {
-        question.name: question.problem(given.get(question.name, "").strip(), number)
+def problems_of(stage: Stage, form_answers: Mapping[str, str]) -> dict[str, str]:
+    """Return why answers to questions of `stage` cannot be accepted, by question."""
+    problems = {
+        question.name: question.problem(form_answers.get(question.name, "").strip(), number)
         for number, question in enumerate(study_site().study.form.questions_at(stage), start=1)
     }
-    return {name: say(problem) for name, problem in found.items() if problem is not None}
+    return {name: say(problem) for name, problem in problems.items() if problem is not None}
 
 
 def form_fields() -> dict[str, str]:
-    """Return the answers about the participant that were sent, under their questions' names."""
+    """Return the submitted answers about the participant, by question name."""
     return {
         name.removeprefix(FORM_FIELD): value.replace("\r\n", "\n")  # as the browser counts it
         for name, value in request.form.items()

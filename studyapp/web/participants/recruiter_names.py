@@ -1,12 +1,12 @@
-"""By what participants are named in the address that brings them, channel by channel.
+"""The names of participants in the address that brings them, by channel.
 
-Where the researcher turns it on, Prolific adds a token (a JWT, RS256) to the study's address. It
-says by what the participant is named, for which host, and until when. The keys are public. Nobody
-else can make up who comes.
+If the researcher turns it on, Prolific adds a token (a JWT, RS256) to the study's address, with the
+participant's names, the host that it is for, and when it expires. The keys are public, so nobody
+else can make up names.
 
-Who comes again by the same name shows by a cookie to have been here before. It holds the token of
-their study session, as the addresses of their pages do, and goes to the entrance alone. Nothing
-else needs it: a study in a frame of another site, or a browser without cookies, works without.
+A cookie shows that somebody who comes again by the same name has been here before. It holds the
+token of their study session, like the addresses of their pages, and goes to the entrance alone.
+Nothing else needs it: in a frame of another site, or without cookies, a study works all the same.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ SIGNED: Final = "prolific_token"
 KEYS: Final = "https://api.prolific.com/.well-known/study/jwks.json"
 KEYS_LAST: Final = 24 * 3600
 ASKED_AGAIN: Final = 60.0
-"""Seconds after which keys may be fetched anew for a token whose key is unknown."""
+"""Seconds after which keys may be fetched again for a token whose key is unknown."""
 
-READING: Final = 3600
-"""Seconds for which a token still counts after its end: its holder is reading the first pages."""
+GRACE_SECONDS: Final = 3600
+"""How long a token counts after it expires, while its holder reads the first pages."""
 
-LONGEST: Final = 4096
+LONGEST_TOKEN: Final = 4096
 LOG: Final = logging.getLogger(__name__)
 
 
@@ -54,13 +54,13 @@ class ProlificKeys:
         self._fetched = float("-inf")
 
     def find(self, kid: str) -> jwt.PyJWK | None:
-        """Return the key of this name, None where Prolific has no such key."""
+        """Return the key with this id, None if Prolific has no such key."""
         with self._lock:
-            found = self._named(kid, refresh=False)
-            if found is None and time.monotonic() - self._fetched > ASKED_AGAIN:
+            key = self._named(kid, refresh=False)
+            if key is None and time.monotonic() - self._fetched > ASKED_AGAIN:
                 self._fetched = time.monotonic()
-                found = self._named(kid, refresh=True)
-        return found
+                key = self._named(kid, refresh=True)
+        return key
 
     def _named(self, kid: str, *, refresh: bool) -> jwt.PyJWK | None:
         keys = self._client.get_jwk_set(refresh=refresh).keys
@@ -74,19 +74,19 @@ def prolific_keys() -> ProlificKeys:
 
 
 def signed_names(token: str, host: str) -> dict[str, str] | None:
-    """Return by what Prolific names the holder of `token`, None where Prolific did not sign it.
+    """Return Prolific's names for the holder of `token`, None if Prolific did not sign it.
 
     Parameters
     ----------
     host : str
-        Whom the token must be made for.
+        The host that the token must be for.
 
     Raises
     ------
     UnacceptableError
         If the keys cannot be fetched.
     """
-    if not token or len(token) > LONGEST:
+    if not token or len(token) > LONGEST_TOKEN:
         return None
     try:
         kid = str(jwt.get_unverified_header(token).get("kid"))
@@ -97,7 +97,7 @@ def signed_names(token: str, host: str) -> dict[str, str] | None:
             token,
             key,
             algorithms=["RS256"],
-            leeway=READING,
+            leeway=GRACE_SECONDS,
             options={"require": ["exp", "aud"], "verify_aud": False},
         )
     except jwt.PyJWKClientError:
@@ -108,18 +108,21 @@ def signed_names(token: str, host: str) -> dict[str, str] | None:
         ) from None
     except jwt.InvalidTokenError:
         return None
-    named = claims.get("prolific")
-    if not _is_for(claims["aud"], host) or not isinstance(named, dict):
+    claimed = claims.get("prolific")
+    if not _is_for(claims["aud"], host) or not isinstance(claimed, dict):
         return None
-    names = {name: named.get(name) for name in ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")}
-    whole = {name: value for name, value in names.items() if isinstance(value, str) and value}
-    return whole if "PROLIFIC_PID" in whole else None
+    names = {
+        name: value
+        for name in PROLIFIC_NAMES
+        if isinstance(value := claimed.get(name), str) and value
+    }
+    return names if "PROLIFIC_PID" in names else None
 
 
 def _is_for(audience: Any, host: str) -> bool:
-    """Tell whether a token is made for `host`, which it names alone or in an address."""
-    named = audience if isinstance(audience, list) else [audience]
-    return any((urlsplit(str(each)).hostname or str(each)) == host for each in named)
+    """Return whether a token is for `host`, which it names alone or in an address."""
+    addresses = map(str, audience if isinstance(audience, list) else [audience])
+    return any((urlsplit(address).hostname or address) == host for address in addresses)
 
 
 PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
@@ -131,16 +134,16 @@ NAMES: Final[Mapping[Channel, tuple[str, ...]]] = MappingProxyType(
         "invitations": ("invitation",),
     }
 )
-"""What stands in the address; the first one names the participant."""
+"""Parameters of the address; the first one names the participant."""
 
 VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
 NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
-PREVIEWED: Final = "ASSIGNMENT_ID_NOT_AVAILABLE"
-"""What Mechanical Turk calls the assignment of somebody who only looks at the HIT."""
+PREVIEW_ASSIGNMENT: Final = "ASSIGNMENT_ID_NOT_AVAILABLE"
+"""Mechanical Turk's assignment of workers who only preview the HIT."""
 
 
-def names_in(values: Mapping[str, str]) -> dict[str, str]:
-    """Return by what the participant is named in `values`; nothing where nobody sent them by name.
+def read_names(values: Mapping[str, str]) -> dict[str, str]:
+    """Return the names of the participant in `values`; none if nobody sent them by name.
 
     Raises
     ------
@@ -160,7 +163,7 @@ def names_in(values: Mapping[str, str]) -> dict[str, str]:
             "Please open the study once more from the page that sent you here.",
         )
     if _is_complete(channel, names):
-        return _in_recruiters_letters(names)
+        return _normalised(names)
     if channel == "link":
         return {}
     if channel == "invitations":
@@ -182,11 +185,11 @@ def _signed_names(token: str, host: str) -> dict[str, str]:
     names = signed_names(token, host)
     if names is None:
         raise _not_sent()
-    return _in_recruiters_letters(names) | {SIGNED: token}
+    return _normalised(names) | {SIGNED: token}
 
 
-def _in_recruiters_letters(names: dict[str, str]) -> dict[str, str]:
-    """Return `names` with the participant's as the recruiter writes it: one person, one name."""
+def _normalised(names: dict[str, str]) -> dict[str, str]:
+    """Return `names` with the participant's in the recruiter's case: one person, one name."""
     if "PROLIFIC_PID" in names:
         return names | {"PROLIFIC_PID": names["PROLIFIC_PID"].lower()}
     if "workerId" in names:
@@ -195,27 +198,27 @@ def _in_recruiters_letters(names: dict[str, str]) -> dict[str, str]:
 
 
 def is_preview(values: Mapping[str, str]) -> bool:
-    """Tell whether somebody looks at the study without having decided to take part."""
-    of_mturk = study_site().study.recruitment.channel == "mturk"
-    return of_mturk and values.get("assignmentId") == PREVIEWED
+    """Return whether somebody previews the study, and has not accepted to take part."""
+    is_mturk = study_site().study.recruitment.channel == "mturk"
+    return is_mturk and values.get("assignmentId") == PREVIEW_ASSIGNMENT
 
 
-def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]) -> Arrival:
-    """Return who comes, to the study.
+def arrival_of(names: Mapping[str, str], *, visit: str, form: Mapping[str, str]) -> Arrival:
+    """Return the arrival of a person at the study.
 
     Parameters
     ----------
     names : mapping of str to str
-        As `names_in` returned them.
+        As `read_names` returned them.
     visit : str
-        Says who it is where there are no names.
-    given : mapping of question name to text
-        What was answered so far.
+        Identifies a person without names.
+    form : mapping of question name to text
+        The answers so far.
     """
     study = study_site().study
     arriving = partial(
         Arrival,
-        form=given,
+        form=form,
         token=COOKIE.read(study.name),
         is_signed=SIGNED in names,
         address=None if study.recruitment.is_proven else newcomers_address(),
@@ -242,12 +245,12 @@ def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]
 
 
 def _visit_as(participant: str, drawn: str | None) -> str | None:
-    """Return the visit of somebody whom a recruiter names; with another name it is another one."""
+    """Return the visit of a named participant, which differs by name."""
     return drawn and token_hash(f"{participant} {drawn}")
 
 
 def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
-    """Tell whether `names` say who it is, and where the end is to be reported to."""
+    """Return whether `names` identify the participant, and say where to report the end."""
     if channel == "mturk":
         return len(names) == len(NAMES[channel]) and names["turkSubmitTo"] in MTURK_SITES
     if channel == "invitations":

@@ -1,4 +1,4 @@
-"""The sound check: hearing the digits, typing them, and leaving where they cannot be heard."""
+"""The sound check: digits are read out and typed in; who cannot hear them may leave."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from flask.typing import ResponseReturnValue
 from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Language
-from studyapp.web.errors import note, told
+from studyapp.web.errors import note_and_explain
 from studyapp.web.language import _
-from studyapp.web.participants.participant import to_where_they_stand, where_they_stand
+from studyapp.web.participants.participant import current_page, redirect_to_current_page
 from studyapp.web.site import study_site
 
 RECORDINGS: Final = Path(__file__).parents[1] / "digit_recordings"
@@ -25,12 +25,12 @@ RATE: Final = 16_000
 
 SAMPLE_BYTES: Final = 2
 BEFORE_SECONDS: Final = 0.5
-"""Silence in which loudspeakers that sleep wake up."""
+"""Silence in which sleeping loudspeakers wake up."""
 
 BETWEEN_SECONDS: Final = 0.4
 
 
-def spoken(language: Language, digits: str) -> bytes:
+def spoken_digits(language: Language, digits: str) -> bytes:
     """Return a WAV file in which `digits` are read out.
 
     Each digit takes the same time, so that files of as many digits have the same size.
@@ -67,12 +67,12 @@ pages = Blueprint("sound_check", __name__)
 
 @pages.get("/take/<token>/sound-check.wav")
 def sound(token: str) -> ResponseReturnValue:
-    """Read the digits out. Name, size and headers are the same whatever they are."""
+    """Read the digits out. Name, size and headers are the same for all digits."""
     site = study_site()
     digits = digits_to_speak(site.database, site.served, token)
-    # Byte ranges, since one browser plays nothing without them.
+    # One browser plays nothing without byte ranges.
     return send_file(
-        io.BytesIO(spoken(site.study.page.language, digits)),
+        io.BytesIO(spoken_digits(site.study.page.language, digits)),
         mimetype="audio/wav",
         conditional=True,
         etag=False,
@@ -85,14 +85,13 @@ def check(token: str) -> ResponseReturnValue:
     site = study_site()
     typed = request.form.get("digits", "")
     try:
-        heard = check_sound(site.database, site.served, token, typed, site.clock)
+        is_right = check_sound(site.database, site.served, token, typed, site.clock)
         problem = _("Those are not the digits that were spoken. Please try once more.")
     except UnacceptableError as refusal:
-        note(refusal)
-        heard, problem = False, told(refusal)
-    if heard:
-        return to_where_they_stand(token)
-    return where_they_stand(token, problem=problem), 422
+        is_right, problem = False, note_and_explain(refusal)
+    if is_right:
+        return redirect_to_current_page(token)
+    return current_page(token, problem=problem), 422
 
 
 @pages.post("/take/<token>/sound-check/unheard")
@@ -100,4 +99,4 @@ def unheard(token: str) -> ResponseReturnValue:
     """Leave the study without having heard anything."""
     site = study_site()
     leave_unheard(site.database, site.served, token, site.clock)
-    return to_where_they_stand(token)
+    return redirect_to_current_page(token)

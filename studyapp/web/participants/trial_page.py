@@ -13,7 +13,7 @@ from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import BAND_WIDTH, SCALE_STEPS, Question, RatingQuestion
 from studyapp.study.settings.study import Study
-from studyapp.web.language import _, say, spoken
+from studyapp.web.language import _, page_language, say
 
 Labels = tuple[tuple[int, str], ...]
 """Values, each with the words that stand for it on the page."""
@@ -205,7 +205,7 @@ def _instruction(
 
 def frozen_words(study: Study) -> str:
     """Return what the videos hold still, as a list in words; empty where nothing is."""
-    return spoken().listed([say(CHANNEL_WORDS[channel]) for channel in study.freeze])
+    return page_language().listed([say(CHANNEL_WORDS[channel]) for channel in study.freeze])
 
 
 Layout = Literal["composed", "pair", "rating", "ranking"]

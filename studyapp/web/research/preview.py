@@ -19,7 +19,7 @@ from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.media import VideoFile
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
-from studyapp.web.mounting import address_to_try
+from studyapp.web.mounting import path_to_try
 from studyapp.web.participants.trial_page import trial_page
 from studyapp.web.research.motion_scenes import (
     WantedScene,
@@ -49,7 +49,7 @@ def try_study() -> ResponseReturnValue:
     """Let the researcher take part as a test."""
     site = study_site()
     token = make_test_participation(site.folder, site.served, site.clock, by=researcher().name)
-    return redirect(address_to_try(token), 303)
+    return redirect(request.script_root + path_to_try(token), 303)
 
 
 def erase_tries() -> ResponseReturnValue:
@@ -82,7 +82,7 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
             trial=trial,
             page=trial_page(site.study, trial),
             problem="",
-            given={},
+            answers={},
             **around,
         )
 

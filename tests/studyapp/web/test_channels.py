@@ -12,7 +12,7 @@ from sqlalchemy import select
 from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.study.settings.study import Study
-from studyapp.web.participants.sent_by import COOKIE
+from studyapp.web.participants.recruiter_names import COOKIE
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
@@ -135,7 +135,7 @@ def test_where_links_are_signed_no_other_name_counts(
         assert host == "study.example.org"
         return {"PROLIFIC_PID": "P1", "SESSION_ID": "x1"} if signed == "signed" else None
 
-    monkeypatch.setattr("studyapp.web.participants.sent_by.signed_names", believed)
+    monkeypatch.setattr("studyapp.web.participants.recruiter_names.signed_names", believed)
     app = opened(PROLIFIC + 'signed_for = "study.example.org"\n')
     client = app.test_client()
 

@@ -7,7 +7,7 @@ from flask import Flask, render_template_string
 
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
-from studyapp.web.errors import told
+from studyapp.web.errors import note_and_explain
 from studyapp.web.language import _, language_of, speak
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
@@ -35,8 +35,8 @@ def test_a_refusal_is_said_whole_with_its_list(code: str, said: str) -> None:
         "Questions {numbers} are not answered yet.", "Please wait.", numbers=(1, about, 3)
     )
 
-    with speaking(code).app_context():
-        assert told(refusal) == said
+    with speaking(code).test_request_context():
+        assert note_and_explain(refusal) == said
 
 
 def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None:

@@ -11,7 +11,7 @@ import pytest
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey, generate_private_key
 
 from studyapp.session.refusal import UnacceptableError
-from studyapp.web.participants.sent_by import prolific_keys, signed_names
+from studyapp.web.participants.recruiter_names import prolific_keys, signed_names
 
 HOST = "study.example.org"
 NAMES = {"PROLIFIC_PID": "p1", "STUDY_ID": "s1", "SESSION_ID": "x1"}

@@ -16,7 +16,7 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
 from studyapp.study.settings.presentation import Language
-from studyapp.web.participants.sound_check import spoken
+from studyapp.web.participants.sound_check import spoken_digits
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor
@@ -31,15 +31,15 @@ def heard(sound: bytes) -> tuple[NDArray[np.float64], int]:
 
 @pytest.mark.parametrize("language", get_args(Language))
 def test_digits_differ_in_what_is_heard_alone(language: Language) -> None:
-    alone = [heard(spoken(language, str(digit))) for digit in range(10)]
+    alone = [heard(spoken_digits(language, str(digit))) for digit in range(10)]
 
     assert len({len(samples) for samples, _ in alone}) == 1
     for one, other in combinations(alone, 2):
         assert np.abs(one[0] - other[0]).max() > 0.1
-    for samples, rate in (heard(spoken(language, digits)) for digits in ("012", "999")):
+    for samples, rate in (heard(spoken_digits(language, digits)) for digits in ("012", "999")):
         assert pyloudnorm.Meter(rate).integrated_loudness(samples) == pytest.approx(-23, abs=3)
         assert np.abs(samples).max() < 0.9
-    both, _ = heard(spoken(language, "37"))
+    both, _ = heard(spoken_digits(language, "37"))
     assert np.array_equal(both[: len(alone[3][0])], alone[3][0])
 
 
@@ -68,7 +68,7 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
             for answer in (page, sound)
         ]
         told.append((page.text, headers))
-        assert sound.data == spoken("en", drawn)
+        assert sound.data == spoken_digits("en", drawn)
 
     assert told[0] == told[1]
     names = {name for name, _ in told[0][1][1]}

@@ -176,7 +176,7 @@ def test_a_researcher_takes_the_whole_study_marked_on_every_page_and_takes_no_pl
     assert begun.startswith("/try/?invitation=")
     anybody = log_in.app.test_client()
     assert (MARK in anybody.get(begun).text, MARK in anybody.get("/").text) == (True, False)
-    tester = Visitor(serve(tried=True), log_in.clock).enrol(begun.removeprefix("/try/")).begin()
+    tester = Visitor(serve(is_test=True), log_in.clock).enrol(begun.removeprefix("/try/")).begin()
     for page in tester.take_trials():
         assert MARK in page.text
 
@@ -193,7 +193,7 @@ def test_there_is_a_place_for_every_test_and_all_are_erased(
     places = sum(arm.places for arm in served.study.arms)
     for _ in range(places + 1):
         token = make_test_participation(tiny_study, served, log_in.clock, by="Ada")
-        Visitor(serve(tried=True), log_in.clock).enrol(f"?invitation={token}")
+        Visitor(serve(is_test=True), log_in.clock).enrol(f"?invitation={token}")
     database = Database.open(sqlite_url(StudyFolder(tiny_study).tries))
     with database.reading() as session:
         assert session.scalar(select(func.count(StudySession.id))) == places + 1
@@ -208,4 +208,4 @@ def test_there_is_a_place_for_every_test_and_all_are_erased(
 
 def test_without_a_link_there_is_nothing_to_try(app: Flask, serve: Serve) -> None:
     assert app.test_client().get("/try/").status_code == 404
-    assert serve(tried=True).test_client().get("/").status_code == 403
+    assert serve(is_test=True).test_client().get("/").status_code == 403
