@@ -26,7 +26,7 @@ from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
-from studyapp.web.research.motion_scenes import WantedScene, scenes_of, send_scene
+from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page
 
 State = Literal["missing", "motion", "video"]
@@ -278,7 +278,7 @@ def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
     return clips, [clips.cell(segment, condition) for condition in clips.conditions]
 
 
-def _scenes(cells: Sequence[Cell]) -> list[WantedScene]:
+def _scenes(cells: Sequence[Cell]) -> list[Scene]:
     """Return the scenes of cells of one segment."""
     segment = cells[0].segment.name
     clips = [(cell.condition, cell.condition) for cell in cells if cell.has_motion]

@@ -1,7 +1,7 @@
 """Motion that researchers turn around, in place of a video that they only play.
 
-What a viewer needs is packed when it is asked for, by a process of its own: that loads what a
-server must not. Nothing of it is kept, so that nothing of it is ever out of date.
+A process of its own packs each scene on request, because it loads what a server must not. Nothing
+is cached, so that nothing is ever out of date.
 """
 
 from __future__ import annotations
@@ -25,33 +25,33 @@ from studyapp.web.participants.trial_page import letter
 from studyapp.web.research.page import page
 
 PROGRAM: Final = "studyapp.stimuli.scene_process"
-"""It belongs to a room above this one, and is called by name, as a stranger would."""
+"""A module of a room above this one, so it is run by name."""
 
 VIEWER: Final = "renderer.viewer"
-"""Where the viewer's files lie."""
+"""The package with the viewer's files."""
 
 SECONDS: Final = 60
-"""Five clips of one minute take two seconds of a processor, and longer where others go first."""
+"""Five clips of one minute take two seconds of a processor, which others may use first."""
 
 SIDE_BY_SIDE: Final = 6
 """Clips that the viewer has room for."""
 
 _AT_ONCE: Final = BoundedSemaphore(2)
-"""Processes that one process of the server has going."""
+"""Processes that one process of the server runs side by side."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class WantedScene:
-    """Motion that plays side by side on one clock.
+class Scene:
+    """Clips that play side by side on one clock.
 
     Attributes
     ----------
     segment : str
-        What it was made for.
+        The segment they were made for.
     speech : str or None
         The segment that is heard; None for silence.
     clips : tuple of (str, str)
-        What stands under each clip, and its condition.
+        The label of each clip, and its condition.
     """
 
     segment: str
@@ -60,39 +60,35 @@ class WantedScene:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What stands under the clips."""
+        """The labels of the clips."""
         return tuple(label for label, _ in self.clips)
 
 
-def scenes_of(
-    segment: str, speech: str | None, clips: Sequence[tuple[str, str]]
-) -> list[WantedScene]:
-    """Return as many scenes as clips need that were made for a segment, and are heard alike."""
+def scenes_of(segment: str, speech: str | None, clips: Sequence[tuple[str, str]]) -> list[Scene]:
+    """Return the scenes of clips that were made for a segment, and are heard with one speech."""
     return [
-        WantedScene(
-            segment=segment, speech=speech, clips=tuple(clips[first : first + SIDE_BY_SIDE])
-        )
+        Scene(segment=segment, speech=speech, clips=tuple(clips[first : first + SIDE_BY_SIDE]))
         for first in range(0, len(clips), SIDE_BY_SIDE)
     ]
 
 
 def scenes_of_trial(
     players: Mapping[int, Content], label: Callable[[str, Stimulus], str]
-) -> list[WantedScene]:
-    """Return the scenes of a trial: what is heard with the same speech plays together.
+) -> list[Scene]:
+    """Return the scenes of a trial: clips with the same speech play together.
 
     Parameters
     ----------
     players : mapping of int to Content
-        What each video shows, by its number; 0 is the reference.
+        The content of each video, by its number; 0 is the reference.
     label : callable
-        What stands under a clip, of its letter in the trial and of its stimulus.
+        Returns the label of a clip, from its letter in the trial and its stimulus.
     """
-    heard: dict[tuple[str, str | None], list[tuple[str, str]]] = {}
-    for called, each in _lettered(players):
-        clip = (label(called, each), each.condition)
-        heard.setdefault((each.segment, each.speech), []).append(clip)
-    return [scene for key, clips in heard.items() for scene in scenes_of(*key, clips)]
+    clips_by_speech: dict[tuple[str, str | None], list[tuple[str, str]]] = {}
+    for player, stimulus in _lettered(players):
+        clip = (label(player, stimulus), stimulus.condition)
+        clips_by_speech.setdefault((stimulus.segment, stimulus.speech), []).append(clip)
+    return [scene for key, clips in clips_by_speech.items() for scene in scenes_of(*key, clips)]
 
 
 def _lettered(players: Mapping[int, Content]) -> Iterator[tuple[str, Stimulus]]:
@@ -103,7 +99,7 @@ def _lettered(players: Mapping[int, Content]) -> Iterator[tuple[str, Stimulus]]:
 
 
 def motion_page(
-    scenes: Sequence[WantedScene], endpoint: str, *, back: tuple[str, str], **place: Any
+    scenes: Sequence[Scene], endpoint: str, *, back: tuple[str, str], **place: Any
 ) -> str:
     """Return the page on which the motion of a trial is turned around.
 
@@ -114,27 +110,27 @@ def motion_page(
     back : (str, str)
         The address to go back to, and what is there.
     **place
-        Which trial it is, its `position` among others.
+        Identifies the trial, with its `position` among others.
     """
     addresses = [url_for(endpoint, scene=number, **place) for number in range(len(scenes))]
     return page("motion", scenes=scenes, addresses=addresses, back=back, **place)
 
 
-def send_scene(folder: Path, wanted: Sequence[WantedScene], number: int) -> Response:
-    """Send the scene of a number among those that a page has."""
-    if number >= len(wanted):
+def send_scene(folder: Path, scenes: Sequence[Scene], number: int) -> Response:
+    """Send one of the scenes of a page."""
+    if number >= len(scenes):
         abort(404)
-    scene = wanted[number]
+    scene = scenes[number]
     clips = (f"{label}={condition}" for label, condition in scene.clips)
     try:
-        found = _made("scene", str(folder), scene.segment, scene.speech or "", *clips)
+        packed = _run_scene_process("scene", str(folder), scene.segment, scene.speech or "", *clips)
     except _NothingMadeError as error:
-        found = json.dumps({"problem": f"There is no motion to play. {error}."}).encode()
-    return Response(found, mimetype="application/json")
+        packed = json.dumps({"problem": f"There is no motion to play. {error}."}).encode()
+    return Response(packed, mimetype="application/json")
 
 
 def viewer_file(filename: str) -> Response:
-    """Send a script or the style of the viewer."""
+    """Send a script or the style sheet of the viewer."""
     return send_from_directory(str(files(VIEWER)), filename)
 
 
@@ -152,20 +148,19 @@ def viewer_avatar(avatar: str) -> Response:
 
 @lru_cache(maxsize=8)
 def _avatar(name: str) -> bytes:
-    return _made("avatar", name)
+    return _run_scene_process("avatar", name)
 
 
 class _NothingMadeError(Exception):
     """The message says why, without a full stop."""
 
 
-def _made(*arguments: str) -> bytes:
-    """Return what the process writes."""
+def _run_scene_process(*arguments: str) -> bytes:
     with _AT_ONCE:
         try:
             return output_of(PROGRAM, *arguments, seconds=SECONDS)
         except subprocess.TimeoutExpired:
             raise _NothingMadeError(f"Packing it took longer than {SECONDS} seconds") from None
         except SideProcessError as error:
-            why = str(error) or f"Packing it ended with {error.status}"
-            raise _NothingMadeError(why) from None
+            reason = str(error) or f"Packing it ended with {error.status}"
+            raise _NothingMadeError(reason) from None

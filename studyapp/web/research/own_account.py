@@ -37,14 +37,14 @@ from studyapp.web.site import client_address, current_site
 
 
 def login() -> ResponseReturnValue:
-    """Show the form with name and password; who is logged in goes on."""
-    wanted = request.args.get("next", "")
+    """Show the form with name and password, unless somebody is logged in."""
+    next_page = request.args.get("next", "")
     desk = current_site().desk
     if desk is not None:
         return redirect(desk.address, 303)
     if visitor() is not None:
-        return redirect(address_after_login(wanted), 303)
-    return page("login", wanted=wanted, name="", problem=None)
+        return redirect(address_after_login(next_page), 303)
+    return page("login", next_page=next_page, name="", problem=None)
 
 
 def enter() -> ResponseReturnValue:
@@ -52,7 +52,7 @@ def enter() -> ResponseReturnValue:
     site = current_site()
     if site.desk is not None:
         return redirect(site.desk.address, 303)
-    name, password, code, wanted = (
+    name, password, code, next_page = (
         request.form.get(key, "") for key in ("name", "password", "code", "next")
     )
     try:
@@ -65,12 +65,12 @@ def enter() -> ResponseReturnValue:
             address=client_address(),
         )
     except TooManyAttemptsError as error:
-        refused = make_response(page("login", wanted=wanted, name=name, problem=error), 429)
-        refused.headers["Retry-After"] = str(error.seconds)
-        return refused
+        response = make_response(page("login", next_page=next_page, name=name, problem=error), 429)
+        response.headers["Retry-After"] = str(error.seconds)
+        return response
     except WrongLoginError as error:
-        return page("login", wanted=wanted, name=name, problem=error), 403
-    return _entered(token, address_after_login(wanted))
+        return page("login", next_page=next_page, name=name, problem=error), 403
+    return _redirect_with_login(token, address_after_login(next_page))
 
 
 def log_out() -> ResponseReturnValue:
@@ -82,15 +82,15 @@ def log_out() -> ResponseReturnValue:
 
 
 def link(token: str) -> ResponseReturnValue:
-    """Show what a one-time link is for; looking at it does not use it."""
+    """Show what a one-time link is for, without using it."""
     site = current_site()
     if site.desk is not None:
         return redirect(f"{site.desk.address}join/{token}", 303)
     try:
-        found = link_of(site.database, token, site.clock.now())
+        usable_link = link_of(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
-    return page("link", link=found, token=token, name="", problem=None)
+    return page("link", link=usable_link, token=token, name="", problem=None)
 
 
 def use_link(token: str) -> ResponseReturnValue:
@@ -101,34 +101,34 @@ def use_link(token: str) -> ResponseReturnValue:
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
     login_token: str | None
     try:
-        found = link_of(site.database, token, site.clock.now())
+        usable_link = link_of(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
     try:
         require_same(password, again)
-        if found.purpose == "new_password":
+        if usable_link.purpose == "new_password":
             login_token = choose_password(site.database, site.clock, token, password=password)
         else:
             login_token = join(site.database, site.clock, token, name=name, password=password)
     except InputError as error:
-        return page("link", link=found, token=token, name=name, problem=error), 422
+        return page("link", link=usable_link, token=token, name=name, problem=error), 422
     if login_token is None:
         return redirect(url_for("research.login"), 303)
-    return _entered(login_token, url_for("research.overview"))
+    return _redirect_with_login(login_token, url_for("research.overview"))
 
 
 def require_same(password: str, again: str) -> None:
-    """Raise `InputError` unless a new password was typed the same twice."""
+    """Raise `InputError` unless a new password was typed twice the same."""
     if password != again:
         raise InputError("the two passwords differ", remedy="Type the new one twice, the same")
 
 
-def _entered(token: str, address: str) -> Response:
+def _redirect_with_login(token: str, address: str) -> Response:
     return with_login(cast(Response, redirect(address, 303)), token)
 
 
 def own_account() -> ResponseReturnValue:
-    """Show who one is, what one may do, and the form for another password."""
+    """Show the researcher's name, rights, and the form for another password."""
     return page("own_account", problem=None, changed="changed" in request.args)
 
 
@@ -148,8 +148,7 @@ def change_own_password() -> ResponseReturnValue:
         )
     except InputError as error:
         return page("own_account", problem=error, changed=False), 422
-    done = redirect(url_for("research.own_account", changed=""), 303)
-    return with_login(cast(Response, done), token)
+    return _redirect_with_login(token, url_for("research.own_account", changed=""))
 
 
 def second_factor() -> ResponseReturnValue:
@@ -158,7 +157,7 @@ def second_factor() -> ResponseReturnValue:
 
 
 def turn_on_second_factor() -> ResponseReturnValue:
-    """Ask for codes from now on, and show the recovery codes once."""
+    """Require codes from now on, and show the recovery codes once."""
     site = current_site()
     secret, code, password = (request.form.get(key, "") for key in ("secret", "code", "password"))
     try:
@@ -177,7 +176,7 @@ def turn_on_second_factor() -> ResponseReturnValue:
 
 
 def turn_off_second_factor() -> ResponseReturnValue:
-    """Ask for no codes any more."""
+    """Require no codes any more."""
     site = current_site()
     password = request.form.get("password", "")
     try:
@@ -194,6 +193,6 @@ def turn_off_second_factor() -> ResponseReturnValue:
 
 
 def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
-    named = address_for_device(secret, researcher=researcher().name, study=current_site().name)
-    picture = Markup(segno.make(named).svg_inline(scale=4))  # noqa: S704 - made here of squares
+    address = address_for_device(secret, researcher=researcher().name, study=current_site().name)
+    picture = Markup(segno.make(address).svg_inline(scale=4))  # noqa: S704 - made here of squares
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)

@@ -1,8 +1,8 @@
-"""What all pages of researchers share: who asks, whose data they show, how they are written.
+"""What all pages of researchers share: the visitor, the data they show, and their wording.
 
-Before a login the cookie is a random token that stands for nobody; logging in always draws another
-one. Each form carries a code that only who knows the cookie can compute, so that no other site can
-have a browser send one.
+Before a login the cookie is a random token that stands for nobody; logging in always draws a new
+one. Each form carries a code that follows from the cookie, so that no other site can have a browser
+send one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from studyapp.web.site import TokenCookie, current_site, study_site
 PREFIX: Final = "/research"
 FIELD: Final = "form_code"
 HEADER: Final = "Form-Code"
-"""Carries the code where a script sends something that is no form."""
+"""The header in which scripts send the code."""
 
 TOKEN: Final = re.compile(r"[A-Za-z0-9_-]{43}")
 
@@ -38,7 +38,7 @@ COOKIE: Final = TokenCookie("research", path=PREFIX)
 """Sent to researchers' pages alone, and kept until the browser is closed."""
 
 REFRESHED: Final = "refreshed"
-"""In the address where a page asks for itself anew: nobody need sit before it."""
+"""In the address if a page refreshes itself, which does not show that anybody is there."""
 
 PAGE: Final = re.compile(r"/research/[A-Za-z0-9_/-]*(\?[A-Za-z0-9_=&%.+-]*)?")
 LONGEST: Final = 500
@@ -46,12 +46,12 @@ NOT_AFTER_LOGIN: Final = ("/research/log-in", "/research/log-out", "/research/jo
 
 
 def form_code(token: str) -> str:
-    """Return what a form of the browser that has `token` must carry."""
+    """Return the code that forms must carry in the browser with `token`."""
     return hmac.new(token.encode(), b"form", hashlib.sha256).hexdigest()
 
 
 def came_from_our_page(token: str | None) -> bool:
-    """Tell whether the form that was sent came from a page of ours in the same browser."""
+    """Return whether the form came from a page of this server in the same browser."""
     if request.headers.get("Sec-Fetch-Site", "same-origin") != "same-origin":
         return False
     sent = request.headers.get(HEADER) or request.form.get(FIELD, "")
@@ -59,7 +59,7 @@ def came_from_our_page(token: str | None) -> bool:
 
 
 def recognise() -> None:
-    """Find out who asks, from the cookie."""
+    """Identify the visitor by the cookie."""
     site = current_site()
     sent = COOKIE.read(site.name)
     token = sent if sent is not None and TOKEN.fullmatch(sent) else None
@@ -73,70 +73,70 @@ def recognise() -> None:
 
 
 def visitor() -> Account | None:
-    """Return who is logged in, None for nobody."""
+    """Return the account that is logged in, if any."""
     return cast("Account | None", g.get("research_account"))
 
 
 def researcher() -> Account:
-    """Return who is logged in, on pages that nobody else comes to."""
-    found = visitor()
-    if found is None:
+    """Return the account that is logged in, on pages that require one."""
+    account = visitor()
+    if account is None:
         abort(403)
-    return found
+    return account
 
 
 def visitor_cookie() -> str | None:
-    """Return the token that the browser sent, None where it sent none."""
+    """Return the token that the browser sent, if any."""
     return cast("str | None", g.get("research_cookie"))
 
 
 def code_for_forms() -> str:
-    """Return what the forms of the page must carry; a browser without a cookie gets one."""
+    """Return the code for the page's forms; a browser without a cookie gets one."""
     if visitor_cookie() is None:
         g.research_cookie = g.new_research_cookie = new_token()
     return form_code(g.research_cookie)
 
 
 def keep_visitor(response: Response) -> Response:
-    """Give a browser that came without a cookie the one that its forms need."""
+    """Send the cookie that the forms need to a browser that had none."""
     if "new_research_cookie" in g:
         COOKIE.send(response, current_site().name, g.new_research_cookie)
     return response
 
 
 def with_login(response: Response, token: str | None) -> Response:
-    """Have the browser keep the token of a login; without one, a token that stands for nobody."""
+    """Have the browser keep the token of a login, or else one that stands for nobody."""
     g.pop("new_research_cookie", None)
     COOKIE.send(response, current_site().name, token or new_token())
     return response
 
 
-def asked_page() -> str:
-    """Return what is asked for, to come back to after logging in; empty where nothing can be."""
+def requested_page() -> str:
+    """Return the page to come back to after logging in; empty if there is none."""
     if request.method != "GET":
         return ""
-    asked = request.path if REFRESHED in request.args else request.full_path.removesuffix("?")
-    return asked if _is_ours(asked) else ""
+    path = request.path if REFRESHED in request.args else request.full_path.removesuffix("?")
+    return path if _is_own_page(path) else ""
 
 
-def address_after_login(wanted: str) -> str:
-    """Return the address of the page `wanted`; of the overview where it is none of ours."""
-    if _is_ours(wanted):
-        return request.script_root + wanted
+def address_after_login(next_page: str) -> str:
+    """Return the address of `next_page`, or of the overview if it is no page of this server."""
+    if _is_own_page(next_page):
+        return request.script_root + next_page
     return url_for("research.overview")
 
 
-def _is_ours(page: str) -> bool:
+def _is_own_page(page: str) -> bool:
     inside = PAGE.fullmatch(page) is not None and "//" not in page and len(page) <= LONGEST
     return inside and not page.startswith(NOT_AFTER_LOGIN)
 
 
 SHARES: Final = ("win_share", "own_speech", "rate")
-"""Measures that are parts of a whole."""
+"""Measures that are proportions."""
 
 
 def moment(at: datetime) -> str:
-    """Return date and time in UTC; the page's script writes them as the browser's clock does."""
+    """Return date and time in UTC; a script on the page converts them to local time."""
     at = at.astimezone(UTC)
     return f"{at.day} {at:%B %Y, %H:%M} UTC"
 
@@ -147,36 +147,36 @@ def clock_time(at: datetime) -> str:
 
 
 def day_or_time(at: datetime, now: datetime) -> str:
-    """Return the time alone where it is today, else the date too."""
+    """Return the time of day, with the date if it is not today's."""
     at, now = at.astimezone(UTC), now.astimezone(UTC)
     return f"{at:%H:%M} UTC" if at.date() == now.date() else moment(at)
 
 
 def span(seconds: float) -> str:
-    """Return seconds as somebody would say them."""
+    """Return a duration in words."""
     if seconds < 60:
         return f"{seconds:.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
+    minutes, seconds = divmod(round(seconds), 60)
     if minutes < 60:
-        return f"{minutes} min {rest:02} s"
+        return f"{minutes} min {seconds:02} s"
     hours, minutes = divmod(minutes, 60)
     return f"{hours} h {minutes:02} min"
 
 
 def share(part: float, whole: float = 1.0) -> str:
-    """Return a percentage; a dash where there is no whole."""
+    """Return a percentage; a dash if the whole is 0."""
     return f"{part / whole:.0%}" if whole else "–"
 
 
 def figure(value: float | None, measure: str = "") -> str:
-    """Return a number with sensible digits; of a share, as a percentage; a dash for none."""
+    """Return a number with two decimals, or a proportion as a percentage; a dash for None."""
     if value is None:
         return "–"
     return f"{100 * value:.1f}%" if measure in SHARES else _decimal(value)
 
 
 def interval(low: float | None, high: float | None, measure: str = "") -> str:
-    """Return the ends of an interval in words; a dash for none."""
+    """Return the ends of an interval in words; a dash for None."""
     if low is None or high is None:
         return "–"
     if measure in SHARES:
@@ -189,7 +189,7 @@ def _decimal(value: float) -> str:
 
 
 def display_name(name: str) -> str:
-    """Return what a condition, an arm or a comparison of the study is called."""
+    """Return the display name of a condition, an arm or a comparison."""
     return study_site().study.display_names.get(name, name)
 
 
@@ -206,12 +206,12 @@ WORDING: Final = {
 
 
 def page(template: str, **values: Any) -> str:
-    """Return the page that `template` makes of `values`."""
+    """Return the page of ``research/<template>.html`` with `values`."""
     return rendered(f"research/{template}.html", **values)
 
 
 def rendered(file: str, /, **values: Any) -> str:
-    """Return what the template `file` makes of `values` and of what all pages show."""
+    """Return the template `file` with `values` and with what all pages show."""
     return render_template(
         file,
         site=current_site(),
@@ -225,26 +225,26 @@ def rendered(file: str, /, **values: Any) -> str:
 
 
 def refusal_page(error: InputError, status: int) -> ResponseReturnValue:
-    """Return the page that says why something was refused."""
+    """Return the page that explains a refusal."""
     return problem_page(f"{error.what[:1].upper()}{error.what[1:]}", f"{error.remedy}.", status)
 
 
 def problem_page(what: str, remedy: str, status: int) -> ResponseReturnValue:
-    """Return the page that says what cannot be done, and what can."""
+    """Return the page that says what is wrong, and what to do."""
     return page("problem", what=what, remedy=remedy), status
 
 
 Data = Literal["study", "rehearsal"]
 
 PREFIXES: Final[dict[Data, str]] = {"study": "", "rehearsal": "/rehearsal"}
-"""What the addresses of their pages begin with."""
+"""Prefixes of the addresses of their pages."""
 
 
 @contextmanager
-def looked_at(data: Data) -> Iterator[Database]:
-    """Give the database of `data`; that of the rehearsal can only be read.
+def open_data(data: Data) -> Iterator[Database]:
+    """Give the database of `data`; the rehearsal's can only be read.
 
-    Where nothing has been rehearsed, the page does not exist.
+    The page does not exist if nothing has been rehearsed.
 
     Raises
     ------
@@ -271,5 +271,5 @@ def looked_at(data: Data) -> Iterator[Database]:
 
 
 def is_rehearsed() -> bool:
-    """Tell whether there is a rehearsal to be looked at."""
+    """Return whether there is a rehearsal to show."""
     return StudyFolder(study_site().folder).rehearsal.exists()

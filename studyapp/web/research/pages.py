@@ -23,12 +23,12 @@ from studyapp.web.research import (
 from studyapp.web.research.page import (
     PREFIX,
     PREFIXES,
-    asked_page,
     came_from_our_page,
     keep_visitor,
     problem_page,
     recognise,
     refusal_page,
+    requested_page,
     visitor,
     visitor_cookie,
 )
@@ -67,7 +67,7 @@ def guard(
             return None
         account = visitor()
         if account is None:
-            return redirect(url_for("research.login", next=asked_page() or None), 303)
+            return redirect(url_for("research.login", next=requested_page() or None), 303)
         if right is None or not account.may(right):
             return problem_page(
                 "This page is not for your role", "An owner of the study can give you another.", 403

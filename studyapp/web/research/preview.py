@@ -1,7 +1,7 @@
 """Preview: any trial as a participant sees it, marked, and storing nothing.
 
-The page is the participants' own. It believes itself on a server of its own, whose root is the
-address of the preview: whatever it asks for or sends comes here, and goes no further.
+The page is the participants' own. It is rendered as if the address of the preview were the root of
+a server, so that all its requests come here, and go no further.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from studyapp.web.media import send_video
 from studyapp.web.mounting import path_to_try
 from studyapp.web.participants.trial_page import trial_page
 from studyapp.web.research.motion_scenes import (
-    WantedScene,
+    Scene,
     motion_page,
     scenes_of_trial,
     send_scene,
@@ -36,8 +36,8 @@ MOST_PLACES = 10_000
 def preview() -> ResponseReturnValue:
     """List the trials of a place."""
     arms = [arm.name for arm in study_site().study.arms]
-    wanted, place = request.args.get("arm", ""), request.args.get("place", "")
-    arm = arms.index(wanted) if wanted in arms else 0
+    arm_name, place = request.args.get("arm", ""), request.args.get("place", "")
+    arm = arms.index(arm_name) if arm_name in arms else 0
     readable = place.isascii() and place.isdecimal() and len(place) < len(str(MOST_PLACES))
     number = max(1, int(place)) if readable else 1
     tries = count_test_participations(study_site().folder)
@@ -65,7 +65,7 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
     if not 1 <= position <= len(trials):
         abort(404)
     trial = previewed_trial(site.served, trials, position)
-    around = {
+    links = {
         "listed": url_for("research.preview", arm=site.study.arms[arm].name, place=place),
         "motion": ""
         if site.study.only_finished
@@ -83,7 +83,7 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
             page=trial_page(site.study, trial),
             problem="",
             answers={},
-            **around,
+            **links,
         )
 
 
@@ -109,7 +109,7 @@ def previewed_scene(arm: int, place: int, position: int, scene: int) -> Response
     return send_scene(study_site().folder, _scenes(arm, place, position), scene)
 
 
-def _scenes(arm: int, place: int, position: int) -> list[WantedScene]:
+def _scenes(arm: int, place: int, position: int) -> list[Scene]:
     players = _planned(arm, place, position).players
     return scenes_of_trial(
         players, lambda letter, shown: f"{letter}: {display_name(shown.condition)}"
@@ -123,13 +123,13 @@ def previewed_file(arm: int, place: int, position: int, filename: str) -> Respon
 
 
 def previewed_report(arm: int, place: int, position: int, number: int) -> ResponseReturnValue:
-    """Take a report of what was played for stored, and forget it: all counts as watched."""
+    """Answer a report as if it were stored, and all of the video watched."""
     video = _video(arm, place, position, number)
-    sent = request.get_json(silent=True)
-    batch = sent.get("batch") if isinstance(sent, dict) else 0
-    following = batch + 1 if isinstance(batch, int) else 0
+    report = request.get_json(silent=True)
+    batch = report.get("batch") if isinstance(report, dict) else 0
+    next_batch = batch + 1 if isinstance(batch, int) else 0
     return jsonify(
-        intervals=[(0.0, video.duration)], missing=0.0, next_batch=following, stored=True
+        intervals=[(0.0, video.duration)], missing=0.0, next_batch=next_batch, stored=True
     )
 
 
@@ -162,7 +162,7 @@ def _trials(arm: int, place: int) -> list[PlannedTrial]:
     site = study_site()
     if arm >= len(site.study.arms) or not 1 <= place < MOST_PLACES:
         abort(404)
-    # Of an adaptive study, those before anybody has answered.
+    # Of an adaptive study, the trials before anybody has answered.
     return list(site.study.plan(site.study.arms[arm], place - 1, site.served.segments))
 
 

@@ -1,4 +1,4 @@
-"""How the study goes: its overview, its study sessions, and decisions on them and newcomers."""
+"""A study's progress: its overview, its study sessions, and decisions on them and newcomers."""
 
 from __future__ import annotations
 
@@ -36,25 +36,25 @@ from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media import send_video
 from studyapp.web.research.motion_scenes import (
-    WantedScene,
+    Scene,
     motion_page,
     scenes_of_trial,
     send_scene,
 )
-from studyapp.web.research.page import Data, is_rehearsed, looked_at, page, researcher
+from studyapp.web.research.page import Data, is_rehearsed, open_data, page, researcher
 from studyapp.web.site import study_site
 
 
 @dataclass(frozen=True, kw_only=True)
 class Naming:
-    """How a page may call participants.
+    """How a page may name participants.
 
     Attributes
     ----------
     key : PseudonymKey or None
     reason : str
-        Why there are no pseudonyms, as a sentence; empty where there are, and where who asks may
-        not see answers of single participants in any case.
+        Why there are no pseudonyms, as a sentence; empty if there are, or if the researcher may
+        not see them.
     """
 
     key: PseudonymKey | None
@@ -62,7 +62,7 @@ class Naming:
 
 
 def naming() -> Naming:
-    """Return how the page that is asked for may call participants; it draws no key."""
+    """Return how the page may name participants; this draws no key."""
     if not researcher().may(Right.READ):
         return Naming(key=None)
     try:
@@ -74,92 +74,91 @@ def naming() -> Naming:
     return Naming(key=key, reason="" if key else "Pseudonyms are drawn at the first export.")
 
 
-CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded", "order")
-"""What an address may say of which study sessions are listed."""
+FILTERS: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded", "order")
+"""Parameters of the address that select and sort study sessions."""
 
-LARGEST: Final = 2**31 - 1
-"""The largest number of a row."""
+LARGEST_NUMBER: Final = 2**31 - 1
+"""Of a row in the database."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AgreementSoFar:
-    """What the overview shows of agreement; no document where none has been computed yet."""
+    """The agreement of raters, as the overview shows it; no document before the first result."""
 
-    kept: Kept
+    figures: Kept
     document: Document | None
 
 
 def overview(data: Data) -> ResponseReturnValue:
-    """Show how the study goes."""
+    """Show the study's progress."""
     site = study_site()
-    with looked_at(data) as database:
-        found = overview_of(database, site.served, site.clock.now())
+    with open_data(data) as database:
+        progress = overview_of(database, site.served, site.clock.now())
     return page(
         "overview",
         data=data,
         agreement=_agreement() if data == "study" else None,
         rehearsed=is_rehearsed(),
-        found=found,
+        overview=progress,
         refreshes=request.args.get("refresh") != "off",
     )
 
 
 def _agreement() -> AgreementSoFar:
-    """Return how far participants agree, as it was computed last."""
     site = study_site()
-    kept = kept_figures(site.database, site.clock, "agreement", site.figures)
-    return AgreementSoFar(kept=kept, document=Document.read(kept.document))
+    figures = kept_figures(site.database, site.clock, "agreement", site.figures)
+    return AgreementSoFar(figures=figures, document=Document.read(figures.document))
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:
-    """List the study sessions that a number counts; or go to the one that is called for."""
+    """List study sessions, or go to the one with the given name or number."""
     site = study_site()
     choice, names, called = _choice(), naming(), request.args.get("called", "")
     number = _number("page") or 1
-    with looked_at(data) as database:
+    with open_data(data) as database:
         with database.reading() as session:
-            one = number_called(session, names.key, called) if called else None
-            if one is None and called and researcher().may(Right.NAME):
-                one = number_recruited(session, called)
-        if one is not None:
-            return redirect(url_for("research.study_session", data=data, number=one), 303)
-        found = chosen(database, site.served, choice, site.clock.now())
-        shown = page_of(found, number)
+            match = number_called(session, names.key, called) if called else None
+            if match is None and called and researcher().may(Right.NAME):
+                match = number_recruited(session, called)
+        if match is not None:
+            return redirect(url_for("research.study_session", data=data, number=match), 303)
+        listed = chosen(database, site.served, choice, site.clock.now())
+        shown = page_of(listed, number)
         pseudonyms = _pseudonyms(database, names, [each.progress.id for each in shown])
     return page(
         "study_sessions",
         data=data,
         choice=choice,
         called=called,
-        count=len(found),
+        count=len(listed),
         shown=shown,
         naming=names,
         pseudonyms=pseudonyms,
         page_number=number,
-        pages=pages_of(found),
+        pages=pages_of(listed),
         standings=STANDINGS,
         arms=[arm.name for arm in site.study.arms],
-        asked={key: request.args[key] for key in CHOOSING if key in request.args},
+        filters={key: request.args[key] for key in FILTERS if key in request.args},
     )
 
 
 def study_session(
     data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
 ) -> str:
-    """Show one study session with everything that happened in it, and what a form lacked."""
+    """Show one study session, and the problem of a submitted decision."""
     site, names = study_site(), naming()
-    with looked_at(data) as database:
-        found = one_study_session(database, site.served, number, site.clock.now())
-        if found is None:
+    with open_data(data) as database:
+        details = one_study_session(database, site.served, number, site.clock.now())
+        if details is None:
             abort(404)
         pseudonym = _pseudonyms(database, names, [number]).get(number, "")
     return page(
         "study_session",
         data=data,
-        found=found,
+        study_session=details,
         naming=names,
         pseudonym=pseudonym,
-        rules=[each.to_rule().description for each in site.study.settled_exclusions],
+        rules=[rule.to_rule().description for rule in site.study.settled_exclusions],
         problem=problem,
         reason=reason,
         longest=LONGEST_REASON,
@@ -168,16 +167,16 @@ def study_session(
 
 def shown_video(data: Data, number: int, position: int, video: int) -> Response:
     """Send a video that was shown in a study session, as it is served now."""
-    with looked_at(data) as database:
+    with open_data(data) as database:
         content = contents_shown(database, number, position).get(video, ())
-    found = study_site().served.videos.get(content)
-    if found is None:
+    video_file = study_site().served.videos.get(content)
+    if video_file is None:
         abort(404)
-    return send_video(found.file)
+    return send_video(video_file.file)
 
 
 def shown_motion(data: Data, number: int, position: int) -> ResponseReturnValue:
-    """Show the motion of a trial, to be turned around; which condition it is, is not told."""
+    """Show the motion of a trial, to be turned around, without its conditions."""
     scenes = _scenes(data, number, position)
     if not scenes:
         abort(404)
@@ -195,32 +194,31 @@ def shown_motion(data: Data, number: int, position: int) -> ResponseReturnValue:
 
 
 def shown_scene(data: Data, number: int, position: int, scene: int) -> Response:
-    """Send what a viewer plays of a trial of a study session, as the files are now."""
+    """Send the scene of a trial of a study session, from the files as they are now."""
     return send_scene(study_site().folder, _scenes(data, number, position), scene)
 
 
-def _scenes(data: Data, number: int, position: int) -> list[WantedScene]:
-    with looked_at(data) as database:
+def _scenes(data: Data, number: int, position: int) -> list[Scene]:
+    with open_data(data) as database:
         players = contents_shown(database, number, position)
     return scenes_of_trial(players, lambda letter, _: letter)
 
 
 def changes() -> ResponseReturnValue:
-    """Show who changed what, when and why, the newest first."""
-    before = _number("before")
-    lines = logged_changes(study_site().database, before=before)
+    """Show who changed what, when and why, newest first."""
+    lines = logged_changes(study_site().database, before=_number("before"))
     older = lines[-1].id if len(lines) == LINES else None
     return page("changes", lines=lines, older=older)
 
 
 def _choice() -> Choice:
-    """Return which study sessions the address asks for."""
+    """Return the selection and order in the address."""
     standing = request.args.get("standing") or None
     if standing is not None and standing not in STANDINGS:
         abort(404)
     kind, count = request.args.get("check", ""), _number("failed")
-    asked = request.args.get("order") or "-number"
-    order = next((known for known in ORDERS if known == asked.removeprefix("-")), None)
+    sorting = request.args.get("order") or "-number"
+    order = next((known for known in ORDERS if known == sorting.removeprefix("-")), None)
     if order is None or (order == "recruiter" and not researcher().may(Right.NAME)):
         abort(404)
     return Choice(
@@ -231,7 +229,7 @@ def _choice() -> Choice:
         earlier="earlier" in request.args,
         excluded="excluded" in request.args,
         order=order,
-        rising=not asked.startswith("-"),
+        rising=not sorting.startswith("-"),
     )
 
 
@@ -240,18 +238,20 @@ def _pseudonyms(database: Database, names: Naming, numbers: Sequence[int]) -> Ma
 
 
 def _number(name: str) -> int | None:
-    """Return a number in the address, None where there is none."""
-    text = request.args.get(name, "")
-    if not (text.isascii() and text.isdecimal()):
-        return None
-    return int(text) if len(text) < len(str(LARGEST)) else None
+    """Return a number in the address, None if there is none."""
+    return _read_number(request.args.get(name, ""))
+
+
+def _read_number(text: str) -> int | None:
+    is_number = text.isascii() and text.isdecimal() and len(text) < len(str(LARGEST_NUMBER))
+    return int(text) if is_number else None
 
 
 DECISIONS = {"exclude": True, "reinstate": False}
 
 
 def decide_about(number: int) -> ResponseReturnValue:
-    """Leave the participant of a study session out of the analysis, or take them in again."""
+    """Exclude the participant of a study session from the analysis, or reinstate them."""
     site, reason = study_site(), request.form.get("reason", "")
     try:
         excluded = DECISIONS.get(request.form.get("decision", ""))
@@ -265,24 +265,24 @@ def decide_about(number: int) -> ResponseReturnValue:
 
 
 def newcomers(problem: InputError | None = None, reason: str = "") -> str:
-    """Show whether newcomers are let in, who decided so, and the forms to decide otherwise."""
-    made = decided(study_site().database)
-    state = made[0].state if made else "open"
+    """Show whether newcomers are admitted, who decided so, and the forms to decide otherwise."""
+    site = study_site()
+    decisions = decided(site.database)
     return page(
         "newcomers",
-        made=made,
-        state=state,
+        decisions=decisions,
+        state=decisions[0].state if decisions else "open",
         problem=problem,
         reason=reason,
         most=MOST_MORE,
-        link=study_site().study.recruitment.link(study_site().origin + url_for("entrance.arrive")),
+        link=site.study.recruitment.link(site.origin + url_for("entrance.arrive")),
     )
 
 
 def steer_newcomers() -> ResponseReturnValue:
-    """Let newcomers in, or no longer."""
-    site, reason, sent = study_site(), request.form.get("reason", ""), request.form.get("state")
-    state = next((known for known in STATES if known == sent), None)
+    """Admit newcomers, or stop admitting them."""
+    site, reason = study_site(), request.form.get("reason", "")
+    state = next((known for known in STATES if known == request.form.get("state")), None)
     try:
         if state is None:
             raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
@@ -295,14 +295,9 @@ def steer_newcomers() -> ResponseReturnValue:
 
 def want_more() -> ResponseReturnValue:
     """Open more places in every arm."""
-    site, reason, sent = (
-        study_site(),
-        request.form.get("reason", ""),
-        request.form.get("more", ""),
-    )
-    readable = sent.isascii() and sent.isdecimal() and len(sent) <= len(str(MOST_MORE))
+    site, reason = study_site(), request.form.get("reason", "")
     try:
-        more, by = int(sent) if readable else 0, researcher().name
+        more, by = _read_number(request.form.get("more", "")) or 0, researcher().name
         extend(site.database, site.served, site.clock, more, by=by, reason=reason)
     except InputError as error:
         return newcomers(error, reason), 422

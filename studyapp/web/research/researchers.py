@@ -28,7 +28,7 @@ from studyapp.web.site import current_site
 
 
 def researchers(problem: InputError | None = None, new_link: str = "", for_name: str = "") -> str:
-    """Show who belongs to the study, and who is invited."""
+    """Show the researchers of the study, and the usable links."""
     site = current_site()
     return page(
         "researchers",
@@ -94,8 +94,8 @@ def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
 def _link(token: str) -> str:
     """Return the address of a link.
 
-    It begins as the researcher said that the study's addresses do; else the browser completes it.
-    What a request calls the host may be anybody's word.
+    It begins with the study's stated origin, or else with the path, which the browser completes:
+    the host of a request may be forged.
     """
     return current_site().origin + url_for("research.link", token=token)
 

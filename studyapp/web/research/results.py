@@ -1,4 +1,4 @@
-"""Results: before the end behind a page that says what looking costs, and asks why."""
+"""Results; before the end, behind a page that says what looking costs and asks for a reason."""
 
 from __future__ import annotations
 
@@ -24,24 +24,23 @@ from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.site import study_site
 
 TABLED: Final = (1, 2, 3, 5, 10, 20)
-"""Numbers of looks that the page tells the rate of false positives for."""
-
+"""Numbers of looks for which the page tells the rate of false positives."""
 
 EVERYBODY: Final = "everybody has finished"
 CLOSED: Final = "the study is closed"
-"""Reasons to look that nobody has to give, for the log."""
+"""Reasons to look at the end, for the log, which nobody has to give."""
 
 
 def results() -> ResponseReturnValue:
-    """Show results at the end, and before it to whoever has said why; log it; else ask why."""
+    """Show the results, and log the look; before the end, ask for a reason first."""
     site, token = study_site(), visitor_cookie()
     over = over_because(site.database, site.served, site.clock.now())
-    because = over or unblinded_because(site.database, token or "", site.clock.now())
-    if not because:
-        return _asking()
-    kept = kept_figures(site.database, site.clock, "results", site.figures)
-    awaited = kept.is_awaited and not kept.is_current
-    document = None if awaited else Document.read(kept.document)
+    reason = over or unblinded_because(site.database, token or "", site.clock.now())
+    if not reason:
+        return _reason_page()
+    figures = kept_figures(site.database, site.clock, "results", site.figures)
+    awaited = figures.is_awaited and not figures.is_current
+    document = None if awaited else Document.read(figures.document)
     if document is not None:
         with site.database.writing() as session:
             note_look(
@@ -50,21 +49,21 @@ def results() -> ResponseReturnValue:
                 document.basis.state,
                 way="page",
                 by=researcher().name,
-                reason=because,
+                reason=reason,
             )
     return page(
         "results",
-        kept=kept,
+        figures=figures,
         awaited=awaited,
-        found=document,
+        document=document,
         looks=looks(site.database),
-        because=because,
+        reason=reason,
         is_final=bool(over),
     )
 
 
 def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
-    """Return why nobody is awaited any more; empty where somebody is."""
+    """Return why no more participants are expected; empty if some are."""
     places = places_so_far(database, served, now)
     if not places.still_to_be_done:
         return EVERYBODY
@@ -74,38 +73,38 @@ def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
 
 
 def ask_for_results() -> ResponseReturnValue:
-    """Take the reason, and go on to the results."""
+    """Log the reason, and go on to the results."""
     site, token, reason = study_site(), visitor_cookie(), request.form.get("reason", "")
     if token is None:
         abort(403)
     try:
         unblind(site.database, site.clock, token, by=researcher().name, reason=reason)
     except InputError as error:
-        return _asking(error, reason), 422
+        return _reason_page(error, reason), 422
     return redirect(url_for("research.results"), 303)
 
 
-def _asking(problem: InputError | None = None, reason: str = "") -> str:
+def _reason_page(problem: InputError | None = None, reason: str = "") -> str:
     site = study_site()
-    made = looks(site.database)
+    earlier_looks = looks(site.database)
     places = places_so_far(site.database, site.served, site.clock.now())
     return page(
         "unblind",
         problem=problem,
         reason=reason,
-        looks=made,
+        looks=earlier_looks,
         places=places,
         level=LEVEL,
         rates=[(count, equally_spaced(count)) for count in TABLED],
-        without=_rate(made, places, looking=False),
-        looking=_rate(made, places, looking=True),
+        without=_rate(earlier_looks, places, looking=False),
+        looking=_rate(earlier_looks, places, looking=True),
         minutes=round(HOLDS.total_seconds() / 60),
     )
 
 
-def _rate(made: Sequence[Look], places: PlaceCounts, *, looking: bool) -> float:
+def _rate(earlier_looks: Sequence[Look], places: PlaceCounts, *, looking: bool) -> float:
     """Return the rate of false positives at the end, with a look now or without one."""
-    seen = {look.finished for look in made if look.finished} | {places.wanted}
-    if looking and places.done:
-        seen.add(places.done)
-    return false_positive_rate(sorted(seen - {0}))
+    sizes = {look.finished for look in earlier_looks if look.finished} | {places.wanted}
+    if looking:
+        sizes.add(places.done)
+    return false_positive_rate(sorted(sizes - {0}))

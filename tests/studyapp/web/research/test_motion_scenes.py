@@ -11,7 +11,7 @@ from flask import Flask
 
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.folder import StudyFolder
-from studyapp.web.research.motion_scenes import WantedScene, scenes_of, scenes_of_trial
+from studyapp.web.research.motion_scenes import Scene, scenes_of, scenes_of_trial
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
@@ -113,8 +113,8 @@ def by_letter(letter: str, shown: Stimulus) -> str:
 def test_what_is_heard_differently_plays_apart() -> None:
     reference, players = {0: one("real")}, {1: one("ours"), 2: one("ours", "other")}
     assert scenes_of_trial(reference | players, by_letter) == [
-        WantedScene(segment="s", speech="s", clips=(("Reference", "real"), ("A", "ours"))),
-        WantedScene(segment="s", speech="other", clips=(("B", "ours"),)),
+        Scene(segment="s", speech="s", clips=(("Reference", "real"), ("A", "ours"))),
+        Scene(segment="s", speech="other", clips=(("B", "ours"),)),
     ]
     silent = scenes_of_trial({1: one("ours", None), 2: one("real", None)}, by_letter)
     assert [(each.speech, each.labels) for each in silent] == [(None, ("A", "B"))]
