@@ -129,6 +129,7 @@ def _set(page: Page, size: int) -> Iterator[Stop]:
     wanted = text.input_value()
     for before, after in (
         (r"^size = 720$", f"size = {size}"),
+        (r"^frame_rate = 30$", "frame_rate = 10"),
         (r"^practice = 1$", "practice = 0"),
         (r"(?<=\[catch\]\n)((?:#.*\n)*)trials = 3$", r"\1trials = 1"),
         (r"^sound_check = true$", "sound_check = false"),

@@ -29,6 +29,12 @@ LOOKS = 10
 LEAST_HEIGHT = 44
 """Pixels of a telephone that a finger does not miss."""
 
+LOW_CHOICES = """(choices, least) => choices
+  .filter(choice => choice.checkVisibility({ visibilityProperty: true }))
+  .map(choice => [choice.innerText, choice.getBoundingClientRect().height])
+  .filter(([, height]) => 0 < height && height < least)
+  .map(([text, height]) => `${text} is ${height} pixels high`)"""
+
 
 def resize(page: Page, size: ViewportSize) -> None:
     """Show the page in a window of another size, and wait until it has come to know of it."""
@@ -104,17 +110,13 @@ def _looks_alike(page: Page) -> bool:
 
 
 def too_small_to_touch(page: Page) -> list[str]:
-    """Return what can be chosen or pressed on the page and is too flat on a telephone."""
+    """Return what can be chosen or pressed on the page and is too low on a telephone."""
     size = page.viewport_size
     assert size is not None
     resize(page, SIZES["phone"])
-    found = []
-    for choice in page.locator(CHOICES).all():
-        box = choice.bounding_box() if choice.is_visible() else None
-        if box is not None and box["height"] < LEAST_HEIGHT:
-            found.append(f"{choice.inner_text()} is {box['height']} pixels high")
+    low: list[str] = page.locator(CHOICES).evaluate_all(LOW_CHOICES, LEAST_HEIGHT)
     resize(page, size)
-    return found
+    return low
 
 
 def expect_videos(page: Page) -> None:

@@ -21,7 +21,7 @@ from tests.functional.looking import (
 
 pytestmark = IN_A_BROWSER
 
-SECONDS = 1.5
+SECONDS = 1.0
 
 
 def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(

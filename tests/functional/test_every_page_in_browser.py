@@ -1,4 +1,7 @@
-"""Every page of every protocol, looked at: barriers, one look for all, and whether a pair fits.
+"""Every page of every protocol: barriers, weight, one look for all, and whether a pair fits.
+
+A page's weight is what comes over the line, headers too, in a browser that has never been here;
+what is played on it is not counted.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
@@ -12,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from flask import Flask
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Response, expect
 from sqlalchemy import update
 
 from studyapp.database.tables import StudySession
@@ -35,6 +38,21 @@ from tests.functional.shown_studies import NAMES, write_shown_study
 
 pytestmark = IN_A_BROWSER
 
+HEAVIEST = {
+    "eligibility": 24_000,
+    "consent": 24_000,
+    "sound-check": 7_000,
+    "instructions": 8_000,
+    "form": 6_000,
+    "trial": 105_000,
+}
+"""Bytes that each page may weigh. Those of these studies weigh up to 20,900 where participants
+arrive, 6,700 for instructions, 5,900 for the sound check, 4,900 for forms and 94,600 for a trial.
+"""
+
+RESEARCHERS_ALONE = ("WebGLRenderer", "motion-viewer", "glTF", "DecompressionStream")
+"""Words of the viewer that turns motion around, of its library, and of files of motion."""
+
 
 def made_of(page: Page) -> str:
     """Return what the page consists of: pages of the same parts look alike."""
@@ -48,28 +66,58 @@ def examined() -> set[str]:
     return set()
 
 
+def burdens(page: Page, kind: str, responses: list[Response]) -> list[str]:
+    """Return in what a page that has just come is heavier than it may be."""
+    page.wait_for_load_state("networkidle")
+    loaded = [each for each in responses if each.request.resource_type != "media"]
+    responses.clear()
+    weight = sum(map(bytes_of, loaded))
+    heavy = [f"weighs {weight} bytes"] if weight > HEAVIEST[kind] else []
+    return heavy + [f"{each.url} turns motion around" for each in loaded if turns_motion(each)]
+
+
+def bytes_of(response: Response) -> int:
+    sizes = response.request.sizes()
+    return sizes["responseHeadersSize"] + sizes["responseBodySize"]
+
+
+def turns_motion(response: Response) -> bool:
+    """Tell whether a script turns motion around; it is fetched anew, as pages forget the text."""
+    if response.request.resource_type != "script":
+        return False
+    text = response.frame.page.request.get(response.url).text()
+    return any(word in text for word in RESEARCHERS_ALONE)
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_every_page_looks_the_same_for_all_and_has_no_severe_barrier(
+def test_every_page_is_light_looks_the_same_for_all_and_has_no_severe_barrier(
     name: str, examined: set[str], browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / name, name)
     with shown(tmp_path / name) as (address, app), watched_page(browser, address) as page:
-        found = {}
-        seen = set()
+        problems: dict[str, list[str]] = {}
+        kinds: set[str] = set()
+        photographed: set[str] = set()
+        responses: list[Response] = []
+        page.on("response", lambda response: responses.append(response))
         for state in walk(page, address, app):
-            parts = state.partition("-")[2] + made_of(page)
-            if parts not in seen:
+            kind = state.partition("-")[2]
+            # Whoever has come to a trial has nearly all of the next one.
+            problems[state] = [] if "trial" in kinds else burdens(page, kind, responses)
+            kinds.add(kind)
+            parts = kind + made_of(page)
+            if parts not in photographed:
                 photograph(page, f"{name}-{state}")
             if parts not in examined:
-                found[state] = participants_barriers(page) + too_small_to_touch(page)
-                for _larger in (False, True) if "trial" in state else ():
+                problems[state] += participants_barriers(page) + too_small_to_touch(page)
+                for _larger in (False, True) if "trial" in kind else ():
                     assert len(video_sizes(page)) == 1, state
                     page.keyboard.press("l")
-            seen.add(parts)
+            photographed.add(parts)
             examined.add(parts)
 
-    assert {state: each for state, each in found.items() if each} == {}
-    assert "trial" in "".join(seen)
+    assert {state: each for state, each in problems.items() if each} == {}
+    assert {"consent", "trial", "completed"} <= kinds
 
 
 def beside_the_way(page: Page, address: str, app: Flask) -> Iterator[str]:
