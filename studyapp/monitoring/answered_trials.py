@@ -1,4 +1,4 @@
-"""Of the answered trials: progress by arm and emotion, how long they take, and on which sides."""
+"""Answered trials: progress by arm and emotion, durations, and the sides of conditions."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from studyapp.database.tables import StudySession, Trial, TrialStimulus
 ANALYSED: Final = ("main", "repeat")
 """Kinds of trial whose answers the analysis uses."""
 
-MOST_SPREADS: Final = 3.0
-"""Hardly any condition comes farther from one half by chance, in standard errors of a fair coin."""
+MAX_DEVIATION: Final = 3.0
+"""From one half, in standard errors of a fair coin; more is unlikely by chance."""
 
-FEWEST: Final = 4
-"""Quartiles of fewer values say nothing."""
+MIN_COUNT: Final = 4
+"""For fewer values there are no quartiles."""
 
 
 class AnsweredTrial(NamedTuple):
@@ -51,9 +51,9 @@ class Progress:
     Attributes
     ----------
     emotions : tuple of str
-        In alphabetical order; an empty one is speech without a named emotion.
+        In alphabetical order; empty for speech without a named emotion.
     counts : mapping of (arm, emotion) to int
-        Nothing where it is 0.
+        Without those that are 0.
     """
 
     emotions: tuple[str, ...]
@@ -64,12 +64,12 @@ class Progress:
         return self.counts.get((arm, emotion), 0)
 
     def of_emotion(self, emotion: str) -> int:
-        """Return the number of all arms together."""
+        """Return the number of answered trials of one emotion in all arms."""
         return sum(count for (_, name), count in self.counts.items() if name == emotion)
 
     @property
     def largest(self) -> int:
-        """The largest number of any emotion; 0 where nothing was answered."""
+        """The largest number of any emotion; 0 without any answer."""
         return max((self.of_emotion(emotion) for emotion in self.emotions), default=0)
 
 
@@ -90,16 +90,16 @@ def progress(trials: Iterable[AnsweredTrial], arms: Mapping[int, str]) -> Progre
 
 
 @dataclass(frozen=True, kw_only=True)
-class Times:
+class Durations:
     """How long something takes, in seconds.
 
     Attributes
     ----------
     what : str
     count : int
-        How many there are.
+        The number of values.
     low, middle, high : float or None
-        The quartiles; None where there are too few.
+        The quartiles; None if there are too few values.
     """
 
     what: str
@@ -110,25 +110,25 @@ class Times:
 
     @property
     def reason(self) -> str:
-        """Why there are no quartiles; empty where there are."""
-        return "" if self.middle is not None else f"fewer than {FEWEST}"
+        """Why there are no quartiles; empty if there are."""
+        return "" if self.middle is not None else f"fewer than {MIN_COUNT}"
 
 
-def times(what: str, seconds: Sequence[float]) -> Times:
-    """Return median and quartiles of `seconds`."""
-    if len(seconds) < FEWEST:
-        return Times(what=what, count=len(seconds))
+def durations(what: str, seconds: Sequence[float]) -> Durations:
+    """Return the quartiles of `seconds`."""
+    if len(seconds) < MIN_COUNT:
+        return Durations(what=what, count=len(seconds))
     low, _, high = quantiles(seconds, n=4, method="inclusive")
-    return Times(what=what, count=len(seconds), low=low, middle=median(seconds), high=high)
+    return Durations(what=what, count=len(seconds), low=low, middle=median(seconds), high=high)
 
 
-def times_of_trials(trials: Iterable[AnsweredTrial], kinds: Sequence[str]) -> tuple[Times, ...]:
+def trial_durations(trials: Iterable[AnsweredTrial], kinds: Sequence[str]) -> tuple[Durations, ...]:
     """Return how long trials of each kind take, from the first showing to the answer."""
-    found: dict[str, list[float]] = {kind: [] for kind in kinds}
+    by_kind: dict[str, list[float]] = {kind: [] for kind in kinds}
     for trial in trials:
-        if trial.seconds is not None and trial.kind in found:
-            found[trial.kind].append(trial.seconds)
-    return tuple(times(kind, seconds) for kind, seconds in found.items() if seconds)
+        if trial.seconds is not None and trial.kind in by_kind:
+            by_kind[trial.kind].append(trial.seconds)
+    return tuple(durations(kind, seconds) for kind, seconds in by_kind.items() if seconds)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,9 +138,9 @@ class Sides:
     Attributes
     ----------
     condition : str
-        As researchers call it.
+        Its display name.
     left, right : int
-        In trials that have been answered and are analysed.
+        In answered trials that are analysed.
     """
 
     condition: str
@@ -149,16 +149,16 @@ class Sides:
 
     @property
     def shown(self) -> int:
-        """How often in all."""
+        """How often it was shown."""
         return self.left + self.right
 
     @property
     def balanced(self) -> bool:
-        """Whether chance alone may well have shared the sides out like this."""
+        """Whether chance may explain the difference."""
         if self.shown == 0:
             return True
         spread = 0.5 * math.sqrt(self.shown)
-        return abs(self.left - self.shown / 2) <= MOST_SPREADS * spread
+        return abs(self.left - self.shown / 2) <= MAX_DEVIATION * spread
 
 
 def shown_on_sides(session: Session) -> dict[tuple[str, int], int]:

@@ -1,4 +1,4 @@
-"""How many places are done, active, stale and open, when all will be, and who left where."""
+"""Counts of places, a forecast of the end, and who left where."""
 
 from __future__ import annotations
 
@@ -14,19 +14,16 @@ from studyapp.study.design.trial import Arm
 
 @dataclass(frozen=True, kw_only=True)
 class PlaceCounts:
-    """Places of an arm, or of all.
+    """Places of an arm, or of all arms.
 
     Attributes
     ----------
     arm : str
-        Empty for all together.
+        Empty for all arms.
     wanted : int
         How many the study asks for.
     done, active, stale : int
-        Held ones, by where their study sessions stand.
-    open : int
-        Those that nobody holds. More may be held than are wanted, where fewer are wanted than
-        before; then none is open.
+        Taken places, by the standing of their study sessions.
     """
 
     arm: str
@@ -37,12 +34,12 @@ class PlaceCounts:
 
     @property
     def open(self) -> int:
-        """Wanted places that nobody holds."""
+        """Wanted places that nobody holds; 0 if more are held than are wanted now."""
         return max(0, self.wanted - self.done - self.active - self.stale)
 
     @property
-    def still_to_be_done(self) -> int:
-        """How many more must finish."""
+    def remaining(self) -> int:
+        """Participants who still have to finish."""
         return max(0, self.wanted - self.done)
 
 
@@ -54,7 +51,7 @@ def count_places(
     Parameters
     ----------
     more_places : int
-        Places that each arm wants beyond those of the study file.
+        Places of each arm beyond those of the study file.
     """
     held = Counter((each.arm, each.standing) for each in study_sessions if each.present)
     return tuple(
@@ -69,8 +66,8 @@ def count_places(
     )
 
 
-def all_together(arms: Sequence[PlaceCounts]) -> PlaceCounts:
-    """Return the counts of all arms together; no arm has places left for another one."""
+def total_places(arms: Sequence[PlaceCounts]) -> PlaceCounts:
+    """Return the sums over all arms."""
     return PlaceCounts(
         arm="",
         wanted=sum(arm.wanted for arm in arms),
@@ -81,16 +78,17 @@ def all_together(arms: Sequence[PlaceCounts]) -> PlaceCounts:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeftAt:
-    """Those who left at one trial.
+class Dropout:
+    """Participants who left at one trial.
 
     Attributes
     ----------
     position : int
-        The trial at which they stood, from 1; 0 where they had not begun the trials.
+        Of the trial, from 1; 0 before the first trial.
     left : int
+        How many left.
     came : int
-        How many came as far as that.
+        How many came as far.
     """
 
     position: int
@@ -100,35 +98,35 @@ class LeftAt:
 
 @dataclass(frozen=True, kw_only=True)
 class Dropouts:
-    """All who left.
+    """All participants who left.
 
     Attributes
     ----------
-    at : tuple of LeftAt
-        By trial; only those at which anybody left.
+    by_trial : tuple of Dropout
+        Only trials at which somebody left.
     withdrawn : int
-        Those who said so. Where their answers are deleted, nothing tells at which trial.
-    of : int
+        Those who withdrew. If their answers were deleted, nobody knows at which trial.
+    came : int
         How many came in all.
     """
 
-    at: tuple[LeftAt, ...]
+    by_trial: tuple[Dropout, ...]
     withdrawn: int
-    of: int
+    came: int
 
     @property
     def left(self) -> int:
-        """How many left without a word."""
-        return sum(each.left for each in self.at)
+        """How many left without withdrawing."""
+        return sum(dropout.left for dropout in self.by_trial)
 
 
 def dropouts(study_sessions: Sequence[SessionProgress]) -> Dropouts:
-    """Return who left of `study_sessions`, and where."""
+    """Return where participants of `study_sessions` left."""
     stopped = Counter(each.stands_at for each in study_sessions if each.has_left)
     others = [each for each in study_sessions if each.standing != "withdrawn"]
     return Dropouts(
-        at=tuple(
-            LeftAt(
+        by_trial=tuple(
+            Dropout(
                 position=position,
                 left=stopped[position],
                 came=sum(each.stands_at >= position for each in others),
@@ -136,19 +134,17 @@ def dropouts(study_sessions: Sequence[SessionProgress]) -> Dropouts:
             for position in sorted(stopped)
         ),
         withdrawn=sum(each.standing == "withdrawn" for each in study_sessions),
-        of=len(study_sessions),
+        came=len(study_sessions),
     )
 
 
-FEWEST: Final = 3
-"""With fewer who have finished, their pace is chance."""
+MIN_COUNT: Final = 3
+"""If fewer have finished, their pace is chance."""
 
+WINDOWS: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
+"""The shortest in which enough have finished gives the present pace."""
 
-LOOKED_BACK: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
-"""The shortest of these in which enough have finished tells the present pace."""
-
-
-FARTHEST: Final = timedelta(days=365)
+LONGEST_FORECAST: Final = timedelta(days=365)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +155,7 @@ class Forecast:
     ----------
     at : datetime or None
     reason : str
-        Why there is none; empty where there is one.
+        Why there is no forecast; empty if there is one.
     """
 
     at: datetime | None
@@ -174,7 +170,7 @@ def forecast(
     Parameters
     ----------
     finished : sequence of datetime
-        When those finished who have, in any order.
+        When participants finished, in any order.
     began : datetime or None
         When the first participant came.
     """
@@ -182,24 +178,24 @@ def forecast(
         return Forecast(at=None, reason="all places are done")
     if began is None:
         return Forecast(at=None, reason="nobody has come yet")
-    for span in LOOKED_BACK:
+    for span in WINDOWS:
         since = max(now - span, began)
-        lately = sum(moment > since for moment in finished)
-        if lately >= FEWEST and now > since:
-            left = (now - since) * (remaining / lately)
-            if left > FARTHEST:
+        recent = sum(moment > since for moment in finished)
+        if recent >= MIN_COUNT and now > since:
+            left = (now - since) * (remaining / recent)
+            if left > LONGEST_FORECAST:
                 return Forecast(at=None, reason="at this rate it takes longer than a year")
             return Forecast(at=now + left)
     return Forecast(at=None, reason="too few have finished lately to tell when it is done")
 
 
 POINTS: Final = 200
-"""Moments at which a curve of completions may rise."""
+"""Resolution of the time axis of a curve of completions."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Completions:
-    """Places done over time, as points of a drawing.
+    """Places done over time, as points of a curve.
 
     Attributes
     ----------
@@ -224,7 +220,7 @@ def completions(
     end: datetime | None,
     now: datetime,
 ) -> Completions | None:
-    """Return how the places became done; None where none is.
+    """Return the places done over time; None if none is done.
 
     Parameters
     ----------
@@ -235,11 +231,11 @@ def completions(
     began : datetime or None
         When the first participant came.
     end : datetime or None
-        When the last place will be done, where that can be told.
+        When the last place will be done, if there is a forecast.
     """
     if began is None or not finished:
         return None
-    # Nothing happens any more where all are done.
+    # The curve ends when all places are done.
     until = end or (max(finished) if len(finished) >= wanted else now)
     whole = max((until - began).total_seconds(), 1.0)
     most = max(wanted, len(finished))

@@ -1,6 +1,6 @@
-"""What may spoil the data: checks that were failed, and videos that did not play well.
+"""What may spoil the data: failed checks, and videos that did not play well.
 
-Catch trials and attention checks tell who failed them, and which of them good raters fail.
+Catch trials and attention checks tell who failed them, and which of them careful raters fail.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from studyapp.study.settings.study import Study
 
 
 class Check(NamedTuple):
-    """One catch trial or attention check that somebody is done with.
+    """One catch trial or attention check that a participant has answered or skipped.
 
     Attributes
     ----------
     item : str
-        What it is: its segment and, of a catch trial, the conditions shown.
+        Its segment and, of a catch trial, the conditions shown.
     failed : bool
-        To leave one out is to fail it.
+        A skipped one counts as failed.
     answered : bool
-        Whether it was answered, not left out.
+        Whether it was answered, not skipped.
     """
 
     study_session: int
@@ -46,7 +46,7 @@ class CheckedItem:
     ----------
     answered, failed : int
     careful, careful_failed : int
-        The same, of participants who failed none of their other checks.
+        The same for participants who failed none of their other checks.
     """
 
     kind: str
@@ -57,8 +57,8 @@ class CheckedItem:
     careful_failed: int
 
 
-def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Check]:
-    """Judge every check that was answered, or left out, in the study sessions `wanted`."""
+def checks(session: Session, study: Study, study_sessions: Collection[int]) -> list[Check]:
+    """Judge every check that was answered or skipped in `study_sessions`."""
     settled = or_(Trial.answered_at.is_not(None), Trial.unplayable_at.is_not(None))
     query = select(
         Trial.id,
@@ -75,56 +75,58 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
     )
     shown, names = _conditions(session), study.display_names
     answers = _answers(session)
-    found = []
+    judged_checks = []
     for trial_id, study_session, kind, part, segment, expected, instructed, answered in rows:
-        if study_session not in wanted:
+        if study_session not in study_sessions:
             continue
         conditions = shown.get(trial_id, ())
         judged = JudgedTrial(kind, part, conditions, expected, instructed)
-        called = sorted(names.get(condition, condition) for condition in conditions)
-        pair = f": {' and '.join(called)}" if kind == "catch" else ""
+        labels = sorted(names.get(condition, condition) for condition in conditions)
+        pair = f": {' and '.join(labels)}" if kind == "catch" else ""
         failed = not answered or study.failed(judged, answers.get(trial_id, {}))
-        found.append(Check(study_session, kind, f"{segment}{pair}", failed, answered))
-    return found
+        judged_checks.append(Check(study_session, kind, f"{segment}{pair}", failed, answered))
+    return judged_checks
 
 
-def checked_items(found: Iterable[Check]) -> tuple[CheckedItem, ...]:
+def checked_items(judged_checks: Sequence[Check]) -> tuple[CheckedItem, ...]:
     """Return how each check was answered, those failed most often first.
 
-    That one was left out says nothing of it; it does of the participant.
+    A skipped check tells something of the participant, but nothing of the check.
     """
-    found = list(found)
     failures: dict[int, int] = defaultdict(int)
-    for check in found:
+    for check in judged_checks:
         failures[check.study_session] += check.failed
     by_item: dict[tuple[str, str], list[Check]] = defaultdict(list)
-    for check in found:
+    for check in judged_checks:
         if check.answered:
             by_item[check.kind, check.item].append(check)
     items = [
-        _item(kind, item, of_item, failures) for (kind, item), of_item in sorted(by_item.items())
+        _item(kind, item, item_checks, failures)
+        for (kind, item), item_checks in sorted(by_item.items())
     ]
-    return tuple(sorted(items, key=lambda each: -each.failed / each.answered))
+    return tuple(sorted(items, key=lambda item: -item.failed / item.answered))
 
 
-def failed_by_session(found: Iterable[Check], kind: str) -> dict[int, int]:
-    """Return how many checks of `kind` each study session failed, of those that had any."""
+def failed_by_session(judged_checks: Iterable[Check], kind: str) -> dict[int, int]:
+    """Return how many checks of `kind` each study session failed, if it had any."""
     failures: dict[int, int] = {}
-    for check in found:
+    for check in judged_checks:
         if check.kind == kind:
             failures[check.study_session] = failures.get(check.study_session, 0) + check.failed
     return failures
 
 
-def _item(kind: str, item: str, of_item: Sequence[Check], failures: dict[int, int]) -> CheckedItem:
-    careful = [each for each in of_item if failures[each.study_session] - each.failed == 0]
+def _item(
+    kind: str, item: str, item_checks: Sequence[Check], failures: dict[int, int]
+) -> CheckedItem:
+    careful = [check for check in item_checks if failures[check.study_session] == check.failed]
     return CheckedItem(
         kind=kind,
         item=item,
-        answered=len(of_item),
-        failed=sum(each.failed for each in of_item),
+        answered=len(item_checks),
+        failed=sum(check.failed for check in item_checks),
         careful=len(careful),
-        careful_failed=sum(each.failed for each in careful),
+        careful_failed=sum(check.failed for check in careful),
     )
 
 
@@ -132,43 +134,43 @@ def _conditions(session: Session) -> dict[int, tuple[str, ...]]:
     """Return the conditions that each check shows, number 1 first."""
     query = select(TrialStimulus.trial_id, TrialStimulus.condition).join(TrialStimulus.trial)
     query = query.where(Trial.kind.in_(JUDGED), TrialStimulus.number > 0)
-    found: dict[int, tuple[str, ...]] = defaultdict(tuple)
+    conditions: dict[int, tuple[str, ...]] = defaultdict(tuple)
     for trial, condition in session.connection().execute(query.order_by(TrialStimulus.number)):
-        found[trial] += (condition,)
-    return found
+        conditions[trial] += (condition,)
+    return conditions
 
 
 def _answers(session: Session) -> dict[int, dict[tuple[str, int | None], int]]:
     query = select(Response.trial_id, Response.question, Response.stimulus, Response.value)
     query = query.join(Response.trial).where(Trial.kind.in_(JUDGED))
-    found: dict[int, dict[tuple[str, int | None], int]] = defaultdict(dict)
+    answers: dict[int, dict[tuple[str, int | None], int]] = defaultdict(dict)
     for trial, question, stimulus, value in session.connection().execute(query):
-        found[trial][question, stimulus] = value
-    return found
+        answers[trial][question, stimulus] = value
+    return answers
 
 
 NOTICEABLE: Final = 0.05
-"""Share of left out pictures that an attentive eye may notice."""
+"""Share of dropped frames that an attentive eye may notice."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedVideo:
-    """How one video played, to all who saw it.
+    """How one video played in all its showings.
 
     Attributes
     ----------
     what : str
-        What it shows: its segment and conditions, from left to right.
+        Its segment and conditions, from left to right.
     shown : int
         How often any of it was played, or was said not to play.
     stalled : int
-        In how many of these it waited for data.
+        In how many showings it waited for data.
     stalled_seconds : float
         For how long in all.
     dropped_share : float or None
-        Share of the pictures that browsers left out, in [0, 1].
+        Share of the frames that browsers dropped, in [0, 1].
     reason : str
-        Why there is no such share; empty where there is one.
+        Why there is no such share; empty if there is one.
     unplayable : int
         How often somebody said that it does not play.
     """
@@ -183,9 +185,9 @@ class PlayedVideo:
 
     @property
     def troubled(self) -> bool:
-        """Whether anything did not go as it should."""
-        some_left_out = self.dropped_share is not None and self.dropped_share >= NOTICEABLE
-        return self.stalled > 0 or self.unplayable > 0 or some_left_out
+        """Whether anything went wrong."""
+        is_jerky = self.dropped_share is not None and self.dropped_share >= NOTICEABLE
+        return self.stalled > 0 or self.unplayable > 0 or is_jerky
 
 
 def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVideo, ...]:
@@ -194,7 +196,7 @@ def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVid
     Parameters
     ----------
     names : mapping of str to str
-        What conditions are called, where that is not their name.
+        Display names of conditions.
     """
     played = [
         _played(segment, [names.get(each, each) for each in (condition, beside) if each], *counts)

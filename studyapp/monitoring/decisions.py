@@ -1,4 +1,4 @@
-"""What of a running study needs a decision, by rules that are stated here."""
+"""What needs a researcher's decision in a running study, by the rules stated here."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.monitoring.answered_trials import Sides, Times
+from studyapp.monitoring.answered_trials import Durations, Sides
 from studyapp.monitoring.counts import Dropouts, PlaceCounts
 from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
 
@@ -30,14 +30,12 @@ LONGER_THAN_SAID: Final = 1.25
 
 @dataclass(frozen=True, kw_only=True)
 class Decision:
-    """Something that somebody should look at.
+    """Something that a researcher should look at.
 
     Attributes
     ----------
-    what : str
-        What was found, with its numbers, as a sentence.
-    remedy : str
-        What can be done, as a sentence.
+    what, remedy : str
+        What is wrong, with its numbers, and what can be done, as sentences.
     """
 
     what: str
@@ -52,32 +50,32 @@ def decisions(
     items: Sequence[CheckedItem],
     sides: Sequence[Sides],
     left: Dropouts,
-    whole: Times,
-    minutes_said: int | None,
+    whole: Durations,
+    announced_minutes: int | None,
 ) -> tuple[Decision, ...]:
     """Return what needs a decision, the most urgent first.
 
     Parameters
     ----------
-    whole : Times
-        How long whole study sessions take.
-    minutes_said : int or None
-        How long participants are told that it takes.
+    whole : Durations
+        Of whole study sessions.
+    announced_minutes : int or None
+        The duration that participants are told.
     """
     return (
         *_of_places(places, open_to_newcomers),
-        *(found for video in videos for found in _of_video(video)),
-        *(found for item in items for found in _of_item(item)),
+        *(decision for video in videos for decision in _of_video(video)),
+        *(decision for item in items for decision in _of_item(item)),
         *_of_dropouts(left),
-        *_of_time(whole, minutes_said),
-        *(found for each in sides for found in _of_sides(each)),
+        *_of_duration(whole, announced_minutes),
+        *(decision for condition in sides for decision in _of_sides(condition)),
     )
 
 
 def _of_places(places: PlaceCounts, open_to_newcomers: bool) -> Iterator[Decision]:
-    if places.still_to_be_done and not open_to_newcomers:
+    if places.remaining and not open_to_newcomers:
         yield Decision(
-            what=f"{places.still_to_be_done} places are not done, and the study admits nobody new.",
+            what=f"{places.remaining} places are not done, and the study admits nobody new.",
             remedy="Admit participants again, here or by 'open = true' in study.toml, or leave it.",
         )
 
@@ -116,31 +114,32 @@ def _of_item(item: CheckedItem) -> Iterator[Decision]:
 
 
 def _of_dropouts(left: Dropouts) -> Iterator[Decision]:
-    for each in left.at:
-        if each.left >= FEWEST_LEFT and each.left / each.came >= MOST_LEFT:
-            where = f"at trial {each.position}" if each.position else "before the first trial"
+    for dropout in left.by_trial:
+        if dropout.left >= FEWEST_LEFT and dropout.left / dropout.came >= MOST_LEFT:
+            where = f"at trial {dropout.position}" if dropout.position else "before the first trial"
             yield Decision(
-                what=f"{each.left} of {each.came} who came so far left {where}.",
+                what=f"{dropout.left} of {dropout.came} who came so far left {where}.",
                 remedy="Take part yourself up to there, and look at what was refused to them.",
             )
 
 
-def _of_time(whole: Times, minutes_said: int | None) -> Iterator[Decision]:
-    if minutes_said is None or whole.middle is None:
+def _of_duration(whole: Durations, announced_minutes: int | None) -> Iterator[Decision]:
+    if announced_minutes is None or whole.middle is None:
         return
     minutes = whole.middle / 60
-    if minutes > LONGER_THAN_SAID * minutes_said:
+    if minutes > LONGER_THAN_SAID * announced_minutes:
         yield Decision(
-            what=f"Half of them take longer than {minutes:.0f} min; {minutes_said} are announced.",
+            what=f"Half of them take longer than {minutes:.0f} min; {announced_minutes} are "
+            "announced.",
             remedy="Announce and pay the time it takes ('minutes' in study.toml).",
         )
 
 
-def _of_sides(each: Sides) -> Iterator[Decision]:
-    if not each.balanced:
+def _of_sides(sides: Sides) -> Iterator[Decision]:
+    if not sides.balanced:
         yield Decision(
-            what=f"{each.condition} was shown {each.left} times left and {each.right} times "
-            "right, which chance hardly does.",
+            what=f"{sides.condition} was shown {sides.left} times left and {sides.right} times "
+            "right, which is unlikely by chance.",
             remedy="With few places done it may still even out; else look at the design's seed "
             "and at who was replaced.",
         )

@@ -1,35 +1,35 @@
-"""All that the overview of a running study shows, read from one state of the database."""
+"""The overview of a running study, read from one state of the database."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
 from studyapp.database.engine import Database
 from studyapp.monitoring.answered_trials import (
+    Durations,
     Progress,
     Sides,
-    Times,
     answered_trials,
+    durations,
     progress,
     shown_on_sides,
     sides,
-    times,
-    times_of_trials,
+    trial_durations,
 )
 from studyapp.monitoring.counts import (
     Completions,
     Dropouts,
     Forecast,
     PlaceCounts,
-    all_together,
     completions,
     count_places,
     dropouts,
     forecast,
+    total_places,
 )
 from studyapp.monitoring.data_quality import (
     CheckedItem,
@@ -40,24 +40,28 @@ from studyapp.monitoring.data_quality import (
     played_videos,
 )
 from studyapp.monitoring.decisions import Decision, decisions
-from studyapp.monitoring.study_sessions import SessionProgress, present_ones, progress_of_sessions
+from studyapp.monitoring.study_sessions import (
+    SessionProgress,
+    current_sessions,
+    progress_of_sessions,
+)
 from studyapp.session.ending import JUDGED
 from studyapp.session.intake import Intake, present_intake
 from studyapp.session.served_study import ServedStudy
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)
 MOST_LISTED: Final = 20
-"""People who are named where there may be very many."""
+"""Rows of a list that may be very long."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FailedChecks:
-    """How many failed how many checks of one kind.
+    """How many participants failed how many checks of one kind.
 
     Attributes
     ----------
     by_failures : tuple of (int, int)
-        A number of failed checks, and how many participants failed so many.
+        Numbers of failed checks, each with how many participants failed so many.
     """
 
     kind: str
@@ -66,27 +70,27 @@ class FailedChecks:
 
 @dataclass(frozen=True, kw_only=True)
 class Overview:
-    """How the study goes, at one moment.
+    """The study's progress at one moment.
 
     Attributes
     ----------
     at : datetime
     intake : Intake
-        Whether newcomers are let in, as far as the study file lets them.
+        Whether newcomers are admitted, as far as the study file allows it.
     places, arms : PlaceCounts, tuple of PlaceCounts
         Of all arms together, and of each.
     completions : Completions or None
-        Places done over time; None where none is.
+        Places done over time; None if none is.
     earlier : int
         Study sessions of earlier versions of the study, which are counted nowhere else.
     lapsed, replaced, unwatched : int
         Study sessions that hold no place.
     excluded : int
-        Study sessions that researchers leave out of the analysis; most hold places all the same.
+        Study sessions that researchers exclude from the analysis; most hold places all the same.
     leaving_out : tuple of SessionProgress
-        Who said most often that a video does not play; nobody who never did.
-    whole : Times
-        How long whole study sessions take, from the first trial to the last answer.
+        Participants who most often said that a video does not play, if at all.
+    whole : Durations
+        Of whole study sessions, from the first trial to the last answer.
     """
 
     at: datetime
@@ -105,28 +109,28 @@ class Overview:
     dropouts: Dropouts
     failed: tuple[FailedChecks, ...]
     items: tuple[CheckedItem, ...]
-    whole: Times
-    trials: tuple[Times, ...]
+    whole: Durations
+    trials: tuple[Durations, ...]
     videos: tuple[PlayedVideo, ...]
     sides: tuple[Sides, ...]
     decisions: tuple[Decision, ...]
 
 
 def overview(database: Database, served: ServedStudy, now: datetime) -> Overview:
-    """Return how the study goes."""
+    """Return the study's progress."""
     with database.reading() as session:
         everybody = progress_of_sessions(session, served, now)
-        present = present_ones(everybody)
+        present = current_sessions(everybody)
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
         trials = [each for each in answered_trials(session) if each.study_session in counted]
         names = served.study.display_names
-        found = checks(session, served.study, counted)
+        judged_checks = checks(session, served.study, counted)
         videos = played_videos(session, names)
         balance = sides(shown_on_sides(session), names)
         intake = present_intake(session)
     arms = count_places(served.study.arms, present, intake.more_places)
-    places, left, items = all_together(arms), dropouts(present), checked_items(found)
-    whole = times("whole study session", _whole_seconds(present))
+    places, left, items = total_places(arms), dropouts(present), checked_items(judged_checks)
+    whole = durations("whole study session", _whole_seconds(present))
     began = min((each.consented_at for each in present), default=None)
     expected = _forecast(present, places, began, now)
     done = [each.completed_at for each in present if each.standing == "done" and each.completed_at]
@@ -146,13 +150,13 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         progress=progress(trials, counted),
         dropouts=left,
         failed=tuple(
-            FailedChecks(kind=kind, by_failures=_tally(failed_by_session(found, kind).values()))
+            FailedChecks(kind=kind, by_failures=tuple(sorted(Counter(failures.values()).items())))
             for kind in JUDGED
-            if any(check.kind == kind for check in found)
+            if (failures := failed_by_session(judged_checks, kind))
         ),
         items=items,
         whole=whole,
-        trials=times_of_trials(trials, KINDS),
+        trials=trial_durations(trials, KINDS),
         videos=videos,
         sides=balance,
         decisions=decisions(
@@ -163,24 +167,24 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
             sides=balance,
             left=left,
             whole=whole,
-            minutes_said=served.study.page.minutes,
+            announced_minutes=served.study.page.minutes,
         ),
     )
 
 
 def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
-    """Return how many places are done, active, stale and open, of all arms together."""
+    """Return the counts of places of all arms together."""
     with database.reading() as session:
-        present = present_ones(progress_of_sessions(session, served, now))
+        present = current_sessions(progress_of_sessions(session, served, now))
         more = present_intake(session).more_places
-    return all_together(count_places(served.study.arms, present, more))
+    return total_places(count_places(served.study.arms, present, more))
 
 
 def _forecast(
     present: Sequence[SessionProgress], places: PlaceCounts, began: datetime | None, now: datetime
 ) -> Forecast:
     finished = [each.completed_at for each in present if each.completed_at is not None]
-    return forecast(finished, places.still_to_be_done, began, now)
+    return forecast(finished, places.remaining, began, now)
 
 
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
@@ -194,7 +198,3 @@ def _whole_seconds(present: Sequence[SessionProgress]) -> list[float]:
         for each in present
         if each.completed_at is not None and each.started_at is not None
     ]
-
-
-def _tally(failures: Iterable[int]) -> tuple[tuple[int, int], ...]:
-    return tuple(sorted(Counter(failures).items()))

@@ -1,4 +1,4 @@
-"""Where every study session stands, in one statement and a few rules; and lists of them."""
+"""The standing of every study session, by one statement and a few rules; and lists of them."""
 
 from __future__ import annotations
 
@@ -30,28 +30,28 @@ ROWS: Final = 100
 
 @dataclass(frozen=True, kw_only=True)
 class SessionProgress:
-    """One study session, as far as its progress goes.
+    """The progress of one study session.
 
     Attributes
     ----------
     id : int
-        Its number, which says nothing of whose it is.
+        Its number, which identifies nobody.
     arm : str
     present : bool
-        Whether its arm is one of the study as it is served; others are of earlier versions.
+        Whether its arm belongs to the study as it is served, not to an earlier version.
     standing : Standing
-        ``done`` has finished; ``replaced`` has, and the place was given to somebody else after
-        failed checks; ``active`` and ``stale`` hold a place, the latter silently for so long that
-        the next newcomer may get it; ``unwatched`` was ended, since too many videos were said not
-        to play; ``lapsed`` has lost its place; ``withdrawn`` took consent back.
+        ``done`` has finished; ``replaced`` has finished, but its place was given to somebody else
+        after failed checks; ``active`` and ``stale`` hold a place, the latter silent for so long
+        that the next newcomer may get it; ``unwatched`` was ended because too many videos were
+        said not to play; ``lapsed`` has lost its place; ``withdrawn`` withdrew.
     trials, settled : int
-        Trials planned, and those answered or said not to play. None are left of who withdrew.
+        Trials planned, and trials answered or skipped; both 0 after a withdrawal.
     left_out : int
-        Pages on which a video was said not to play, that which ended the study session included.
+        Trials in which a video was said not to play.
     excluded : bool
-        Whether a researcher leaves it out of the analysis.
+        Whether a researcher excludes it from the analysis.
     recruiter_participant : str or None
-        What the recruiter calls the participant, for owners alone; None without a recruiter.
+        The recruiter's name for the participant, for owners alone; None without a recruiter.
     """
 
     id: int
@@ -70,7 +70,7 @@ class SessionProgress:
 
     @property
     def seconds(self) -> float | None:
-        """From the first trial to the end, or to the last sign of the participant."""
+        """From the first trial to the end, or to the last activity."""
         if self.started_at is None:
             return None
         return ((self.completed_at or self.last_active_at) - self.started_at).total_seconds()
@@ -82,15 +82,12 @@ class SessionProgress:
 
     @property
     def stands_at(self) -> int:
-        """The position of the trial that it is at; 0 before the first one.
-
-        Who has settled all of them stands behind the last.
-        """
+        """The position of the present trial; 0 before the first, one more than all at the end."""
         return 0 if self.started_at is None else self.settled + 1
 
 
 STORED: Final = tuple({each.name for each in fields(SessionProgress)} - {"present", "standing"})
-"""What the database says itself."""
+"""Fields that the database holds."""
 
 
 def progress_of_sessions(
@@ -109,9 +106,9 @@ def progress_of_sessions(
     ]
 
 
-def present_ones(all_of_them: Sequence[SessionProgress]) -> list[SessionProgress]:
-    """Return those of the study as it is served."""
-    return [each for each in all_of_them if each.present]
+def current_sessions(study_sessions: Sequence[SessionProgress]) -> list[SessionProgress]:
+    """Return the study sessions of the study as it is served."""
+    return [each for each in study_sessions if each.present]
 
 
 def _standing(row: Any, silent_since: datetime) -> Standing:
@@ -166,13 +163,13 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Listed:
+class ListedSession:
     """A study session in a list.
 
     Attributes
     ----------
     failures : int or None
-        Catch trials and attention checks that were failed; None where none was reached.
+        Failed catch trials and attention checks; None before the first check.
     """
 
     progress: SessionProgress
@@ -180,11 +177,11 @@ class Listed:
 
 
 Order = Literal["number", "recruiter", "duration", "failures"]
-"""What a list can be sorted by."""
+"""The keys by which a list can be sorted."""
 
 ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 
-_KEYS: Final[Mapping[Order, Callable[[Listed], float | str | None]]] = {
+_KEYS: Final[Mapping[Order, Callable[[ListedSession], float | str | None]]] = {
     "number": lambda each: each.progress.id,
     "recruiter": lambda each: each.progress.recruiter_participant,
     "duration": lambda each: each.progress.seconds,
@@ -193,8 +190,8 @@ _KEYS: Final[Mapping[Order, Callable[[Listed], float | str | None]]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
-    """Which study sessions are listed, and how; what is None chooses nothing.
+class Selection:
+    """Which study sessions to list, and in which order; None selects all.
 
     Attributes
     ----------
@@ -203,14 +200,14 @@ class Choice:
     left_at : int or None
         Left at this trial; 0 before the first.
     failed : (str, int) or None
-        A kind of check, and how many of these were failed.
+        A kind of check, and how many of them were failed.
     earlier : bool
-        Those of earlier versions of the study rather than of the present one.
+        Those of earlier versions of the study, instead of the present one.
     excluded : bool
-        Only those that researchers leave out of the analysis.
+        Only those that researchers exclude from the analysis.
     order : Order
     rising : bool
-        Whether the least comes first. What has no value comes last either way.
+        Whether to sort in ascending order. Missing values come last either way.
     """
 
     standing: Standing | None = None
@@ -223,50 +220,52 @@ class Choice:
     rising: bool = False
 
 
-def chosen(database: Database, served: ServedStudy, choice: Choice, now: datetime) -> list[Listed]:
-    """Return the study sessions of `choice`, in its order; equals by number."""
+def list_study_sessions(
+    database: Database, served: ServedStudy, selection: Selection, now: datetime
+) -> list[ListedSession]:
+    """Return the study sessions of `selection`, in its order; equal ones by number."""
     with database.reading() as session:
-        found = progress_of_sessions(session, served, now)
-        ids = {each.id for each in found if each.standing != "withdrawn"}
-        judged = checks(session, served.study, ids)
-    if choice.failed is not None:
-        kind, count = choice.failed
-        of_kind = failed_by_session(judged, kind)
-        found = [each for each in found if of_kind.get(each.id) == count]
+        study_sessions = progress_of_sessions(session, served, now)
+        ids = {each.id for each in study_sessions if each.standing != "withdrawn"}
+        judged_checks = checks(session, served.study, ids)
+    if selection.failed is not None:
+        kind, count = selection.failed
+        failed = failed_by_session(judged_checks, kind)
+        study_sessions = [each for each in study_sessions if failed.get(each.id) == count]
     failures: Counter[int] = Counter()
-    for check in judged:
+    for check in judged_checks:
         failures[check.study_session] += check.failed
     listed = [
-        Listed(progress=each, failures=failures.get(each.id))
-        for each in found
-        if _fits(each, choice)
+        ListedSession(progress=each, failures=failures.get(each.id))
+        for each in study_sessions
+        if _is_selected(each, selection)
     ]
-    return _sorted(listed, choice)
+    return _sorted(listed, selection)
 
 
-def _sorted(listed: Sequence[Listed], choice: Choice) -> list[Listed]:
-    key = _KEYS[choice.order]
+def _sorted(listed: Sequence[ListedSession], selection: Selection) -> list[ListedSession]:
+    key = _KEYS[selection.order]
     known = [(value, each) for each in listed if (value := key(each)) is not None]
-    known.sort(key=lambda pair: pair[0], reverse=not choice.rising)
+    known.sort(key=lambda pair: pair[0], reverse=not selection.rising)
     return [each for _, each in known] + [each for each in listed if key(each) is None]
 
 
-def page_of(found: Sequence[Listed], number: int) -> Sequence[Listed]:
-    """Return those on page `number`, from 1."""
-    return found[(number - 1) * ROWS : number * ROWS]
+def rows_on_page(listed: Sequence[ListedSession], number: int) -> Sequence[ListedSession]:
+    """Return the rows on page `number`, from 1."""
+    return listed[(number - 1) * ROWS : number * ROWS]
 
 
-def pages_of(found: Sequence[Listed]) -> Iterable[int]:
-    """Return the numbers of the pages that show them all."""
-    return range(1, max(1, -(-len(found) // ROWS)) + 1)
+def page_numbers(listed: Sequence[ListedSession]) -> Iterable[int]:
+    """Return the numbers of all pages."""
+    return range(1, max(1, -(-len(listed) // ROWS)) + 1)
 
 
-def _fits(study_session: SessionProgress, choice: Choice) -> bool:
-    left = study_session.has_left and study_session.stands_at == choice.left_at
+def _is_selected(study_session: SessionProgress, selection: Selection) -> bool:
+    left = study_session.has_left and study_session.stands_at == selection.left_at
     return (
-        study_session.present is not choice.earlier
-        and choice.standing in (None, study_session.standing)
-        and choice.arm in (None, study_session.arm)
-        and (choice.left_at is None or left)
-        and (study_session.excluded or not choice.excluded)
+        study_session.present is not selection.earlier
+        and selection.standing in (None, study_session.standing)
+        and selection.arm in (None, study_session.arm)
+        and (selection.left_at is None or left)
+        and (study_session.excluded or not selection.excluded)
     )

@@ -16,10 +16,10 @@ from studyapp.monitoring.overview import overview as overview_of
 from studyapp.monitoring.study_sessions import (
     ORDERS,
     STANDINGS,
-    Choice,
-    chosen,
-    page_of,
-    pages_of,
+    Selection,
+    list_study_sessions,
+    page_numbers,
+    rows_on_page,
 )
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
@@ -113,7 +113,7 @@ def _agreement() -> AgreementSoFar:
 def study_sessions(data: Data) -> ResponseReturnValue:
     """List study sessions, or go to the one with the given name or number."""
     site = study_site()
-    choice, names, called = _choice(), naming(), request.args.get("called", "")
+    selection, names, called = _selection(), naming(), request.args.get("called", "")
     number = _number("page") or 1
     with open_data(data) as database:
         with database.reading() as session:
@@ -122,20 +122,20 @@ def study_sessions(data: Data) -> ResponseReturnValue:
                 match = number_recruited(session, called)
         if match is not None:
             return redirect(url_for("research.study_session", data=data, number=match), 303)
-        listed = chosen(database, site.served, choice, site.clock.now())
-        shown = page_of(listed, number)
+        listed = list_study_sessions(database, site.served, selection, site.clock.now())
+        shown = rows_on_page(listed, number)
         pseudonyms = _pseudonyms(database, names, [each.progress.id for each in shown])
     return page(
         "study_sessions",
         data=data,
-        choice=choice,
+        selection=selection,
         called=called,
         count=len(listed),
         shown=shown,
         naming=names,
         pseudonyms=pseudonyms,
         page_number=number,
-        pages=pages_of(listed),
+        pages=page_numbers(listed),
         standings=STANDINGS,
         arms=[arm.name for arm in site.study.arms],
         filters={key: request.args[key] for key in FILTERS if key in request.args},
@@ -211,7 +211,7 @@ def changes() -> ResponseReturnValue:
     return page("changes", lines=lines, older=older)
 
 
-def _choice() -> Choice:
+def _selection() -> Selection:
     """Return the selection and order in the address."""
     standing = request.args.get("standing") or None
     if standing is not None and standing not in STANDINGS:
@@ -221,7 +221,7 @@ def _choice() -> Choice:
     order = next((known for known in ORDERS if known == sorting.removeprefix("-")), None)
     if order is None or (order == "recruiter" and not researcher().may(Right.NAME)):
         abort(404)
-    return Choice(
+    return Selection(
         standing=standing,
         arm=request.args.get("arm") or None,
         left_at=_number("left_at"),

@@ -65,7 +65,7 @@ def results() -> ResponseReturnValue:
 def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
     """Return why no more participants are expected; empty if some are."""
     places = places_so_far(database, served, now)
-    if not places.still_to_be_done:
+    if not places.remaining:
         return EVERYBODY
     with database.reading() as session:
         closed = not served.study.open or present_intake(session).state == "closed"

@@ -14,15 +14,15 @@ from studyapp.monitoring.answered_trials import (
     sides,
 )
 from studyapp.monitoring.counts import (
-    LeftAt,
-    all_together,
+    Dropout,
     completions,
     count_places,
     dropouts,
     forecast,
+    total_places,
 )
 from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
-from studyapp.monitoring.study_sessions import ROWS, Listed, page_of, pages_of
+from studyapp.monitoring.study_sessions import ROWS, ListedSession, page_numbers, rows_on_page
 from studyapp.study.design.trial import Arm
 from tests.studyapp.monitoring.made_study_sessions import NOON, session_progress
 
@@ -41,11 +41,11 @@ def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
     ]
 
     x, y = count_places(arms, there)
-    together = all_together([x, y])
+    together = total_places([x, y])
 
     assert (x.done, x.active, x.stale, x.open, x.wanted) == (2, 1, 0, 2, 5)
     assert (y.done, y.active, y.stale, y.open, y.wanted) == (0, 0, 3, 0, 2)
-    assert (together.done, together.wanted, together.still_to_be_done) == (2, 7, 5)
+    assert (together.done, together.wanted, together.remaining) == (2, 7, 5)
 
 
 @pytest.mark.parametrize(
@@ -96,11 +96,11 @@ def test_who_left_is_counted_at_the_trial_they_stood_at() -> None:
 
     found = dropouts(there)
 
-    assert found.at == (
-        LeftAt(position=0, left=1, came=5),
-        LeftAt(position=3, left=2, came=4),
+    assert found.by_trial == (
+        Dropout(position=0, left=1, came=5),
+        Dropout(position=3, left=2, came=4),
     )
-    assert (found.left, found.withdrawn, found.of) == (3, 1, 6)
+    assert (found.left, found.withdrawn, found.came) == (3, 1, 6)
 
 
 def test_only_analysed_trials_of_counted_study_sessions_are_progress() -> None:
@@ -153,16 +153,16 @@ def test_sides_are_balanced_as_far_as_chance_goes(left: int, right: int, balance
 
 def test_a_long_list_is_cut_into_pages_without_loss() -> None:
     long = [
-        Listed(progress=session_progress("done", id=number), failures=None)
+        ListedSession(progress=session_progress("done", id=number), failures=None)
         for number in range(2 * ROWS + 1)
     ]
 
-    pages = list(pages_of(long))
+    pages = list(page_numbers(long))
 
     assert pages == [1, 2, 3]
-    assert [each for number in pages for each in page_of(long, number)] == long
-    assert list(pages_of([])) == [1]
-    assert page_of(long, 4) == []
+    assert [each for number in pages for each in rows_on_page(long, number)] == long
+    assert list(page_numbers([])) == [1]
+    assert rows_on_page(long, 4) == []
 
 
 def test_places_done_are_a_staircase_that_goes_on_to_the_projected_end() -> None:

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from studyapp.monitoring.answered_trials import Sides, Times
-from studyapp.monitoring.counts import Dropouts, LeftAt, PlaceCounts
+from studyapp.monitoring.answered_trials import Durations, Sides
+from studyapp.monitoring.counts import Dropout, Dropouts, PlaceCounts
 from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
 from studyapp.monitoring.decisions import decisions
 
@@ -15,9 +15,9 @@ QUIET: dict[str, Any] = {
     "videos": (),
     "items": (),
     "sides": (),
-    "left": Dropouts(at=(), withdrawn=0, of=5),
-    "whole": Times(what="whole", count=9, low=500.0, middle=600.0, high=700.0),
-    "minutes_said": 10,
+    "left": Dropouts(by_trial=(), withdrawn=0, came=5),
+    "whole": Durations(what="whole", count=9, low=500.0, middle=600.0, high=700.0),
+    "announced_minutes": 10,
 }
 
 
@@ -46,8 +46,8 @@ def item(careful: int, careful_failed: int) -> CheckedItem:
 
 
 def left(count: int, came: int, position: int = 3) -> Dropouts:
-    at = (LeftAt(position=position, left=count, came=came),)
-    return Dropouts(at=at, withdrawn=0, of=came)
+    by_trial = (Dropout(position=position, left=count, came=came),)
+    return Dropouts(by_trial=by_trial, withdrawn=0, came=came)
 
 
 def test_a_study_that_goes_well_needs_no_decision() -> None:
@@ -67,7 +67,7 @@ def test_a_study_that_goes_well_needs_no_decision() -> None:
         ({"items": (item(10, 3),)}, "failed by 3 of 10 participants who failed no other one"),
         ({"left": left(3, 30)}, "3 of 30 who came so far left at trial 3"),
         ({"left": left(5, 30, position=0)}, "left before the first trial"),
-        ({"minutes_said": 7}, "longer than 10 min; 7 are announced"),
+        ({"announced_minutes": 7}, "longer than 10 min; 7 are announced"),
         (
             {"sides": (Sides(condition="ours", left=80, right=20),)},
             "ours was shown 80 times left and 20 times right",
@@ -93,9 +93,9 @@ def test_what_is_out_of_order_is_told_with_its_numbers_and_a_remedy(
         {"items": (item(10, 2), item(4, 4))},
         {"left": left(2, 4)},
         {"left": left(3, 31)},
-        {"minutes_said": 8},
-        {"minutes_said": None},
-        {"whole": Times(what="whole", count=2), "minutes_said": 1},
+        {"announced_minutes": 8},
+        {"announced_minutes": None},
+        {"whole": Durations(what="whole", count=2), "announced_minutes": 1},
         {"sides": (Sides(condition="ours", left=60, right=40),)},
         {
             "places": PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),

@@ -12,7 +12,7 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import Overview, overview
-from studyapp.monitoring.study_sessions import STANDINGS, Choice, chosen
+from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
 from studyapp.session.ending import FEWEST_LEFT_OUT, withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -52,13 +52,13 @@ def test_everything_that_happened_is_counted_once(found: Overview) -> None:
     assert (places.done, places.active, places.stale, places.open) == (1, 1, 0, 2)
     assert (found.lapsed, found.replaced, found.earlier) == (1, 0, 0)
     left = found.dropouts
-    assert [(each.position, each.left, each.came) for each in left.at] == [(3, 1, 2)]
-    assert (left.withdrawn, left.of) == (1, 4)
+    assert [(each.position, each.left, each.came) for each in left.by_trial] == [(3, 1, 2)]
+    assert (left.withdrawn, left.came) == (1, 4)
     analysed = sum(found.progress.of_emotion(emotion) for emotion in found.progress.emotions)
     assert analysed == sum(
-        times.count for times in found.trials if times.what in ("main", "repeat")
+        durations.count for durations in found.trials if durations.what in ("main", "repeat")
     )
-    assert sum(times.count for times in found.trials) == 6 + 2 + 1
+    assert sum(durations.count for durations in found.trials) == 6 + 2 + 1
     stalled = [video for video in found.videos if video.stalled]
     assert [(v.stalled, v.stalled_seconds) for v in stalled] == [(1, 1.5)]
     assert sum(video.shown for video in found.videos) == 6 + 2 + 1
@@ -81,14 +81,14 @@ def test_lists_hold_as_many_as_the_numbers_that_lead_to_them(
     found = overview(opened, served, now)
 
     def count(**choice: object) -> int:
-        return len(chosen(opened, served, Choice(**choice), now))  # type: ignore[arg-type]
+        return len(list_study_sessions(opened, served, Selection(**choice), now))  # type: ignore[arg-type]
 
     assert count(standing="done") == found.places.done
     assert count(standing="active", arm=found.arms[0].arm) == found.arms[0].active
     assert count(standing="lapsed") == found.lapsed
     assert count(standing="withdrawn") == found.dropouts.withdrawn
     assert sum(count(standing=standing) for standing in STANDINGS) == count() == 4
-    assert [count(left_at=each.position) for each in found.dropouts.at] == [1]
+    assert [count(left_at=each.position) for each in found.dropouts.by_trial] == [1]
     (caught,) = found.failed
     for number, expected in caught.by_failures:
         assert count(failed=("catch", number)) == expected
@@ -104,8 +104,12 @@ def test_study_sessions_of_another_design_are_counted_apart(
 
     found = overview(opened, served, clock.now())
 
-    assert found.earlier == len(chosen(opened, served, Choice(earlier=True), clock.now())) == 4
-    assert (found.places.done, found.dropouts.of, found.progress.emotions) == (0, 0, ())
+    assert (
+        found.earlier
+        == len(list_study_sessions(opened, served, Selection(earlier=True), clock.now()))
+        == 4
+    )
+    assert (found.places.done, found.dropouts.came, found.progress.emotions) == (0, 0, ())
 
 
 def test_a_study_that_nobody_has_come_to_has_an_overview(
