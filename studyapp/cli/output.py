@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from motion.files import write_text
 from studyapp.desk.jobs import PROGRESS_FILE, Progress
-from studyapp.recruitment.payment import Judged
+from studyapp.recruitment.payment import PaymentDecision
 from training.run.launching import is_leader
 
 _A_LINE_EVERY: Final = 30.0
@@ -147,9 +147,9 @@ def counted(number: int, unit: str) -> str:
 WORDS = {"pay": "pay", "look": "decide yourself", "wait": "wait", "settled": "–"}
 
 
-def echo_verdicts(heading: str, found: Sequence[tuple[str, Judged]]) -> None:
+def echo_verdicts(heading: str, found: Sequence[tuple[str, PaymentDecision]]) -> None:
     """Print what is to be done about each, by its name, and the sums."""
-    echo_table((heading, "what", "why"), [(name, WORDS[j.verdict], j.why) for name, j in found])
+    echo_table((heading, "what", "why"), [(name, WORDS[j.verdict], j.reason) for name, j in found])
     sums = Counter(judged.verdict for _, judged in found)
     click.echo(
         f"{sums['pay']} to be paid, {sums['look']} to be decided by you, {sums['wait']} under way, "

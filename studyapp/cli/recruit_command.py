@@ -285,7 +285,7 @@ def _show_prolific(folder: StudyFolder) -> None:
         ("there", "here", "how many"),
         [
             (there.lower(), here.replace("_", " "), str(count))
-            for (there, here), count in sorted(found.there_and_here.items())
+            for (there, here), count in sorted(found.status_counts.items())
         ],
     )
     if found.missing_there:
@@ -300,7 +300,7 @@ def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: boo
     with _client() as client:
         found = prolific.status(folder, client)
         echo_verdicts(
-            "submission", [(each.submission.id, each.judged) for each in found.submissions]
+            "submission", [(each.submission.id, each.decision) for each in found.submissions]
         )
         if not yes:
             click.echo("Nothing was paid; with --yes it is.")
@@ -345,18 +345,16 @@ def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
             for hit in found
         ],
     )
-    echo_verdicts(
-        "assignment",
-        [(each.assignment.id, each.judged) for each in mturk.judged(folder, client, live=live)],
-    )
+    assignments = mturk.judged_assignments(folder, client, live=live)
+    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in assignments])
 
 
 def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
     """Show who is to be paid, and with `yes` pay them."""
     mturk.hits_of(folder, live=live)
     client = mturk.connect(live=live)
-    found = mturk.judged(folder, client, live=live)
-    echo_verdicts("assignment", [(each.assignment.id, each.judged) for each in found])
+    found = mturk.judged_assignments(folder, client, live=live)
+    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in found])
     if not yes:
         click.echo("Nothing was paid; with --yes it is.")
         return

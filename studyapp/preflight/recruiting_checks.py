@@ -13,7 +13,7 @@ from typing import Final, NamedTuple, get_args
 from motion.errors import InputError, listed
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.recruitment.prolific import CODE_TYPES
-from studyapp.recruitment.record import FILE, places_of, read_made_there
+from studyapp.recruitment.record import FILE, count_places, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.recruitment import MIN_FAILED_CHECKS, format_amount, hourly_rate
 from studyapp.study.settings.study import Study
@@ -43,7 +43,7 @@ def recruiting_findings(study: Study) -> Iterator[Finding]:
 def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
     """Yield codes that Prolific does not know, if the study in `root` was created there."""
     try:
-        known = read_made_there(root).prolific_codes
+        known = read_record(root).prolific_codes
     except InputError as error:
         yield make_finding("made-there-unreadable", error.what, where=FILE)
         return
@@ -54,7 +54,7 @@ def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
 
 
 def _place_findings(study: Study) -> Iterator[Finding]:
-    recruitment, places = study.recruitment, places_of(study)
+    recruitment, places = study.recruitment, count_places(study)
     stated = {
         "prolific": ("recruitment.prolific.places", recruitment.prolific.places),
         "mturk": ("recruitment.mturk.assignments", recruitment.mturk.assignments),

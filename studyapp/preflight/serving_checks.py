@@ -15,7 +15,7 @@ from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import count_arrivals
-from studyapp.recruitment.record import places_of
+from studyapp.recruitment.record import count_places
 from studyapp.session.intake import present_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version
@@ -88,13 +88,13 @@ def _disk_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     if not os.access(folder.root, os.W_OK):
         yield make_finding("folder-unwritable", where=str(folder.root))
         return
-    needed = places_of(study) * BYTES_PER_PARTICIPANT
+    needed = count_places(study) * BYTES_PER_PARTICIPANT
     free = shutil.disk_usage(folder.root).free
     if free < needed + SPARE_BYTES:
         yield make_finding(
             "disk-full" if free < needed else "disk-short",
             free=as_text(free),
-            participants=places_of(study),
+            participants=count_places(study),
             needed=as_text(needed),
         )
 

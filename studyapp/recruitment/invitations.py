@@ -1,8 +1,7 @@
 """Invitations: links for one person each, to take part or to try the study.
 
-What is stored of a link is a hash. Looking at one uses nothing up. Who begins by it has one study
-session, and comes back to it by the same link. Test participations have a database of their own, so
-that nothing of them counts.
+Only a hash of a link is stored. Opening one does not use it up: it always leads to the same study
+session. Test participations have a database of their own, so that nothing of them counts.
 """
 
 from __future__ import annotations
@@ -35,14 +34,14 @@ COLUMNS: Final = ("for", "link")
 
 
 def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) -> int:
-    """Add a link for each of `people` to the table `out`; who has one in it gets no other.
+    """Add a link for each of `people` to the table `out`, unless it has one already.
 
-    Only the table says whose link is whose: the study stores neither names nor links.
+    Only the table connects people and links: the study stores neither.
 
     Parameters
     ----------
     people : sequence of str
-        Whom the links are for, as the researcher calls them.
+        Whom the links are for.
     address : str
         Where the study is served; links begin with it.
 
@@ -51,23 +50,23 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
     int
         How many links were made.
     """
-    written = _written(out)
-    known = {name for name, _ in written}
-    wanted = [name for name in dict.fromkeys(people) if name not in known]
-    if not wanted:
+    rows = _read_links(out)
+    invited_people = {name for name, _ in rows}
+    new_people = [name for name in dict.fromkeys(people) if name not in invited_people]
+    if not new_people:
         return 0
     with closing(Database.open(database_url_of(folder.root))) as database:
-        tokens = make_invitations(database, len(wanted), Clock())
+        tokens = make_invitations(database, len(new_people), Clock())
     links = [f"{address.rstrip('/')}/?invitation={token}" for token in tokens]
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerows([COLUMNS, *written, *zip(wanted, links, strict=True)])
+    writer.writerows([COLUMNS, *rows, *zip(new_people, links, strict=True)])
     write_text(out, table.getvalue(), private=True)
-    return len(wanted)
+    return len(new_people)
 
 
 def counts(folder: StudyFolder) -> InvitationCounts:
-    """Return how far the study's invitations have got."""
+    """Return how many of the study's invitations were used."""
     database = Database.open_for_reading(database_url_of(folder.root))
     if database is None:
         return InvitationCounts(made=0, begun=0, completed=0)
@@ -77,7 +76,7 @@ def counts(folder: StudyFolder) -> InvitationCounts:
 
 def numbered(count: int, out: Path) -> list[str]:
     """Return names for `count` more links than the table `out` has."""
-    before = len(_written(out))
+    before = len(_read_links(out))
     return [f"invitation {before + number}" for number in range(1, count + 1)]
 
 
@@ -87,7 +86,7 @@ def listed_people(path: Path) -> list[str]:
     Raises
     ------
     InputError
-        If nobody is in it.
+        If it names nobody.
     """
     people = [row[0].strip() for row in _rows(path)[1:] if row and row[0].strip()]
     if not people:
@@ -99,8 +98,8 @@ def listed_people(path: Path) -> list[str]:
     return people
 
 
-def _written(out: Path) -> list[tuple[str, str]]:
-    """Return the rows of the table of links; none where there is no such file."""
+def _read_links(out: Path) -> list[tuple[str, str]]:
+    """Return the rows of the table of links; none if there is no such file."""
     if not out.exists():
         return []
     heading, *rows = _rows(out) or [[]]
@@ -127,7 +126,7 @@ BYTES: Final = 24
 
 @dataclass(frozen=True, kw_only=True)
 class InvitationCounts:
-    """How many invitations there are, and by how many somebody has begun or finished."""
+    """How many invitations were made, and with how many somebody has begun or finished."""
 
     made: int
     begun: int
@@ -144,14 +143,14 @@ def make_invitations(database: Database, count: int, clock: Clock) -> list[str]:
 
 
 def invited(database: Database, token: str) -> str | None:
-    """Return what stands for the invitation's holder, None where it is none of this study."""
-    wanted = select(Invitation.token_hash).where(Invitation.token_hash == token_hash(token))
+    """Return the visit of the invitation's holder, None if this study has no such invitation."""
+    query = select(Invitation.token_hash).where(Invitation.token_hash == token_hash(token))
     with database.reading() as session:
-        return session.scalars(wanted).first()
+        return session.scalars(query).first()
 
 
 def invitation_counts(database: Database) -> InvitationCounts:
-    """Return how far the invitations have got."""
+    """Return how many invitations were used."""
     used = select(func.count(StudySession.id), func.count(StudySession.completed_at)).join(
         Invitation, Invitation.token_hash == StudySession.visit
     )
@@ -162,28 +161,28 @@ def invitation_counts(database: Database) -> InvitationCounts:
 
 
 def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by: str) -> str:
-    """Return the token of a link by which somebody can try the study in folder `root` once.
+    """Return the token of a link for one test participation in the study in folder `root`.
 
-    There is always a place for it: where all were tried, one more opens in each arm.
+    There is always a place for it: when all are taken, one more opens in each arm.
 
     Parameters
     ----------
     by : str
         Who asks for it.
     """
-    tried = served.opened_to_try()
+    test = served.opened_to_try()
     with closing(Database.open(sqlite_url(StudyFolder(root).tries))) as database:
-        open_study(database, tried, clock, new_version=True)
+        open_study(database, test, clock, new_version=True)
         with database.reading() as session:
-            is_full = not has_open_place(session, tried, present_intake(session), clock.now())
+            is_full = not has_open_place(session, test, present_intake(session), clock.now())
         if is_full:
-            extend(database, tried, clock, 1, by=by, reason="every place has been tried")
+            extend(database, test, clock, 1, by=by, reason="every place has been tried")
         (token,) = make_invitations(database, 1, clock)
     return token
 
 
 def count_test_participations(root: Path) -> int:
-    """Return how many people have begun to try the study in folder `root`."""
+    """Return how many test participations were begun in the study in folder `root`."""
     file = StudyFolder(root).tries
     if not file.exists():
         return 0

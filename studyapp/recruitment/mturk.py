@@ -1,7 +1,7 @@
 """A study on Mechanical Turk: making HITs, watching and paying.
 
-It is the sandbox, unless told otherwise. boto3 finds the keys in the environment or in its own
-files; they never pass through here.
+The sandbox is the default. boto3 finds the keys in the environment or in its own files; they never
+pass through here.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from xml.sax.saxutils import escape
 from pydantic import BaseModel, ConfigDict, Field
 
 from motion.errors import InputError
-from studyapp.boto_errors import said_plainly
+from studyapp.boto_errors import as_input_errors
 from studyapp.recruitment.payment import (
-    Arrived,
-    Judged,
-    arrived_in,
+    KnownParticipant,
+    PaymentDecision,
     by_submission,
     judge_assignment,
+    known_participants_of,
 )
 from studyapp.recruitment.record import (
-    MadeThere,
-    places_of,
-    read_made_there,
+    RecruitmentRecord,
+    count_places,
+    read_record,
     require_public,
-    write_made_there,
+    write_record,
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -48,7 +48,7 @@ class Hit(BaseModel):
     Attributes
     ----------
     wanted, pending, available, completed : int
-        Assignments in all, being worked on, not taken yet, and reviewed.
+        Assignments in all, in progress, not yet taken, and reviewed.
     """
 
     model_config = ConfigDict(extra="ignore", frozen=True)
@@ -61,7 +61,7 @@ class Hit(BaseModel):
 
 
 class Assignment(BaseModel):
-    """What one worker handed in."""
+    """A worker's submission."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
     id: str = Field(validation_alias="AssignmentId")
@@ -83,33 +83,33 @@ class MTurkClient:
         self._connection = connection
 
     def create(self, request: Mapping[str, Any]) -> Hit:
-        """Make a HIT; workers see it at once. The same request within a day makes no other one."""
-        with _said_plainly("create a HIT"):
+        """Make a HIT, visible at once; the same request within a day makes no second one."""
+        with _as_input_errors("create a HIT"):
             return Hit.model_validate(self._connection.create_hit(**request)["HIT"])
 
     def hit(self, hit: str) -> Hit:
         """Return the HIT with this id."""
-        with _said_plainly(f"look at HIT {hit}"):
+        with _as_input_errors(f"look at HIT {hit}"):
             return Hit.model_validate(self._connection.get_hit(HITId=hit)["HIT"])
 
     def stop(self, hit: str) -> None:
-        """Offer a HIT to nobody any more; who works on it may finish."""
-        with _said_plainly(f"stop HIT {hit}"):
+        """Offer a HIT to nobody else; workers who have begun may finish."""
+        with _as_input_errors(f"stop HIT {hit}"):
             self._connection.update_expiration_for_hit(HITId=hit, ExpireAt=LONG_AGO)
 
     def assignments(self, hit: str) -> list[Assignment]:
-        """Return everything that was handed in for a HIT."""
-        with _said_plainly(f"list the assignments of HIT {hit}"):
+        """Return all submissions for a HIT."""
+        with _as_input_errors(f"list the assignments of HIT {hit}"):
             pages = self._connection.get_paginator("list_assignments_for_hit")
             return [
-                Assignment.model_validate(found)
+                Assignment.model_validate(assignment)
                 for page in pages.paginate(HITId=hit, PaginationConfig={"PageSize": PAGE_SIZE})
-                for found in page["Assignments"]
+                for assignment in page["Assignments"]
             ]
 
     def approve(self, assignment: str) -> None:
         """Pay for an assignment."""
-        with _said_plainly(f"approve assignment {assignment}"):
+        with _as_input_errors(f"approve assignment {assignment}"):
             self._connection.approve_assignment(AssignmentId=assignment)
 
 
@@ -132,8 +132,8 @@ def connect(*, live: bool) -> MTurkClient:
     return MTurkClient(boto3.client("mturk", region_name=REGION, endpoint_url=endpoint))
 
 
-def _said_plainly(what: str) -> AbstractContextManager[None]:
-    return said_plainly(
+def _as_input_errors(what: str) -> AbstractContextManager[None]:
+    return as_input_errors(
         "Mechanical Turk",
         what,
         correct="Correct what it names; requesters of the sandbox and of the live site are "
@@ -147,7 +147,7 @@ SCHEMA: Final = (
     "ExternalQuestion.xsd"
 )
 TIMES_AS_LONG: Final = 4
-"""So many times what the study takes may pass before an assignment is taken away."""
+"""A worker may take so many times the study's duration before the assignment is withdrawn."""
 
 SECONDS_PER_MINUTE: Final = 60
 SECONDS_PER_HOUR: Final = 3600
@@ -160,9 +160,9 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
     Parameters
     ----------
     made_before : int
-        How many HITs the study has; the same number asks for the same HIT.
+        How many HITs the study has; the same number requests the same HIT.
     live : bool
-        Whether it is not for the sandbox.
+        Whether it is for the live site rather than the sandbox.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
         "Description": recruited.description or study.title,
         "Keywords": recruited.keywords,
         "Reward": recruited.reward,
-        "MaxAssignments": recruited.assignments or places_of(study),
+        "MaxAssignments": recruited.assignments or count_places(study),
         "LifetimeInSeconds": recruited.hours_to_accept * SECONDS_PER_HOUR,
         "AssignmentDurationInSeconds": minutes * SECONDS_PER_MINUTE * TIMES_AS_LONG,
         "AutoApprovalDelayInSeconds": recruited.days_to_review * SECONDS_PER_DAY,
@@ -200,15 +200,15 @@ SUBMITTED = "Submitted"
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedAssignment:
-    """One assignment, and what is to be done about it."""
+    """An assignment, and what to do about it."""
 
     assignment: Assignment
-    judged: Judged
+    decision: PaymentDecision
 
 
 def request_of(folder: StudyFolder, address: str, *, live: bool) -> dict[str, Any]:
     """Return what `create` sends."""
-    made = read_made_there(folder.root)
+    made = read_record(folder.root)
     return hit_request(
         folder.study(), address, made_before=len(_hits_in(made, live=live)), live=live
     )
@@ -217,11 +217,11 @@ def request_of(folder: StudyFolder, address: str, *, live: bool) -> dict[str, An
 def create(folder: StudyFolder, client: MTurkClient, address: str, *, live: bool) -> Hit:
     """Make one more HIT for the study."""
     hit = client.create(request_of(folder, address, live=live))
-    made = read_made_there(folder.root)
+    made = read_record(folder.root)
     key = "live_hits" if live else "sandbox_hits"
     if hit.id not in _hits_in(made, live=live):
         hits = (*_hits_in(made, live=live), hit.id)
-        write_made_there(folder.root, made.model_copy(update={key: hits}))
+        write_record(folder.root, made.model_copy(update={key: hits}))
     return hit
 
 
@@ -233,7 +233,7 @@ def hits_of(folder: StudyFolder, *, live: bool) -> tuple[str, ...]:
     InputError
         If none was made.
     """
-    hits = _hits_in(read_made_there(folder.root), live=live)
+    hits = _hits_in(read_record(folder.root), live=live)
     if not hits:
         raise InputError(
             f"the study has no HIT on {'the live site' if live else 'the sandbox'}",
@@ -244,30 +244,32 @@ def hits_of(folder: StudyFolder, *, live: bool) -> tuple[str, ...]:
     return hits
 
 
-def judged(folder: StudyFolder, client: MTurkClient, *, live: bool) -> list[JudgedAssignment]:
-    """Return every assignment that was handed in, and what is to be done about it."""
-    people = arrived_in(folder)
+def judged_assignments(
+    folder: StudyFolder, client: MTurkClient, *, live: bool
+) -> list[JudgedAssignment]:
+    """Return every submitted assignment, and what to do about it."""
+    people = known_participants_of(folder)
     assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
     known = by_submission(people, [(each.id, each.worker) for each in assignments])
     return [
-        JudgedAssignment(assignment=each, judged=_judged(each, known[each.id]))
+        JudgedAssignment(assignment=each, decision=_decide(each, known[each.id]))
         for each in assignments
     ]
 
 
-def approve(client: MTurkClient, found: list[JudgedAssignment]) -> int:
+def approve(client: MTurkClient, assignments: list[JudgedAssignment]) -> int:
     """Pay every assignment that the payment rule pays; return how many."""
-    paid = [each.assignment.id for each in found if each.judged.verdict == "pay"]
+    paid = [each.assignment.id for each in assignments if each.decision.verdict == "pay"]
     for assignment in paid:
         client.approve(assignment)
     return len(paid)
 
 
-def _hits_in(made: MadeThere, *, live: bool) -> tuple[str, ...]:
+def _hits_in(made: RecruitmentRecord, *, live: bool) -> tuple[str, ...]:
     return made.live_hits if live else made.sandbox_hits
 
 
-def _judged(assignment: Assignment, known: Arrived) -> Judged:
+def _decide(assignment: Assignment, known: KnownParticipant) -> PaymentDecision:
     if assignment.status != SUBMITTED:
-        return Judged(verdict="settled", why=assignment.status.lower())
-    return judge_assignment(known.code, assignment.answer, known.ours)
+        return PaymentDecision(verdict="settled", reason=assignment.status.lower())
+    return judge_assignment(known.code, assignment.answer, known.study_status)

@@ -1,7 +1,7 @@
-"""Who is paid: what the study knows of each participant beside what the recruiter knows.
+"""Who is paid: the study's status of each participant, beside the recruiter's.
 
-The payment rule is the study file's, and apart from who is left out of the analysis: catch trials
-never cost pay.
+The payment rule is in the study file, and separate from exclusion from the analysis: failed catch
+trials never cost pay.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from studyapp.session.state import state_of
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Prolific
 
-Ours = Literal[
+StudyStatus = Literal[
     "completed",
     "failed_attention",
     "unwatched",
@@ -32,17 +32,17 @@ Ours = Literal[
     "elsewhere",
     "nobody",
 ]
-"""What the study knows of a submission: where its participant stands here; ``elsewhere`` where they
-took part under another submission, ``nobody`` where none came under the name."""
+"""The status of a submission's participant in the study; ``elsewhere`` if they took part under
+another submission, ``nobody`` if no participant has the name."""
 
 Verdict = Literal["pay", "look", "wait", "settled"]
-"""``look``: a person must decide."""
+"""``look``: a researcher must decide."""
 
 AWAITING: Final = "AWAITING REVIEW"
 TIMED_OUT: Final = "TIMED-OUT"
 UNDER_WAY: Final = ("ACTIVE", "RESERVED")
 
-WHY_NOT: Final[Mapping[Ours, str]] = MappingProxyType(
+REASONS_NOT_TO_PAY: Final[Mapping[StudyStatus, str]] = MappingProxyType(
     {
         "failed_attention": "failed too many attention checks",
         "unwatched": "ended early, since too many videos were said not to play",
@@ -56,151 +56,154 @@ WHY_NOT: Final[Mapping[Ours, str]] = MappingProxyType(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Arrived:
-    """One person as the study knows them.
+class KnownParticipant:
+    """A participant as the study knows them.
 
     Attributes
     ----------
     participant, session : str
-        The recruiter's names for the person and the submission; the latter may be empty.
+        The recruiter's names for the participant and the submission; the latter may be empty.
     code : str
-        Their own completion code; empty where there is none.
+        Their own completion code; empty if they have none.
     """
 
     participant: str
     session: str
-    ours: Ours
+    study_status: StudyStatus
     code: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
-    """What is to be done about one submission, and why."""
+class PaymentDecision:
+    """What to do about one submission, and why."""
 
     verdict: Verdict
-    why: str
+    reason: str
 
 
-def arrived(database: Database) -> list[Arrived]:
+def known_participants(database: Database) -> list[KnownParticipant]:
     """Return everybody whom a recruiter sent by name."""
     named = select(StudySession).where(StudySession.recruiter_participant.is_not(None))
     with database.reading() as session:
-        found = [
-            Arrived(
+        participants = [
+            KnownParticipant(
                 participant=each.recruiter_participant or "",
                 session=each.recruiter_session,
-                ours=_ours(each),
+                study_status=_status_of(each),
                 code=each.completion_code or "",
             )
             for each in session.scalars(
                 named.order_by(StudySession.id).options(selectinload(StudySession.place))
             )
         ]
-        found += [
-            Arrived(participant=each.participant, session="", ours="screened_out")
+        participants += [
+            KnownParticipant(participant=each.participant, session="", study_status="screened_out")
             for each in session.scalars(select(ScreenOut).order_by(ScreenOut.id))
         ]
-    return found
+    return participants
 
 
-def arrived_in(folder: StudyFolder) -> list[Arrived]:
-    """Return the same of a study; nobody where it has no database yet."""
+def known_participants_of(folder: StudyFolder) -> list[KnownParticipant]:
+    """Return the same of a study; nobody if it has no database yet."""
     database = Database.open_for_reading(database_url_of(folder.root))
     if database is None:
         return []
     with closing(database):
-        return arrived(database)
+        return known_participants(database)
 
 
 def by_submission(
-    people: Sequence[Arrived], submissions: Sequence[tuple[str, str]]
-) -> dict[str, Arrived]:
-    """Return what the study knows of each submission: one study session is never paid twice.
+    people: Sequence[KnownParticipant], submissions: Sequence[tuple[str, str]]
+) -> dict[str, KnownParticipant]:
+    """Return the participant of each submission, so that no study session is paid twice.
 
-    Who came without the name of a submission is taken to have come under their only one.
+    Participants who came without the name of a submission are matched to their only one.
 
     Parameters
     ----------
     submissions : sequence of (str, str)
         The recruiter's names of each submission and of its participant.
     """
-    known: defaultdict[str, list[Arrived]] = defaultdict(list)
-    for each in people:
-        known[each.participant].append(each)
-    sent = Counter(participant for _, participant in submissions)
+    by_name: defaultdict[str, list[KnownParticipant]] = defaultdict(list)
+    for person in people:
+        by_name[person.participant].append(person)
+    counts = Counter(participant for _, participant in submissions)
     return {
-        submission: _under(submission, participant, known[participant], only=sent[participant] == 1)
+        submission: _match(submission, participant, by_name[participant], counts[participant] == 1)
         for submission, participant in submissions
     }
 
 
-def _under(submission: str, participant: str, known: list[Arrived], *, only: bool) -> Arrived:
-    # Who has a study session is not counted as screened out.
-    own = [each for each in known if each.ours != "screened_out"] or known
-    for each in own:
-        if each.session == submission:
-            return each
-    for each in own:
-        if not each.session and (only or each.ours != "completed"):
-            return each
-    return Arrived(
-        participant=participant, session=submission, ours="elsewhere" if own else "nobody"
-    )
+def _match(
+    submission: str, participant: str, people: list[KnownParticipant], is_only: bool
+) -> KnownParticipant:
+    # A participant with a study session does not count as screened out.
+    people = [each for each in people if each.study_status != "screened_out"] or people
+    for person in people:
+        if person.session == submission:
+            return person
+    for person in people:
+        if not person.session and (is_only or person.study_status != "completed"):
+            return person
+    status: StudyStatus = "elsewhere" if people else "nobody"
+    return KnownParticipant(participant=participant, session=submission, study_status=status)
 
 
-def judge_submission(status: str, code: str | None, ours: Ours, codes: Prolific) -> Judged:
-    """Return what is to be done about a submission on Prolific.
+def judge_submission(
+    status: str, code: str | None, study_status: StudyStatus, codes: Prolific
+) -> PaymentDecision:
+    """Return what to do about a submission on Prolific.
 
     Parameters
     ----------
     status, code : str
         As Prolific has them.
-    ours : Ours
-        What the study knows of the participant.
+    study_status : StudyStatus
+        Of the participant.
     codes : Prolific
         The study's codes.
     """
     name = status.replace("_", " ")
+    has_finished = study_status == "completed"
     if name in UNDER_WAY:
-        done = "finished here, and has not told Prolific yet"
-        return Judged(verdict="wait", why=done if ours == "completed" else "is under way")
-    if name == TIMED_OUT and ours == "completed":
-        return Judged(verdict="look", why="finished here, after Prolific's time was over")
+        unreported = "finished here, and has not told Prolific yet"
+        reason = unreported if has_finished else "is under way"
+        return PaymentDecision(verdict="wait", reason=reason)
+    if name == TIMED_OUT and has_finished:
+        reason = "finished here, after Prolific's time was over"
+        return PaymentDecision(verdict="look", reason=reason)
     if name != AWAITING:
-        return Judged(verdict="settled", why=name.lower())
-    if ours == "completed":
-        none = code is None or code in ("", "NOCODE")
-        other = (
-            ""
-            if code == codes.completed
-            else ", and entered " + ("no code" if none else "another code")
-        )
-        return Judged(verdict="pay", why=f"finished{other}")
-    claimed = ", but entered the code of those who do" if code == codes.completed else ""
-    why = WHY_NOT[ours] + (claimed if ours in ("unwatched", "unfinished", "nobody") else "")
-    return Judged(verdict="look", why=why)
+        return PaymentDecision(verdict="settled", reason=name.lower())
+    if has_finished:
+        entered = "no code" if code in (None, "", "NOCODE") else "another code"
+        other = "" if code == codes.completed else f", and entered {entered}"
+        return PaymentDecision(verdict="pay", reason=f"finished{other}")
+    reason = REASONS_NOT_TO_PAY[study_status]
+    if code == codes.completed and study_status in ("unwatched", "unfinished", "nobody"):
+        reason += ", but entered the code of those who do"
+    return PaymentDecision(verdict="look", reason=reason)
 
 
-def judge_assignment(own_code: str, answer: str, ours: Ours) -> Judged:
-    """Return what is to be done about a submitted assignment on Mechanical Turk.
+def judge_assignment(own_code: str, answer: str, study_status: StudyStatus) -> PaymentDecision:
+    """Return what to do about a submitted assignment on Mechanical Turk.
 
     Parameters
     ----------
     own_code : str
         The participant's completion code.
     answer : str
-        What was handed in with the assignment.
-    ours : Ours
-        What the study knows of who had the assignment.
+        The answer submitted with the assignment.
+    study_status : StudyStatus
+        Of the worker.
     """
-    if ours != "completed":
-        return Judged(verdict="look", why=WHY_NOT[ours])
+    if study_status != "completed":
+        return PaymentDecision(verdict="look", reason=REASONS_NOT_TO_PAY[study_status])
     if own_code and own_code not in answer:
-        return Judged(verdict="pay", why="finished, and handed in another code")
-    return Judged(verdict="pay", why="finished")
+        return PaymentDecision(verdict="pay", reason="finished, and handed in another code")
+    return PaymentDecision(verdict="pay", reason="finished")
 
 
-def _ours(study_session: StudySession) -> Ours:
+def _status_of(study_session: StudySession) -> StudyStatus:
     state = state_of(study_session)
     if state == "withdrawn":
         return "withdrawn"

@@ -1,4 +1,4 @@
-"""A study on Prolific: its draft, making, publishing, watching and paying."""
+"""A study on Prolific: its draft, watching and paying."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from typing import Any, Final
 from motion.errors import InputError, listed
 from motion.segment import Segment
 from studyapp.recruitment.payment import (
-    Judged,
-    Ours,
-    arrived_in,
+    PaymentDecision,
+    StudyStatus,
     by_submission,
     judge_submission,
+    known_participants_of,
 )
 from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
-from studyapp.recruitment.record import places_of, read_made_there, require_public, write_made_there
+from studyapp.recruitment.record import count_places, read_record, require_public, write_record
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
@@ -29,12 +29,12 @@ CODE_TYPES: Final = {
     "screened_out": ("FIXED_SCREENOUT", "OTHER"),
     "failed_attention": ("FAILED_ATTENTION_CHECK",),
 }
-"""What Prolific calls each of the study's codes; the screened out are paid, or not."""
+"""Prolific's types of the study's codes; of screened out participants, paid and unpaid."""
 
 DEVICES: Final[Mapping[Device, str]] = MappingProxyType(
     {"computer": "desktop", "tablet": "tablet", "phone": "mobile"}
 )
-"""What Prolific calls each kind of device."""
+"""Prolific's names of the kinds of devices."""
 
 RETURN_REASON: Final = "The study looks for other participants."
 
@@ -43,9 +43,9 @@ MINUTES_PER_HOUR: Final = 60
 
 
 def internal_name(study: Study) -> str:
-    """Return the name by which the researcher's own study is found again.
+    """Return the name by which the study is found again among the researcher's studies.
 
-    Two studies may have one name, but not one code.
+    Two studies may have the same name, but not the same code.
     """
     drawn = hashlib.sha256(study.recruitment.prolific.completed.encode()).hexdigest()
     return f"motionjury {study.name} {drawn[:8]}"
@@ -96,7 +96,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
                 [{"action": "MANUALLY_REVIEW"}],
             ),
         ],
-        "total_available_places": recruited.places or places_of(study),
+        "total_available_places": recruited.places or count_places(study),
         "estimated_completion_time": study.page.minutes,
         "reward": recruited.reward,
         "device_compatibility": [DEVICES[device] for device in study.page.devices],
@@ -109,7 +109,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
 
 
 def hourly(reward: float, minutes: int) -> float:
-    """Return a reward in hundredths as whole units for an hour."""
+    """Return a reward in hundredths as units of the currency per hour."""
     return reward / CENTS * MINUTES_PER_HOUR / minutes
 
 
@@ -134,28 +134,28 @@ def _require(study: Study, address: str) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedSubmission:
-    """One submission, what the study knows of its participant, and what is to be done."""
+    """A submission, its participant's status in the study, and what to do about it."""
 
     submission: Submission
-    ours: Ours
-    judged: Judged
+    study_status: StudyStatus
+    decision: PaymentDecision
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProlificStatus:
-    """How a study on Prolific goes.
+    """The status of a study on Prolific.
 
     Attributes
     ----------
     there_and_here : mapping
-        How many submissions are in each state on Prolific and here.
+        How many submissions have each status on Prolific and in the study.
     missing_there : tuple of str
-        Participants who are here but have no submission there.
+        Participants of the study who have no submission on Prolific.
     """
 
     study: ProlificStudy
     submissions: tuple[JudgedSubmission, ...]
-    there_and_here: dict[tuple[str, Ours], int]
+    status_counts: dict[tuple[str, StudyStatus], int]
     missing_there: tuple[str, ...]
 
 
@@ -175,7 +175,7 @@ def create(folder: StudyFolder, client: ProlificClient, address: str) -> tuple[P
         Whether it was not there before.
     """
     draft = draft_of(folder, address)
-    made = read_made_there(folder.root)
+    made = read_record(folder.root)
     identity = made.prolific_study
     if identity is None:
         # An earlier try may have come through although its answer did not.
@@ -184,7 +184,7 @@ def create(folder: StudyFolder, client: ProlificClient, address: str) -> tuple[P
     study = client.create(draft) if identity is None else client.study(identity)
     codes = {each.code: each.code_type for each in study.completion_codes}
     noted = {"prolific_study": study.id, "prolific_codes": codes or made.prolific_codes}
-    write_made_there(folder.root, made.model_copy(update=noted))
+    write_record(folder.root, made.model_copy(update=noted))
     return study, identity is None
 
 
@@ -196,7 +196,7 @@ def study_id(folder: StudyFolder) -> str:
     InputError
         If none was made.
     """
-    made = read_made_there(folder.root).prolific_study
+    made = read_record(folder.root).prolific_study
     if made is None:
         raise InputError(
             "the study is not on Prolific yet",
@@ -207,33 +207,33 @@ def study_id(folder: StudyFolder) -> str:
 
 
 def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
-    """Return how the study goes, there and here."""
+    """Return the status of the study, on Prolific and here."""
     identity = study_id(folder)
     codes = folder.study().recruitment.prolific
-    people = arrived_in(folder)
+    people = known_participants_of(folder)
     submissions = client.submissions(identity)
     known = by_submission(people, [(each.id, each.participant) for each in submissions])
     judged = tuple(
         JudgedSubmission(
             submission=each,
-            ours=ours,
-            judged=judge_submission(each.status, each.code, ours, codes),
+            study_status=study_status,
+            decision=judge_submission(each.status, each.code, study_status, codes),
         )
         for each in submissions
-        for ours in [known[each.id].ours]
+        for study_status in [known[each.id].study_status]
     )
     there = {each.participant for each in submissions}
     return ProlificStatus(
         study=client.study(identity),
         submissions=judged,
-        there_and_here=dict(Counter((each.submission.status, each.ours) for each in judged)),
+        status_counts=dict(Counter((each.submission.status, each.study_status) for each in judged)),
         missing_there=tuple(
             dict.fromkeys(each.participant for each in people if each.participant not in there)
         ),
     )
 
 
-def approve(client: ProlificClient, found: ProlificStatus, also: Sequence[str] = ()) -> int:
+def approve(client: ProlificClient, status: ProlificStatus, also: Sequence[str] = ()) -> int:
     """Pay everybody whom the payment rule pays, and those of `also`; return how many.
 
     Parameters
@@ -246,14 +246,14 @@ def approve(client: ProlificClient, found: ProlificStatus, also: Sequence[str] =
     InputError
         If one of `also` is none of the study's submissions; nobody is paid then.
     """
-    known = {each.submission.id for each in found.submissions}
+    known = {each.submission.id for each in status.submissions}
     if unknown := sorted(set(also) - known):
         raise InputError(
             f"the study has no submission {listed(unknown)}",
             where="--also",
             remedy="Take their names from the table that this command shows",
         )
-    paid = [each.submission.id for each in found.submissions if each.judged.verdict == "pay"]
+    paid = [each.submission.id for each in status.submissions if each.decision.verdict == "pay"]
     paid = list(dict.fromkeys([*paid, *also]))
     client.approve(paid)
     return len(paid)

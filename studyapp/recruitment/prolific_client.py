@@ -1,8 +1,8 @@
 """Prolific's API, as far as a study needs it (docs.prolific.com/api-reference).
 
-The token comes from the environment, and stands nowhere but in the header of requests to Prolific.
-What may be sent twice is sent again when Prolific is busy or fails; making a study is not, unless
-Prolific says that it did nothing.
+The token comes from the environment, and is only written into the header of requests to Prolific.
+Requests that may be repeated are sent again when Prolific is busy or fails. Making a study may not
+be repeated, unless Prolific says that it did nothing.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ AFTER: Final[Mapping[Action, tuple[str, ...]]] = {
     "PAUSE": ("PAUSED",),
     "STOP": ("AWAITING REVIEW", "COMPLETED"),
 }
-"""Where a study may stand after an action."""
+"""The statuses that a study may have after an action."""
 
 
 class CompletionCode(BaseModel):
@@ -58,7 +58,7 @@ class CompletionCode(BaseModel):
 
 
 class ProlificStudy(BaseModel):
-    """A study as Prolific knows it; what is not needed of it is passed over."""
+    """A study as Prolific knows it; fields that are not needed are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
 
@@ -95,7 +95,7 @@ Read = TypeVar("Read", bound=BaseModel)
 
 
 class ProlificRefusedError(InputError):
-    """Prolific understood a request and did not do what it asked for."""
+    """Prolific understood a request and refused it."""
 
 
 def prolific_token() -> str:
@@ -104,7 +104,7 @@ def prolific_token() -> str:
     Raises
     ------
     InputError
-        If the environment holds none; the message never holds any of it.
+        If the environment holds none; the message never holds a part of it.
     """
     token = os.environ.get(TOKEN, "").strip()
     if not TOKEN_LETTERS.fullmatch(token):
@@ -117,16 +117,16 @@ def prolific_token() -> str:
 
 
 class ProlificClient:
-    """A researcher's access to Prolific; a context manager, as it holds connections open.
+    """A researcher's access to Prolific; a context manager, because it holds connections.
 
     Parameters
     ----------
     token : str
         See `prolific_token`.
     address : str, optional
-        Where the API is; Prolific without it.
+        Of the API; Prolific's by default.
     wait : callable
-        Lets so many seconds pass before another try.
+        Waits so many seconds before another attempt.
     """
 
     def __init__(
@@ -157,60 +157,63 @@ class ProlificClient:
 
     def study_named(self, internal_name: str) -> ProlificStudy | None:
         """Return the researcher's study with this internal name, None if there is none."""
-        for found in self._pages("studies/", {}):
-            study = _read(ProlificStudy, found)
+        for result in self._pages("studies/", {}):
+            study = _read(ProlificStudy, result)
             if study.internal_name == internal_name:
                 return study
         return None
 
     def create(self, draft: Mapping[str, Any]) -> ProlificStudy:
-        """Make a draft; it costs nothing and nobody sees it before it is published."""
+        """Make a draft, which costs nothing and is not visible until it is published."""
         return _read(ProlificStudy, self._ask("POST", "studies/", draft, repeatable=False))
 
     def change_places(self, study: str, places: int) -> ProlificStudy:
-        """Set how many participants the study wants."""
+        """Set the number of places."""
         change = {"total_available_places": places}
         return _read(ProlificStudy, self._ask("PATCH", f"studies/{study}/", change))
 
     def move(self, study: str, action: Action) -> ProlificStudy:
-        """Publish, start, pause or stop a study; where it is so already, nothing happens.
+        """Publish, start, pause or stop a study, unless it already is.
 
         Raises
         ------
         ProlificRefusedError
-            If Prolific does not do it from where the study stands.
+            If Prolific does not do it in the study's present status.
         """
-        if (known := self.study(study)).status in AFTER[action]:
-            return known
+        if (present := self.study(study)).status in AFTER[action]:
+            return present
         try:
             moved = self._ask("POST", f"studies/{study}/transition/", {"action": action})
         except ProlificRefusedError:
-            # An earlier try may have come through although its answer did not.
-            if (known := self.study(study)).status in AFTER[action]:
-                return known
+            # An earlier attempt may have succeeded although its response was lost.
+            if (present := self.study(study)).status in AFTER[action]:
+                return present
             raise
         return _read(ProlificStudy, moved)
 
     def submissions(self, study: str) -> list[Submission]:
         """Return all submissions of a study."""
-        return [_read(Submission, found) for found in self._pages("submissions/", {"study": study})]
+        results = self._pages("submissions/", {"study": study})
+        return [_read(Submission, result) for result in results]
 
     def approve(self, submissions: Sequence[str]) -> None:
-        """Pay for these submissions; those that are paid already stay so."""
+        """Pay these submissions; paying one twice does nothing."""
         for start in range(0, len(submissions), AT_ONCE):
-            some = list(submissions[start : start + AT_ONCE])
-            self._ask("POST", "submissions/bulk-approve/", {"submission_ids": some})
+            batch = list(submissions[start : start + AT_ONCE])
+            self._ask("POST", "submissions/bulk-approve/", {"submission_ids": batch})
 
     def request_return(self, submission: str, reason: str) -> None:
-        """Ask a participant to return a submission, which then is neither paid nor rejected."""
+        """Ask a participant to return a submission, which is then neither paid nor rejected."""
         reasons = {"request_return_reasons": [reason]}
         self._ask("POST", f"submissions/{submission}/request-return/", reasons, repeatable=False)
 
     def _pages(self, path: str, query: Mapping[str, str]) -> Iterator[object]:
         """Yield the results of all pages."""
         for page in range(1, MOST_PAGES + 1):
-            asked = httpx.QueryParams({**query, "page": str(page), "page_size": str(PAGE_SIZE)})
-            answer = self._ask("GET", f"{path}?{asked}")
+            parameters = httpx.QueryParams(
+                {**query, "page": str(page), "page_size": str(PAGE_SIZE)}
+            )
+            answer = self._ask("GET", f"{path}?{parameters}")
             results = answer.get("results") if isinstance(answer, dict) else None
             if not isinstance(results, list):
                 raise _unreadable("a list without results")
@@ -221,30 +224,30 @@ class ProlificClient:
     def _ask(
         self, method: str, path: str, body: object = None, *, repeatable: bool = True
     ) -> object:
-        """Return what Prolific answers; try again where that can do no harm."""
-        for done in range(1, TRIES + 1):
-            problem, pause = "", 2.0 ** (done - 1)
+        """Return Prolific's answer; try again if that does no harm."""
+        for attempt in range(1, TRIES + 1):
+            problem, pause = "", 2.0 ** (attempt - 1)
             try:
                 answer = self._client.request(method, path, json=body)
             except httpx.TransportError as error:
-                problem, again = type(error).__name__, repeatable
+                problem, may_retry = type(error).__name__, repeatable
             else:
                 if answer.is_success:
                     return _json_of(answer)
-                failing = answer.status_code in FAILING
-                again = answer.status_code == BUSY or (repeatable and failing)
-                if not again and not failing:
+                is_failing = answer.status_code in FAILING
+                may_retry = answer.status_code == BUSY or (repeatable and is_failing)
+                if not may_retry and not is_failing:
                     raise self._refusal(answer)
                 problem = f"status {answer.status_code}"
-                pause = max(pause, _asked_to_wait(answer))
-            if not again or done == TRIES:
+                pause = max(pause, _retry_after(answer))
+            if not may_retry or attempt == TRIES:
                 break
             self._wait(min(pause, LONGEST_WAIT))
         raise InputError(
             f"Prolific cannot be reached ({problem})",
             where=f"{method} {path.partition('?')[0]}",
             remedy="Try again later; the same command goes on where it stopped"
-            if again
+            if may_retry
             else "It may have been done: run the command again, which looks first",
         )
 
@@ -299,7 +302,7 @@ def _reason_in(answer: httpx.Response) -> str:
     return str(error)[:500] or "nothing more"
 
 
-def _asked_to_wait(answer: httpx.Response) -> float:
-    """Return the seconds of ``Retry-After``; 0 where there is none, or a date."""
-    told = answer.headers.get("Retry-After", "")
-    return float(told) if told.isdecimal() and len(told) < len("100000") else 0.0
+def _retry_after(answer: httpx.Response) -> float:
+    """Return the seconds of ``Retry-After``; 0 if there is none, or it is a date."""
+    seconds = answer.headers.get("Retry-After", "")
+    return float(seconds) if seconds.isdecimal() and len(seconds) < len("100000") else 0.0

@@ -1,6 +1,6 @@
-"""What a study and recruiters' sites know of each other: what was made there, and the codes.
+"""What a study has on recruiters' sites, and the completion codes that it shares with them.
 
-What was made is kept beside the study, in ``recruitment.json``.
+The record of what was made there is kept beside the study, in ``recruitment.json``.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from studyapp.study.settings.study import Study
 FILE: Final = "recruitment.json"
 
 
-class MadeThere(BaseModel):
-    """What was made.
+class RecruitmentRecord(BaseModel):
+    """What was made for a study on recruiters' sites.
 
     Attributes
     ----------
     prolific_study : str or None
         Prolific's id of the study.
     prolific_codes : mapping of str to str
-        The completion codes that Prolific knows, each with what it stands for there.
+        The completion codes that Prolific knows, each with its type there.
     sandbox_hits, live_hits : tuple of str
         Mechanical Turk's ids of the HITs, in the order they were made.
     """
@@ -45,13 +45,13 @@ class MadeThere(BaseModel):
     live_hits: tuple[str, ...] = ()
 
 
-def read_made_there(root: Path) -> MadeThere:
-    """Return what was made for the study in `root`; nothing where there is no file."""
+def read_record(root: Path) -> RecruitmentRecord:
+    """Return the record of the study in `root`; an empty one without a file."""
     path = root / FILE
     try:
-        return MadeThere.model_validate_json(path.read_text("utf-8"))
+        return RecruitmentRecord.model_validate_json(path.read_text("utf-8"))
     except FileNotFoundError:
-        return MadeThere()
+        return RecruitmentRecord()
     except (ValidationError, UnicodeDecodeError):
         raise InputError(
             "the file does not say what was made at recruiters' sites",
@@ -61,9 +61,9 @@ def read_made_there(root: Path) -> MadeThere:
         ) from None
 
 
-def write_made_there(root: Path, made: MadeThere) -> None:
-    """Keep what was made for the study in `root`."""
-    write_text(root / FILE, made.model_dump_json(indent=2) + "\n")
+def write_record(root: Path, record: RecruitmentRecord) -> None:
+    """Write the record of the study in `root`."""
+    write_text(root / FILE, record.model_dump_json(indent=2) + "\n")
 
 
 KEYS: Final = ("completed", "screened_out", "failed_attention")
@@ -71,12 +71,12 @@ HEADING: Final = re.compile(r"^\[recruitment\.prolific\][^\n]*\n", re.MULTILINE)
 
 
 def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
-    """Write codes into the study file where it has none; all else in it stays as it is.
+    """Write missing codes into the study file, and change nothing else in it.
 
     Parameters
     ----------
     again : bool
-        Whether codes that are there are replaced.
+        Whether to replace the codes that it has.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
     ------
     InputError
         If the study file is wrong in another way, or the study is on Prolific already, which
-        knows no other codes than those that it was made with.
+        only knows the codes that it was made with.
     """
     text = read_text(folder.definition)
     try:
@@ -108,7 +108,7 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
 
 
 def _require_unmade(folder: StudyFolder) -> None:
-    made = read_made_there(folder.root).prolific_study
+    made = read_record(folder.root).prolific_study
     if made is not None:
         raise InputError(
             f"the study is on Prolific already ({made}), which knows its present codes alone: who "
@@ -120,7 +120,7 @@ def _require_unmade(folder: StudyFolder) -> None:
 
 
 def _prolific(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the table of Prolific's keys; an empty one where there is none."""
+    """Return the table of Prolific's keys; an empty one if there is none."""
     table: Any = document
     for key in ("recruitment", "prolific"):
         table = table.get(key, {}) if isinstance(table, dict) else {}
@@ -128,7 +128,7 @@ def _prolific(document: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _replaced(text: str, codes: Mapping[str, str]) -> str:
-    """Return `text` with codes in the place of those that it has."""
+    """Return `text` with its codes replaced."""
     document: Any = tomlkit.parse(text)
     for key, code in codes.items():
         document["recruitment"]["prolific"][key] = code
@@ -136,9 +136,9 @@ def _replaced(text: str, codes: Mapping[str, str]) -> str:
 
 
 def _added(text: str, codes: Mapping[str, str]) -> str:
-    """Return `text` with further codes under the heading of their table, or with both at the end.
+    """Return `text` with more codes below the heading of their table, or with both at the end.
 
-    Written as text: tomlkit would set them after the comments that lead over to the next table.
+    Written as text: tomlkit would put them after comments that belong to the next table.
     """
     if not codes:
         return text
@@ -149,7 +149,7 @@ def _added(text: str, codes: Mapping[str, str]) -> str:
     return text[: heading.end()] + lines + text[heading.end() :]
 
 
-def places_of(study: Study) -> int:
+def count_places(study: Study) -> int:
     """Return how many participants the study has places for."""
     return sum(arm.places for arm in study.arms)
 

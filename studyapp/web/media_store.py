@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from motion.errors import InputError
 from motion.files import sha256_of, write_text
-from studyapp.boto_errors import said_plainly
+from studyapp.boto_errors import as_input_errors
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.trial import Content
 from studyapp.study.settings.sections import explain_errors
@@ -215,7 +215,7 @@ class Bucket:
     def put(self, name: str, content: bytes) -> None:
         """Store a video; the store refuses it if other bytes arrive."""
         digest = base64.b64encode(hashlib.md5(content, usedforsecurity=False).digest())
-        with _said_plainly(f"store {name}", self.place):
+        with _as_input_errors(f"store {name}", self.place):
             self._connection.put_object(
                 Bucket=self.place.bucket,
                 Key=name,
@@ -227,7 +227,7 @@ class Bucket:
 
     def sizes(self) -> dict[str, int]:
         """Return the size of every object in the folder, by name."""
-        with _said_plainly("list what it holds", self.place):
+        with _as_input_errors("list what it holds", self.place):
             pages = self._connection.get_paginator("list_objects_v2")
             return {
                 found["Key"]: found["Size"]
@@ -237,7 +237,7 @@ class Bucket:
 
     def delete(self, name: str) -> None:
         """Remove an object; one that is not there is no error."""
-        with _said_plainly(f"delete {name}", self.place):
+        with _as_input_errors(f"delete {name}", self.place):
             self._connection.delete_object(Bucket=self.place.bucket, Key=name)
 
     def allow(self, origin: str) -> None:
@@ -250,7 +250,7 @@ class Bucket:
             "AllowedHeaders": ["Range"],
             "MaxAgeSeconds": LOADED_AGAIN_SECONDS,
         }
-        with _said_plainly(f"let pages of {origin} load from it", self.place):
+        with _as_input_errors(f"let pages of {origin} load from it", self.place):
             try:
                 rules = self._connection.get_bucket_cors(Bucket=self.place.bucket)["CORSRules"]
             except ClientError as error:
@@ -266,7 +266,7 @@ class Bucket:
 
         It is signed here; the store is not asked.
         """
-        with _said_plainly("sign an address", self.place):
+        with _as_input_errors("sign an address", self.place):
             signed: str = self._connection.generate_presigned_url(
                 "get_object", Params={"Bucket": self.place.bucket, "Key": name}, ExpiresIn=seconds
             )
@@ -297,7 +297,7 @@ def connect(place: Place) -> Bucket:
         request_checksum_calculation="when_required",
         response_checksum_validation="when_required",
     )
-    with _said_plainly("be reached", place):
+    with _as_input_errors("be reached", place):
         client = boto3.client(
             "s3",
             endpoint_url=place.endpoint or None,
@@ -307,8 +307,8 @@ def connect(place: Place) -> Bucket:
     return Bucket(client, place)
 
 
-def _said_plainly(what: str, place: Place) -> AbstractContextManager[None]:
-    return said_plainly(
+def _as_input_errors(what: str, place: Place) -> AbstractContextManager[None]:
+    return as_input_errors(
         "the store",
         what,
         correct="Correct what it names, and run the same command again",

@@ -6,7 +6,7 @@ import pytest
 from botocore.exceptions import ClientError, NoCredentialsError
 
 from motion.errors import InputError
-from studyapp.boto_errors import said_plainly
+from studyapp.boto_errors import as_input_errors
 
 REFUSED = ClientError({"Error": {"Code": "AccessDenied", "Message": "Not yours."}}, "PutObject")
 UNEXPLAINED = ClientError({}, "PutObject")
@@ -32,7 +32,7 @@ UNEXPLAINED = ClientError({}, "PutObject")
 def test_a_refusal_and_a_silence_are_told_apart(raised: Exception, words: str) -> None:
     with (
         pytest.raises(InputError) as error,
-        said_plainly(
+        as_input_errors(
             "the store", "store a.mp4", correct="Correct it", check="the network", where="here"
         ),
     ):

@@ -198,9 +198,9 @@ def test_a_study_session_is_paid_once_however_often_it_is_handed_in(
         ("a4", "w3", "Approved"),
     )
 
-    found = mturk.judged(sandbox.folder, sandbox.client, live=False)
+    found = mturk.judged_assignments(sandbox.folder, sandbox.client, live=False)
 
-    assert [(each.assignment.id, each.judged.verdict) for each in found] == [
+    assert [(each.assignment.id, each.decision.verdict) for each in found] == [
         ("a1", "pay"),
         ("a2", "look"),
         ("a3", "look"),

@@ -7,13 +7,13 @@ import pytest
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.recruitment.payment import (
-    Arrived,
-    Ours,
+    KnownParticipant,
+    StudyStatus,
     Verdict,
-    arrived,
     by_submission,
     judge_assignment,
     judge_submission,
+    known_participants,
 )
 from studyapp.session.arrivals import Arrival, note_screen_out
 from studyapp.session.ending import withdraw
@@ -28,7 +28,7 @@ WAITING = "AWAITING REVIEW"
 
 
 @pytest.mark.parametrize(
-    ("status", "code", "ours", "verdict", "why"),
+    ("status", "code", "study_status", "verdict", "why"),
     [
         ("AWAITING REVIEW", "NOCODE", "unwatched", "look", "too many videos"),
         (WAITING, "KX7QM2PWTR", "completed", "pay", "finished"),
@@ -52,16 +52,16 @@ WAITING = "AWAITING REVIEW"
     ],
 )
 def test_only_who_finished_and_waits_is_paid(
-    status: str, code: str | None, ours: Ours, verdict: Verdict, why: str
+    status: str, code: str | None, study_status: StudyStatus, verdict: Verdict, why: str
 ) -> None:
-    judged = judge_submission(status, code, ours, CODES)
+    judged = judge_submission(status, code, study_status, CODES)
 
     assert judged.verdict == verdict
-    assert why in judged.why
+    assert why in judged.reason
 
 
 @pytest.mark.parametrize(
-    ("answer", "ours", "verdict"),
+    ("answer", "study_status", "verdict"),
     [
         ("<FreeText>OWNCODE</FreeText>", "completed", "pay"),
         ("<FreeText>x</FreeText>", "completed", "pay"),
@@ -69,8 +69,10 @@ def test_only_who_finished_and_waits_is_paid(
         ("", "nobody", "look"),
     ],
 )
-def test_assignments_are_paid_by_the_same_rule(answer: str, ours: Ours, verdict: Verdict) -> None:
-    assert judge_assignment("OWNCODE", answer, ours).verdict == verdict
+def test_assignments_are_paid_by_the_same_rule(
+    answer: str, study_status: StudyStatus, verdict: Verdict
+) -> None:
+    assert judge_assignment("OWNCODE", answer, study_status).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -84,11 +86,11 @@ def test_pay_needs_as_many_failed_checks_as_the_rule_says(
 
 
 def test_who_came_without_a_submissions_name_is_paid_for_the_only_one() -> None:
-    person = [Arrived(participant="ann", session="", ours="completed")]
+    person = [KnownParticipant(participant="ann", session="", study_status="completed")]
 
-    def states(*submissions: str) -> list[Ours]:
+    def states(*submissions: str) -> list[StudyStatus]:
         found = by_submission(person, [(each, "ann") for each in submissions])
-        return [each.ours for each in found.values()]
+        return [each.study_status for each in found.values()]
 
     assert states("one") == ["completed"]
     assert states("one", "two") == ["elsewhere", "elsewhere"]
@@ -100,7 +102,7 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
 ) -> None:
     def come(name: str) -> Participant:
         arrival = Arrival(
-            recruiter_participant=name, recruiter_study="s", recruiter_session=f"{name}-sitting"
+            recruiter_participant=name, recruiter_study="s", recruiter_session=f"{name}-submission"
         )
         return Participant(opened, served, clock, enrol(opened, served, arrival, clock))
 
@@ -113,16 +115,17 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
 
     names = ("finished", "under way", "left", "turned away", "never came")
     known = by_submission(
-        arrived(opened), [*((f"{name}-sitting", name) for name in names), ("again", "finished")]
+        known_participants(opened),
+        [*((f"{name}-submission", name) for name in names), ("again", "finished")],
     )
 
-    assert {submission: each.ours for submission, each in known.items()} == {
-        "finished-sitting": "completed",
-        "under way-sitting": "unfinished",
-        "left-sitting": "withdrawn",
-        "turned away-sitting": "screened_out",
-        "never came-sitting": "nobody",
+    assert {submission: each.study_status for submission, each in known.items()} == {
+        "finished-submission": "completed",
+        "under way-submission": "unfinished",
+        "left-submission": "withdrawn",
+        "turned away-submission": "screened_out",
+        "never came-submission": "nobody",
         "again": "elsewhere",
     }
-    assert known["finished-sitting"].code
-    assert known["left-sitting"].session == ""
+    assert known["finished-submission"].code
+    assert known["left-submission"].session == ""

@@ -20,9 +20,9 @@ from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
 from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.recruitment import prolific
-from studyapp.recruitment.payment import arrived
+from studyapp.recruitment.payment import known_participants
 from studyapp.recruitment.prolific_client import ProlificClient
-from studyapp.recruitment.record import MadeThere, write_made_there
+from studyapp.recruitment.record import RecruitmentRecord, write_record
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
 from studyapp.rehearsal.simulation.population import default_population
@@ -141,14 +141,14 @@ def test_only_real_people_are_counted(rehearsed: StudyFolder) -> None:
 def known_to_recruiters(database: Path) -> list[str]:
     """Return as whom payment would know each participant of a database."""
     with opened(database) as there:
-        return [each.ours for each in arrived(there)]
+        return [each.study_status for each in known_participants(there)]
 
 
 def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
     rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert known_to_recruiters(rehearsed.rehearsal) == ["completed"]
-    write_made_there(rehearsed.root, MadeThere(prolific_study="s1"))
+    write_record(rehearsed.root, RecruitmentRecord(prolific_study="s1"))
     study = {"id": "s1", "status": "ACTIVE"}
     with served(StandIn(studies={"s1": study})) as site:
         monkeypatch.setattr("studyapp.recruitment.prolific_client.API", site.address)
@@ -159,7 +159,7 @@ def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
             assert prolific.approve(client, found) == 0
 
         first, _ = found.submissions
-        assert (first.ours, first.judged.verdict) == ("nobody", "look")
+        assert (first.study_status, first.decision.verdict) == ("nobody", "look")
         assert found.missing_there == ()
         assert site.submissions[0]["status"] == "AWAITING REVIEW"
         assert all(asked.startswith("GET ") for asked in site.asked)
