@@ -27,11 +27,11 @@ from renderer.picture import SUPERSAMPLING, VIDEO, Canvas
 from renderer.shown_clip import as_shown, frame_at
 
 FRAMES_AT_ONCE: Final = 16
-"""Frames whose vertices are in memory together, and that are drawn in one box round all of them."""
+"""Frames whose vertices are in memory together and that share one bounding box."""
 
 
 class Stage:
-    """One body, lit and seen by one camera, kept ready for clip after clip.
+    """A lit body and its camera, ready to render any number of clips.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ class Stage:
         self._renderer.__exit__(*raised)
 
     def pictures(self, clip: MotionClip) -> Iterator[NDArray[np.uint8]]:
-        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`."""
+        """Yield each frame of `clip` as RGBA, `SUPERSAMPLING` times the look's size."""
         for batch in self._vertices(clip):
             for vertices, shadow in zip(batch, self._shadows(clip, batch), strict=True):
                 planes = self._renderer.draw(vertices, self._normals.of(vertices), shadow=shadow)
                 yield np.stack([*planes, np.full_like(planes[0], 255)], axis=2)
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
-        """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
+        """Yield each frame of `clip` as a downsampled `av.VideoFrame` in BT.709 yuv420p."""
         canvas = Canvas(self.look.size, self.look.background)
         for batch in self._vertices(clip):
             shadows = self._shadows(clip, batch)
@@ -74,17 +74,17 @@ class Stage:
             for vertices, shadow in zip(batch, shadows, strict=True):
                 normals = self._normals.of(vertices)
                 planes = self._renderer.draw(vertices, normals, box, shadow, VIDEO)
-                yield canvas.with_picture(planes, box)
+                yield canvas.video_frame(planes, box)
 
     def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
-        """Return the shadow on the ground in each frame of `batch`; None where no ground is."""
+        """Return the shadow in each frame of `batch`; None where the ground is not shown."""
         if self.look.framing != "full_body":
             return [None] * len(batch)
         ground = self._caster.ground(clip)
-        return [self._caster.under(vertices, ground) for vertices in batch]
+        return [self._caster.shadow(vertices, ground) for vertices in batch]
 
     def _vertices(self, clip: MotionClip) -> Iterator[NDArray[np.float32]]:
-        """Yield the vertices of `FRAMES_AT_ONCE` frames after the other, shape (n, V, 3)."""
+        """Yield the vertices of `FRAMES_AT_ONCE` frames at a time, shape (n, V, 3)."""
         for start in range(0, len(clip), FRAMES_AT_ONCE):
             yield self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE))
 
@@ -105,20 +105,20 @@ def write_clip_video(
     Parameters
     ----------
     stage : Stage
-        Where it plays; entered.
+        Renders the clip; entered.
     motion : Path
         The clip; it begins with the excerpt of the speech.
     speech : Path
-        What is heard.
+        The speech.
     start, end : float
         The excerpt of `speech` in seconds; the video has ``round((end - start) * frame_rate)``
         frames.
     frozen : tuple of str
         Channels to hold still, as `motion.clip.freeze` names them.
     frames : Path or None
-        Where to write frames without loss, from which pairs are composed.
+        File for lossless frames, from which pairs are composed.
     video : Path or None
-        Where to write the video with its speech. Both files appear whole, or not at all.
+        File for the video with its speech. Both files are written atomically.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The soft shadow under a standing body, which tells the eye that it stands on something.
+"""The soft shadow under a standing body, which shows viewers that it stands on the ground.
 
 One ellipse under each foot, which fades as the foot lifts, and a wide faint one under the body, on
 a ground that is itself not seen: the background stays plain.
@@ -22,18 +22,18 @@ Floats = NDArray[np.float32]
 ELLIPSES: Final = 3
 """How many ellipses a shadow has: left foot, right foot, body."""
 
-_SOLE: Final = 0.03
+_SOLE_HEIGHT: Final = 0.03
 """Metres above its lowest point up to which a foot counts as its sole."""
 
 _FOOT_DARKNESS: Final = 0.48
-_FOOT_BEYOND: Final = 0.055  # metres that the shadow reaches beyond heel and toes
+_FOOT_MARGIN: Final = 0.055  # metres that the shadow reaches beyond heel and toes
 _FOOT_HALF_WIDTH: Final = 0.095
-_FOOT_FADES_OVER: Final = 0.07  # metres of lift after which a third is left
+_FOOT_DECAY: Final = 0.07  # metres of lift after which a third is left
 
 _BODY_DARKNESS: Final = 0.17
-_BODY_HALF: Final = (0.50, 0.32)
-_BODY_ASIDE: Final = (0.05, -0.05)  # away from the key light
-_BODY_FADES_OVER: Final = 0.35
+_BODY_HALF_AXES: Final = (0.50, 0.32)
+_BODY_OFFSET: Final = (0.05, -0.05)  # away from the key light
+_BODY_DECAY: Final = 0.35
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,20 +83,20 @@ class ShadowCaster:
         self._thickness = ground_height(unshaped) - lowest
 
     def ground(self, clip: MotionClip) -> float:
-        """Return how high the ground is that the body with the clip's shape stands on."""
+        """Return the height of the ground under a body of the clip's shape."""
         return ground_height(self._body.joints(clip.betas)) - self._thickness
 
-    def under(self, vertices: Floats, ground: float) -> ContactShadow:
+    def shadow(self, vertices: Floats, ground: float) -> ContactShadow:
         """Return the shadow of a body whose `vertices`, shape (V, 3), stand above `ground`."""
         feet = [vertices[sole] for sole in self._soles]
         lifts = np.array([max(float(foot[:, 1].min()) - ground, 0.0) for foot in feet])
         middles = np.array([foot[:, [0, 2]].mean(axis=0) for foot in feet])
         trunk = vertices[:, [0, 2]].mean(axis=0)
-        centres = np.array([*middles, (middles.mean(axis=0) + trunk) / 2 + _BODY_ASIDE])
-        axes = np.array([*(_foot_axes(foot) for foot in feet), np.diag(_BODY_HALF)])
+        centres = np.array([*middles, (middles.mean(axis=0) + trunk) / 2 + _BODY_OFFSET])
+        axes = np.array([*(_foot_axes(foot) for foot in feet), np.diag(_BODY_HALF_AXES)])
         darkness = np.append(
-            _FOOT_DARKNESS * np.exp(-lifts / _FOOT_FADES_OVER),
-            _BODY_DARKNESS * np.exp(-lifts.min() / _BODY_FADES_OVER),
+            _FOOT_DARKNESS * np.exp(-lifts / _FOOT_DECAY),
+            _BODY_DARKNESS * np.exp(-lifts.min() / _BODY_DECAY),
         )
         return ContactShadow(
             ground=ground,
@@ -111,15 +111,15 @@ def _sole(body: BodyModel, strongest: NDArray[np.intp], side: str) -> NDArray[np
     joints = [joint_index(f"{side}_{part}") for part in ("ankle", "foot")]
     foot = np.flatnonzero(np.isin(strongest, joints))
     height = body.template[foot, 1]
-    sole = foot[height < height.min() + _SOLE]
+    sole = foot[height < height.min() + _SOLE_HEIGHT]
     return np.asarray(sole[np.argsort(body.template[sole, 2], kind="stable")])
 
 
 def _foot_axes(sole: Floats) -> NDArray[np.float64]:
     """Return the half axes of the ellipse under a sole, along it and across it, shape (2, 2)."""
-    along = (sole[-1] - sole[0])[[0, 2]].astype(np.float64)
-    length = float(np.linalg.norm(along))
-    # A foot that stands on its toes points nowhere on the ground.
-    direction = along / length if length > 0.02 else np.array([0.0, 1.0])
-    across = np.array([direction[1], -direction[0]])
-    return np.stack([direction * (length / 2 + _FOOT_BEYOND), across * _FOOT_HALF_WIDTH], axis=1)
+    heel_to_toes = (sole[-1] - sole[0])[[0, 2]].astype(np.float64)
+    length = float(np.linalg.norm(heel_to_toes))
+    # A foot on tiptoe has no direction on the ground.
+    direction = heel_to_toes / length if length > 0.02 else np.array([0.0, 1.0])
+    normal = np.array([direction[1], -direction[0]])
+    return np.stack([direction * (length / 2 + _FOOT_MARGIN), normal * _FOOT_HALF_WIDTH], axis=1)

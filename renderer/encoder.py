@@ -1,6 +1,6 @@
 """H.264 and AAC into one file through PyAV, the same bytes for the same input.
 
-Neither by its size nor by a bit rate does an MP4 file tell what it shows.
+Neither the size nor a bit rate of an MP4 file reveals what it shows.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ SOUND_RATE: Final = 48000
 # With the codecs' flag of that name: no version texts, no random identifiers.
 _BITEXACT: Final = {"fflags": "+bitexact"}
 MP4_OPTIONS: Final = {**_BITEXACT, "movflags": "+faststart", "write_btrt": "0"}
-"""How MP4 files are written: they play while they load, and say nothing of their making.
+"""Options of MP4 files: they play while they load, and hold nothing about their creation.
 
-A box of bit rates would tell what was encoded from what was copied."""
+A box of bit rates would distinguish encoded files from copied ones."""
 
 # Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
 # figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
@@ -39,15 +39,15 @@ _STREAM_OPTIONS: Final = {
 _LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
 _SOUND_BITS_PER_SECOND: Final = 128_000
 
-_HEADER: Final = 8
+_HEADER_BYTES: Final = 8
 """Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
-_WAY: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
+_PATH_TO_RATES: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
 _BEFORE_BOXES: Final = {b"stsd": 8, b"mp4a": 28}
 """Bytes of a box's own between its header and the boxes in it (ISO/IEC 14496-12, 8.5 and 12.2)."""
 _DECODER: Final = 0x04
-"""The descriptor that tells how the sound is decoded (ISO/IEC 14496-1, 7.2.6.6)."""
+"""The descriptor of the sound's decoder (ISO/IEC 14496-1, 7.2.6.6)."""
 _BEFORE_RATES: Final = 5
-_RATES: Final = 8
+_RATE_BYTES: Final = 8
 
 
 def video_frame(picture: NDArray[np.uint8]) -> Any:
@@ -83,8 +83,8 @@ def encoded_sound(container: Any, sound: Audio) -> list[Any]:
 class VideoWriter:
     """Writes one video file frame by frame; use it as a context manager.
 
-    Nothing in the file says when, where, by what name or from what it was made, and encoding
-    runs on one thread, so that the same frames give the same bytes.
+    The file holds no time, place, name or source, and encoding runs on one thread, so that the
+    same frames give the same bytes.
 
     Parameters
     ----------
@@ -132,13 +132,13 @@ class VideoWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
+    def __exit__(self, error_type: type[BaseException] | None, *_: object) -> None:
+        if error_type is None:
             self._container.mux(self._video.encode(None))
             self._mux_sound(until=None)
         self._container.close()
-        if kind is None and self._heard_in is not None:
-            forget_bit_rates(self._heard_in)
+        if error_type is None and self._heard_in is not None:
+            clear_bit_rates(self._heard_in)
 
     def write(self, frame: Any) -> None:
         """Add `frame`, an `av.VideoFrame` in yuv420p of the video's size."""
@@ -159,39 +159,41 @@ class VideoWriter:
             self._container.mux(self._sound_packets.pop(0))
 
 
-def forget_bit_rates(video: Path) -> None:
-    """Write 0, for unknown, over the largest and the mean bit rate of the sound of an MP4 file.
+def clear_bit_rates(video: Path) -> None:
+    """Set the largest and the mean bit rate of an MP4 file's sound to 0, for unknown.
 
-    The writer of the file computes them from the encoded sound, so that they tell by which
-    settings it was encoded. Players do not need them (ISO/IEC 14496-1, 7.2.6.6).
+    The muxer computes them from the encoded sound, so that they reveal the encoder's settings.
+    Players do not need them (ISO/IEC 14496-1, 7.2.6.6).
 
     Parameters
     ----------
     video : Path
-        Changed in its place; a file without sound stays as it is.
+        Changed in place; a file without sound is left unchanged.
     """
     with video.open("r+b") as file:
-        _forget(file, 0, file.seek(0, 2), _WAY)
+        _clear_rates(file, 0, file.seek(0, 2), _PATH_TO_RATES)
 
 
-def _forget(file: BinaryIO, start: int, stop: int, way: tuple[bytes, ...]) -> None:
-    """Follow `way` through the boxes between `start` and `stop`."""
-    while start + _HEADER <= stop:
+def _clear_rates(file: BinaryIO, start: int, stop: int, path: tuple[bytes, ...]) -> None:
+    """Follow `path` through the boxes between `start` and `stop`."""
+    while start + _HEADER_BYTES <= stop:
         file.seek(start)
-        header = file.read(_HEADER)
-        size, kind = int.from_bytes(header[:4], "big"), header[4:]
-        if size < _HEADER:  # the last box, to the end of the file, or one above 4 GiB: no index
+        header = file.read(_HEADER_BYTES)
+        size, box_type = int.from_bytes(header[:4], "big"), header[4:]
+        if (
+            size < _HEADER_BYTES
+        ):  # the last box, to the end of the file, or one above 4 GiB: no index
             return
-        if kind == way[0]:
-            inner = start + _HEADER + _BEFORE_BOXES.get(kind, 0)
-            if len(way) > 1:
-                _forget(file, inner, start + size, way[1:])
+        if box_type == path[0]:
+            inner = start + _HEADER_BYTES + _BEFORE_BOXES.get(box_type, 0)
+            if len(path) > 1:
+                _clear_rates(file, inner, start + size, path[1:])
             else:
-                _overwrite(file, inner, start + size)
+                _overwrite_rates(file, inner, start + size)
         start += size
 
 
-def _overwrite(file: BinaryIO, start: int, stop: int) -> None:
+def _overwrite_rates(file: BinaryIO, start: int, stop: int) -> None:
     """Write over the rates in the descriptors of an ``esds`` box."""
     file.seek(start)
     content = file.read(stop - start)
@@ -204,7 +206,7 @@ def _overwrite(file: BinaryIO, start: int, stop: int) -> None:
     tag, inner = _descriptor(content, inner)
     if tag == _DECODER:
         file.seek(start + inner + _BEFORE_RATES)
-        file.write(bytes(_RATES))
+        file.write(bytes(_RATE_BYTES))
 
 
 def _descriptor(content: bytes, at: int) -> tuple[int, int]:
@@ -216,29 +218,29 @@ def _descriptor(content: bytes, at: int) -> tuple[int, int]:
 
 
 def pad_to_equal_size(videos: Sequence[Path]) -> None:
-    """Lengthen the smaller MP4 files until all have the size of the largest.
+    """Pad smaller MP4 files to the size of the largest.
 
     A ``free`` box is appended, which players skip (ISO/IEC 14496-12, 8.1.2).
 
     Parameters
     ----------
     videos : sequence of Path
-        MP4 files that must not be told apart by their size.
+        MP4 files that must not be distinguishable by their size.
     """
     sizes = {video: video.stat().st_size for video in videos}
     largest = max(sizes.values(), default=0)
     if all(size == largest for size in sizes.values()):
         return
-    if any(0 < largest - size < _HEADER for size in sizes.values()):
-        largest += _HEADER
+    if any(0 < largest - size < _HEADER_BYTES for size in sizes.values()):
+        largest += _HEADER_BYTES
     for video, size in sizes.items():
-        missing = largest - size
-        if missing:
-            _append_free_box(video, missing)
+        padding = largest - size
+        if padding:
+            _append_free_box(video, padding)
 
 
 def _append_free_box(video: Path, size: int) -> None:
     with replacing(video) as temporary:
         shutil.copyfile(video, temporary)
         with temporary.open("ab") as file:
-            file.write(size.to_bytes(4, "big") + b"free" + bytes(size - _HEADER))
+            file.write(size.to_bytes(4, "big") + b"free" + bytes(size - _HEADER_BYTES))

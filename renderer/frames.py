@@ -1,4 +1,4 @@
-"""Frames of one mesh: takes vertices, gives pixels."""
+"""Rendering of one mesh: from vertices to pixels."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.contact_shadow import ContactShadow
-from renderer.framing import Camera, looking
+from renderer.framing import Camera, look_at
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS, Colour
 from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
@@ -28,7 +28,7 @@ class FrameRenderer:
     colours : ndarray, shape (V, 4)
         sRGB colour of each vertex in [0, 1], and how much it gleams.
     camera : Camera
-        Where the picture is taken from.
+        The camera.
     size : int
         Pixels along each side of the finished frame.
     background : tuple of int
@@ -64,7 +64,7 @@ class FrameRenderer:
 
     def __enter__(self) -> Self:
         self._context = OffscreenContext(self.side)
-        self._context.render(self.scene, PixelBox.whole(16), RGB)  # uploads what `draw` rewrites
+        self._context.render(self.scene, PixelBox.full(16), RGB)  # uploads what `draw` rewrites
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -83,7 +83,7 @@ class FrameRenderer:
         """Return the part of the picture that arrays of points, shape (..., 3), take up."""
         projection = self.context.projection(self.scene)
         boxes = [PixelBox.around(part, projection, self.side) for part in points]
-        return PixelBox.round_all(boxes)
+        return PixelBox.union(boxes)
 
     def draw(
         self,
@@ -93,7 +93,7 @@ class FrameRenderer:
         shadow: ContactShadow | None = None,
         channels: NDArray[np.float64] = RGB,
     ) -> NDArray[np.uint8]:
-        """Return the frame, `SUPERSAMPLING` times the size asked for on each side.
+        """Return the frame, `SUPERSAMPLING` times the requested size on each side.
 
         Parameters
         ----------
@@ -116,20 +116,20 @@ class FrameRenderer:
         self.context.replace_attributes(self._primitive, self._attributes)
         if shadow is not None:
             self.context.replace_attributes(self._ground, shadow.corners())
-        return self.context.render(self.scene, box or PixelBox.whole(self.side), channels, shadow)
+        return self.context.render(self.scene, box or PixelBox.full(self.side), channels, shadow)
 
 
 def _build_scene(primitive: Any, ground: Any, camera: Camera, background: Colour) -> Any:
     """Return a pyrender scene of `primitive`, the ground, the lights and the camera."""
-    plain = np.array([*background, 255]) / 255.0
-    scene = pyrender.Scene(bg_color=plain, ambient_light=np.array(AMBIENT_LIGHT))
+    colour = np.array([*background, 255]) / 255.0
+    scene = pyrender.Scene(bg_color=colour, ambient_light=np.array(AMBIENT_LIGHT))
     scene.add(pyrender.Mesh([primitive]))
     scene.add(pyrender.Mesh([ground]), name=GROUND)
     lens = pyrender.PerspectiveCamera(
         yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
     )
-    scene.add(lens, pose=looking(np.array(camera.eye), np.array(camera.target)))
+    scene.add(lens, pose=look_at(np.array(camera.eye), np.array(camera.target)))
     for number, light in enumerate(LIGHTS):
         lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
-        scene.add(lamp, name=f"{number}", pose=looking(np.array(light.comes_from), np.zeros(3)))
+        scene.add(lamp, name=f"{number}", pose=look_at(np.array(light.comes_from), np.zeros(3)))
     return scene

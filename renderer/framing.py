@@ -1,4 +1,4 @@
-"""One camera for a whole study, so that framing gives no condition away."""
+"""One camera for a whole study, so that framing does not reveal the condition."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
 from renderer.look import VIEWS, Look
 
 _FIELD_OF_VIEW: Final = 20.0
-"""Degrees; narrow, as of a portrait lens, so that hands held forward do not grow."""
+"""Degrees; narrow, as of a portrait lens, so that hands held forward do not look larger."""
 
 _CLOSE_FIELD_OF_VIEW: Final = 8.0
 """Of a face, from as far away, for the same reason."""
@@ -28,10 +28,10 @@ _MARGIN: Final = 0.04
 _STEP: Final = 0.02
 """Metres in which cameras differ: a clip made anew then rarely means that all are drawn anew."""
 
-_REACHED: Final = 99.5
+_POSITION_PERCENTILE: Final = 99.5
 """Percentile of a clip's positions that must be in the picture; a stray frame does not set it."""
 
-_CLIPS_REACHED: Final = 97
+_CLIP_PERCENTILE: Final = 97
 """Percentile of all clips for which that holds; one that wanders off does not shrink all others."""
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
@@ -42,7 +42,7 @@ _AROUND_HEAD: Final = np.array(  # from the head joint, in metres: hair, ears, n
 _AROUND_FINGER: Final = 0.04 * np.array(  # from the last finger joint to the tip
     [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)]
 )
-_FRAMES_LOOKED_AT: Final = 400
+_MAX_FRAMES: Final = 400
 _HANDS: Final = tuple(
     joint_index(name)
     for name in JOINT_NAMES
@@ -55,7 +55,7 @@ _FEET, _ELBOWS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """A camera that always stands upright; JSON-able through `dataclasses.asdict`.
+    """An upright camera; its `dataclasses.asdict` can be written as JSON.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     body : BodyModel
         The body that they are put on.
     look : Look
-        Its framing says what belongs into the picture: all (``full_body``), what is above the
+        Its framing sets what must be in the picture: all (``full_body``), what is above the
         hips, and the hands wherever they are (``upper_body``), head and neck (``face``), or hands
         and lower arms (``hands``). Its view says from which side.
 
@@ -91,29 +91,29 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
         If there is no clip.
     """
     turn = VIEWS[look.view]
-    points = [_turned(_points_to_show(clip, body, look), -turn) for clip in clips]
+    points = [_rotate_points(_points_to_show(clip, body, look), -turn) for clip in clips]
     if not points:
         raise InputError("there is no clip to frame", remedy="Generate or import motion first")
-    shown = np.concatenate(points)
+    all_points = np.concatenate(points)
     middle = _rounded(np.median([np.median(part[:, 0]) for part in points]))
-    low, high = np.percentile(shown[:, 1], [100 - _REACHED, _REACHED])
+    low, high = np.percentile(all_points[:, 1], [100 - _POSITION_PERCENTILE, _POSITION_PERCENTILE])
     top = max(float(np.median([part[:, 1].max() for part in points])), float(high))
     height = _rounded((float(low) + top) / 2)
-    depth = _rounded(np.median(shown[:, 2]))
+    depth = _rounded(np.median(all_points[:, 2]))
     field_of_view = _CLOSE_FIELD_OF_VIEW if look.framing == "face" else _FIELD_OF_VIEW
     slope = np.tan(np.radians(field_of_view / 2))
-    halves = [_half_shown(part, middle, height, depth, slope) for part in points]
+    halves = [_half_extent(part, middle, height, depth, slope) for part in points]
     # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
-    half = np.percentile(halves, _CLIPS_REACHED, method="higher")
+    half = np.percentile(halves, _CLIP_PERCENTILE, method="higher")
     distance = _rounded_up(half) / slope
     eye = (middle, height, round(float(depth + distance), 4))
-    return turned_camera(
+    return rotate_camera(
         Camera(eye=eye, target=(middle, height, depth), field_of_view=field_of_view), turn
     )
 
 
-def turned_camera(camera: Camera, turn: float) -> Camera:
-    """Return `camera` walked round the upright axis of the origin, to the left of who faces +z.
+def rotate_camera(camera: Camera, turn: float) -> Camera:
+    """Return `camera` rotated about the origin's y axis, to the left of a person who faces +z.
 
     Parameters
     ----------
@@ -122,24 +122,26 @@ def turned_camera(camera: Camera, turn: float) -> Camera:
     """
     if not turn:
         return camera
-    (x, y, z), target = np.round(_turned(np.array([camera.eye, camera.target]), turn), 4).tolist()
+    (x, y, z), target = np.round(
+        _rotate_points(np.array([camera.eye, camera.target]), turn), 4
+    ).tolist()
     return replace(camera, eye=(x, y, z), target=tuple(target))
 
 
-def _turned(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
+def _rotate_points(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
     """Return `points`, shape (n, 3), turned by degrees from +z towards +x."""
     if not turn:
         return points
     return np.asarray(Rotation.from_euler("y", turn, degrees=True).apply(points))
 
 
-def _half_shown(
+def _half_extent(
     points: NDArray[np.float64], middle: float, height: float, depth: float, slope: float
 ) -> float:
     """Return half of what a picture must show at `depth` for `points` to be just inside."""
     aside = np.maximum(np.abs(points[:, 0] - middle), np.abs(points[:, 1] - height))
     half = aside / (1 - _MARGIN) + slope * (points[:, 2] - depth)
-    return float(np.percentile(half, _REACHED))
+    return float(np.percentile(half, _POSITION_PERCENTILE))
 
 
 def _rounded(metres: float | np.floating) -> float:
@@ -153,25 +155,27 @@ def _rounded_up(metres: float | np.floating) -> float:
 
 def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np.float64]:
     """Return points of the posed body that must be in the picture, shape (n, 3)."""
-    step = max(1, len(clip) // _FRAMES_LOOKED_AT)
-    part = clip.frames(slice(None, None, step))
-    positions, turned = forward_kinematics(part.poses, part.trans, body.joints(clip.betas))
+    step = max(1, len(clip) // _MAX_FRAMES)
+    sampled = clip.frames(slice(None, None, step))
+    positions, rotations = forward_kinematics(sampled.poses, sampled.trans, body.joints(clip.betas))
     head = joint_index("head")
     if look.framing == "face":
-        around = positions[:, head, None] + (turned[:, head] @ _AROUND_HEAD.T).transpose(0, 2, 1)
-        return np.concatenate([around.reshape(-1, 3), positions[:, joint_index("neck")]])
-    above = positions[:, head] + turned[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
+        head_points = positions[:, head, None] + (rotations[:, head] @ _AROUND_HEAD.T).transpose(
+            0, 2, 1
+        )
+        return np.concatenate([head_points.reshape(-1, 3), positions[:, joint_index("neck")]])
+    crown = positions[:, head] + rotations[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
     hands = positions[:, _HANDS].reshape(-1, 3)
     fingers = (hands[:, None] + _AROUND_FINGER).reshape(-1, 3)
     if look.framing == "hands":
-        others = [positions[:, _ELBOWS].reshape(-1, 3)]
+        other_points = [positions[:, _ELBOWS].reshape(-1, 3)]
     elif look.framing == "full_body":
-        others = [above, positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]]
+        other_points = [crown, positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]]
     else:
-        others = [above, positions[:, joint_index("pelvis")] - [0, 0.1, 0]]
+        other_points = [crown, positions[:, joint_index("pelvis")] - [0, 0.1, 0]]
     # Repeated, so that few heads and hips are not outvoted by many fingers in a percentile.
-    repeats = max(1, len(hands) // len(above) // 2)
-    return np.concatenate([fingers, *(np.repeat(part, repeats, 0) for part in others)])
+    repeats = max(1, len(hands) // len(crown) // 2)
+    return np.concatenate([fingers, *(np.repeat(sampled, repeats, 0) for sampled in other_points)])
 
 
 def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[np.float64]:
@@ -182,7 +186,7 @@ def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[
     points : ndarray, shape (..., 3)
         Positions in metres.
     camera : Camera
-        Where the picture is taken from.
+        The camera.
     size : int
         Pixels along each side.
 
@@ -192,16 +196,16 @@ def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[
         Pixels from the left and from the top, and metres before the camera. Points behind it are
         not a number.
     """
-    pose = looking(np.array(camera.eye), np.array(camera.target))
-    seen = (np.asarray(points, float) - pose[:3, 3]) @ pose[:3, :3]
-    ahead = np.where(seen[..., 2] < 0, -seen[..., 2], np.nan)
-    reach = ahead * np.tan(np.radians(camera.field_of_view / 2))
-    x = (seen[..., 0] / reach + 1) / 2 * size
-    y = (1 - seen[..., 1] / reach) / 2 * size
+    pose = look_at(np.array(camera.eye), np.array(camera.target))
+    in_camera = (np.asarray(points, float) - pose[:3, 3]) @ pose[:3, :3]
+    ahead = np.where(in_camera[..., 2] < 0, -in_camera[..., 2], np.nan)
+    half_size = ahead * np.tan(np.radians(camera.field_of_view / 2))
+    x = (in_camera[..., 0] / half_size + 1) / 2 * size
+    y = (1 - in_camera[..., 1] / half_size) / 2 * size
     return np.stack([x, y, ahead], axis=-1)
 
 
-def looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+def look_at(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
     back = eye - target
     back = back / np.linalg.norm(back)

@@ -1,4 +1,4 @@
-"""How every stimulus of a study looks: size, frame rate, camera, background, avatar, light.
+"""The look of a study's stimuli: size, frame rate, camera, background, avatar, light.
 
 Avatars' files are made by `tools.avatars`. Versions are raised with every change that can be seen
 or heard, and whatever was made with another version is made anew; tests hold what each gives.
@@ -34,7 +34,7 @@ BACKGROUND: Final[Colour] = (0xEC, 0xEC, 0xEE)
 FRAMINGS: Final = ("upper_body", "full_body", "face", "hands")
 
 VIEWS: Final[Mapping[str, float]] = MappingProxyType({"front": 0.0, "three_quarter": 35.0})
-"""How many degrees to the speaker's left the camera stands."""
+"""Degrees by which the camera is to the speaker's left."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class Avatar:
     name : str
         As `study.toml` names it.
     description : str
-        One line for people who choose.
+        One line that helps choosing.
     has_face : bool
         Whether it has eyes, brows and a mouth, and shows facial expression.
     """
@@ -193,12 +193,12 @@ class Look:
                 f"frame rate {self.frame_rate} is not usable",
                 remedy="Give 1 to 120 frames per second",
             )
-        for kind, given, known in (
+        for label, value, known in (
             ("framing", self.framing, FRAMINGS),
             ("view", self.view, tuple(VIEWS)),
         ):
-            if given not in known:
+            if value not in known:
                 raise InputError(
-                    f"unknown {kind} {given!r}", remedy=f"Use one of {', '.join(known)}"
+                    f"unknown {label} {value!r}", remedy=f"Use one of {', '.join(known)}"
                 )
         avatar_named(self.avatar)

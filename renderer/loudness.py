@@ -34,7 +34,7 @@ def at_common_loudness(audio: Audio) -> Audio:
     Parameters
     ----------
     audio : Audio
-        Speech as it will be heard, already cut.
+        The speech, already cut.
 
     Returns
     -------
@@ -47,13 +47,13 @@ def at_common_loudness(audio: Audio) -> Audio:
         return _with_note(audio, _why_unmeasurable(audio))
     headroom = PEAK_CEILING - true_peak(audio)
     gain = min(TARGET - loudness, headroom)
-    heard = replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
+    amplified = replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
     if gain < TARGET - loudness - _TOLERANCE:
         return _with_note(
-            heard,
+            amplified,
             f"its peaks allow {loudness + gain:.1f} LUFS, not the {TARGET:g} LUFS of the others",
         )
-    return heard
+    return amplified
 
 
 def integrated_loudness(audio: Audio) -> float | None:
@@ -91,10 +91,10 @@ def integrated_loudness(audio: Audio) -> float | None:
 def true_peak(audio: Audio) -> float:
     """Return the highest point of the curve through the samples in dBTP; -inf for silence.
 
-    Four samples are put where one was (ITU-R BS.1770, annex 2).
+    By fourfold oversampling (ITU-R BS.1770, annex 2).
     """
-    between = resample_poly(audio.samples, _OVERSAMPLING, 1)
-    peak = max(float(np.abs(between).max()), float(np.abs(audio.samples).max()))
+    oversampled = resample_poly(audio.samples, _OVERSAMPLING, 1)
+    peak = max(float(np.abs(oversampled).max()), float(np.abs(audio.samples).max()))
     return 20 * math.log10(peak) if peak > 0 else -math.inf
 
 

@@ -23,7 +23,7 @@ GROUND: Final = "ground"
 PLANES: Final = 3
 """A picture is drawn into as many buffers of one channel each."""
 
-_OWN_BUFFER_SIDE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
+_PLATFORM_BUFFER_SIZE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
 
 
 class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
@@ -33,12 +33,12 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
     frame, and flushes, which on OSMesa copies the whole picture once more.
     """
 
-    def __init__(self, side: int) -> None:
-        super().__init__(side, side)
+    def __init__(self, size: int) -> None:
+        super().__init__(size, size)
         self._gl = importlib.import_module("OpenGL.GL")
         cache = importlib.import_module("pyrender.shader_program").ShaderProgramCache
         self._program_cache = cache(str(_SHADERS))
-        self.box = PixelBox.whole(side)
+        self.box = PixelBox.full(size)
         self.channels: NDArray[np.float64] = RGB
         self.shadow: ContactShadow | None = None
 
@@ -50,9 +50,9 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         gl.glEnable(gl.GL_DEPTH_TEST)
         gl.glEnable(gl.GL_CULL_FACE)
         gl.glFrontFace(gl.GL_CW)  # flipping the picture turns triangles round
-        plain = self.channels @ [*scene.bg_color[:3], 1.0]
+        background = self.channels @ [*scene.bg_color[:3], 1.0]
         for plane in range(PLANES):
-            gl.glClearBufferfv(gl.GL_COLOR, plane, np.full(4, plain[plane], np.float32))
+            gl.glClearBufferfv(gl.GL_COLOR, plane, np.full(4, background[plane], np.float32))
         gl.glClear(gl.GL_DEPTH_BUFFER_BIT)
         grounds = [node for node in scene.mesh_nodes if node.name == GROUND]
         meshes = [node for node in scene.mesh_nodes if node.name != GROUND]
@@ -76,15 +76,15 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
                 )
 
     def _lit_program(self, scene: Any) -> Any:
-        """Return the program for the body, told of camera and lights."""
+        """Return the program for the body, with camera and lights set."""
         program, new = self._program("lit", MAX_LIGHTS=len(scene.directional_light_nodes))
         if new:
-            self._inform(program, scene)
+            self._set_camera_and_lights(program, scene)
         program.set_uniform("channels", self.channels)
         return program
 
     def _shadow_program(self, scene: Any, shadow: ContactShadow) -> Any:
-        """Return the program for the ground, told of camera and shadow."""
+        """Return the program for the ground, with camera and shadow set."""
         program, new = self._program("shadow", ELLIPSES=ELLIPSES)
         if new:
             program.set_uniform("projection", self.projection(scene))
@@ -110,7 +110,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         view, lens = self._get_camera_matrices(scene)
         return np.asarray(np.diag([1.0, -1.0, 1.0, 1.0]) @ lens @ view)
 
-    def _inform(self, program: Any, scene: Any) -> None:
+    def _set_camera_and_lights(self, program: Any, scene: Any) -> None:
         """Hand camera and lights over, which stay the same for all frames.
 
         The lights go in the order of their names: pyrender takes them from a set, whose order,
@@ -134,13 +134,13 @@ class OffscreenContext:
     The scene's camera and lights stay as they are when it is first drawn. Call `close` when done.
     """
 
-    def __init__(self, side: int) -> None:
-        self.side = side
+    def __init__(self, size: int) -> None:
+        self.side = size
         self._gl = importlib.import_module("OpenGL.GL")
         platforms = importlib.import_module(f"pyrender.platforms.{PLATFORM}")
         # Kept for as long as the context: OSMesa refers to the platform object's own buffer.
         self._platform: Any = getattr(platforms, _PLATFORM_CLASSES[PLATFORM])(
-            _OWN_BUFFER_SIDE, _OWN_BUFFER_SIDE
+            _PLATFORM_BUFFER_SIZE, _PLATFORM_BUFFER_SIZE
         )
         try:
             self._platform.init_context()
@@ -150,7 +150,7 @@ class OffscreenContext:
                 f"OpenGL could not be started through {PLATFORM}: {error}",
                 remedy="Install Mesa's software renderer: sudo apt-get install libosmesa6",
             ) from error
-        self._renderer = _DirectRenderer(side)
+        self._renderer = _DirectRenderer(size)
         self._framebuffer = int(self._gl.glGenFramebuffers(1))
         self._buffers = [int(self._gl.glGenRenderbuffers(1)) for _ in range(PLANES + 1)]
         self._pixels = np.empty((PLANES, 0, 0), np.uint8)
@@ -238,11 +238,11 @@ class OffscreenContext:
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
         colours = [gl.GL_COLOR_ATTACHMENT0 + number for number in range(PLANES)]
         # A depth of floats is faster here than 24 bits, which share their word with a stencil.
-        kinds = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT32F]
-        for buffer, kind, attachment in zip(
-            self._buffers, kinds, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True
+        formats = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT32F]
+        for buffer, buffer_format, attachment in zip(
+            self._buffers, formats, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True
         ):
             gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, buffer)
-            gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, box.width, box.height)
+            gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, buffer_format, box.width, box.height)
             gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
         gl.glDrawBuffers(PLANES, colours)

@@ -40,18 +40,18 @@ _LIBRARIES: Final = {"osmesa": "OSMesa", "egl": "EGL"}
 
 def _choose_platform() -> str:
     """Return the offscreen platform to use: OSMesa where there is one, else EGL."""
-    asked = os.environ.get("PYOPENGL_PLATFORM")
+    requested = os.environ.get("PYOPENGL_PLATFORM")
     for platform, library in _LIBRARIES.items():
-        if asked in (None, platform) and ctypes.util.find_library(library):
+        if requested in (None, platform) and ctypes.util.find_library(library):
             return platform
     raise InputError(
-        f"no offscreen OpenGL library was found (looked for {asked or 'OSMesa, then EGL'})",
+        f"no offscreen OpenGL library was found (looked for {requested or 'OSMesa, then EGL'})",
         remedy="Install Mesa's software renderer: sudo apt-get install libosmesa6"
         " (where that package is gone: libegl1 and libgl1-mesa-dri)",
     )
 
 
-def _mend_osmesa() -> None:
+def _patch_osmesa() -> None:
     """Give PyOpenGL 3.1.0 what pyrender asks of OSMesa."""
     platform = importlib.import_module("OpenGL.platform")
     osmesa = importlib.import_module("OpenGL.osmesa")
@@ -69,7 +69,7 @@ def _mend_osmesa() -> None:
         setattr(osmesa, name, value)
 
 
-def _mend_python_312() -> None:
+def _patch_python_312() -> None:
     """Register the handler of ctypes' argument type under its new module name."""
     formats = importlib.import_module("OpenGL.plugins").FormatHandler
     formats(
@@ -99,8 +99,8 @@ PLATFORM: Final = _choose_platform()
 """``osmesa`` or ``egl``."""
 
 os.environ["PYOPENGL_PLATFORM"] = PLATFORM
-_mend_python_312()
+_patch_python_312()
 if PLATFORM == "osmesa":
-    _mend_osmesa()
+    _patch_osmesa()
 pyrender: Final = _import_pyrender()
 """The mended pyrender package."""

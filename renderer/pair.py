@@ -1,4 +1,4 @@
-"""Two clips side by side, labelled A and B, as one video, and the lossless frames kept for them."""
+"""Two clips side by side, labelled A and B, as one video, and a cache of lossless frames."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ LABELS: Final = ("A", "B")
 """Left and right."""
 
 _LABEL_SHARE: Final = 0.085  # of the picture's height
-_LABEL_PLACE: Final = 0.03
+_LABEL_MARGIN: Final = 0.03
 _DARK: Final = (0x3C, 0x3C, 0x42)
 _LIGHT: Final = (0xFF, 0xFF, 0xFF)
-_LEAST_FOR_DARK: Final = 0x8D
+_MIN_GREY_FOR_DARK: Final = 0x8D
 """Level of grey, of 255, from which dark letters stand out more than light ones."""
 
 Planes = tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]
@@ -58,18 +58,18 @@ def write_pair(
     size = look.size
     sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     count = max(1, round((end - start) * look.frame_rate))
-    seen = 0
+    written = 0
     with (
         replacing(video) as draft,
         VideoWriter(draft, 2 * size, size, look.frame_rate, sound) as writer,
     ):
         for frame in composed_frames(left, right, look):
-            seen += 1
-            if seen <= count:
+            written += 1
+            if written <= count:
                 writer.write(frame)
-        if seen != count:
+        if written != count:
             raise InputError(
-                f"the two sides share {seen} frames, {count} are needed",
+                f"the two sides share {written} frames, {count} are needed",
                 where=f"{left} and {right}",
                 remedy="Render both clips again",
             )
@@ -108,41 +108,41 @@ def _frames(path: Path, size: int) -> Iterator[Any]:
 
 def _side_by_side(sides: tuple[Any, Any], labels: list[Planes], size: int) -> Any:
     """Return one frame with both sides and their labels."""
-    joined = av.VideoFrame(2 * size, size, "yuv420p")
-    for index, plane in enumerate(joined.planes):
+    result = av.VideoFrame(2 * size, size, "yuv420p")
+    for index, plane in enumerate(result.planes):
         pixels = plane_pixels(plane)
         width = pixels.shape[1] // 2
         for number, (side, label) in enumerate(zip(sides, labels, strict=True)):
             half = pixels[:, number * width : (number + 1) * width]
             half[:] = plane_pixels(side.planes[index])
             mark = label[index]
-            place = round(_LABEL_PLACE * size / 2) * 2 // (1 if index == 0 else 2)
+            place = round(_LABEL_MARGIN * size / 2) * 2 // (1 if index == 0 else 2)
             half[place : place + mark.shape[0], place : place + mark.shape[1]] = mark
-    return joined
+    return result
 
 
 def _label(text: str, size: int, background: Colour) -> Planes:
     """Return a letter on the background's colour as three planes, luma first."""
-    side = round(_LABEL_SHARE * size / 2) * 2
-    tile = Image.new("RGB", (side, side), background)
-    font = ImageFont.load_default(size=side * 0.9)
+    tile_size = round(_LABEL_SHARE * size / 2) * 2
+    tile = Image.new("RGB", (tile_size, tile_size), background)
+    font = ImageFont.load_default(size=tile_size * 0.9)
     grey = float(np.dot(background, [0.2126, 0.7152, 0.0722]))
-    ink = _DARK if grey >= _LEAST_FOR_DARK else _LIGHT
-    ImageDraw.Draw(tile).text((side / 2, side / 2), text, ink, font=font, anchor="mm")
+    ink = _DARK if grey >= _MIN_GREY_FOR_DARK else _LIGHT
+    ImageDraw.Draw(tile).text((tile_size / 2, tile_size / 2), text, ink, font=font, anchor="mm")
     planes = video_frame(np.asarray(tile)).planes
     luma, blue, red = (plane_pixels(plane).copy() for plane in planes)
     return luma, blue, red
 
 
 class FrameCache:
-    """A folder of frames that forgets what was used longest ago.
+    """A folder of frames that removes the least recently used.
 
     Parameters
     ----------
     folder : Path
         Where the frames are; it need not exist.
     limit : int
-        Bytes that may stay. What is needed stays in any case.
+        Largest size in bytes, unless required frames are larger.
     """
 
     def __init__(self, folder: Path, limit: int) -> None:
@@ -153,31 +153,31 @@ class FrameCache:
         """Return the bytes of all frames."""
         return sum(path.stat().st_size for path in self._files())
 
-    def used(self, frames: Path) -> None:
-        """Count `frames` as used just now; frames that are gone are let be."""
+    def mark_used(self, frames: Path) -> None:
+        """Mark `frames` as used now, if they exist."""
         if frames.exists():
             frames.touch()
 
     def keep_only(self, current: Collection[Path]) -> None:
-        """Remove frames that no clip of the study has any more."""
+        """Remove frames of clips that are no longer in the study."""
         for path in self._files():
             if path not in current:
                 path.unlink()
 
-    def shrink(self, needed: Collection[Path]) -> None:
-        """Remove frames until the limit is kept, those used longest ago first.
+    def shrink(self, required: Collection[Path]) -> None:
+        """Remove the least recently used frames until the limit is kept.
 
         Parameters
         ----------
-        needed : collection of Path
-            Frames that pairs are still to be composed from; they stay.
+        required : collection of Path
+            Frames from which pairs are still to be composed; they are not removed.
         """
         files = [(path.stat(), path) for path in self._files()]
         excess = sum(stat.st_size for stat, _ in files) - self._limit
         for stat, path in sorted(files, key=lambda file: (file[0].st_mtime_ns, file[1])):
             if excess <= 0:
                 return
-            if path not in needed:
+            if path not in required:
                 path.unlink()
                 excess -= stat.st_size
 

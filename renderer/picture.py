@@ -1,4 +1,4 @@
-"""Pictures as they are drawn, and as they become video frames.
+"""Parts of pictures, and their conversion to video frames.
 
 Only the part that a figure takes up is drawn, read back and converted, in three channels: red,
 green and blue, or a video's own. It is averaged down and put on the plain background in BT.709
@@ -22,7 +22,7 @@ _RED, _BLUE = 0.2126, 0.0722
 _LUMA: Final = np.array([_RED, 1 - _RED - _BLUE, _BLUE])
 
 RGB: Final = np.eye(4)
-"""Leaves red, green and blue as they are."""
+"""Leaves red, green and blue unchanged."""
 
 VIDEO: Final = np.zeros((4, 4))
 """From red, green, blue and 1 to luma, blue and red difference, and 1, all from 0 to 1.
@@ -43,9 +43,9 @@ _STEP: Final = 16
 """Boxes begin and end at multiples of this many pixels, so that their chroma samples do too."""
 
 _MARGIN: Final = 8
-"""Pixels of background kept round the figure, which averaging down mixes with its edge."""
+"""Pixels of background around the figure, which downsampling mixes with its edge."""
 
-_PLANE_SHRINKS: Final = (1, 2, 2)
+_PLANE_SCALES: Final = (1, 2, 2)
 """How many pixels one sample of each yuv420p plane covers on each side."""
 
 
@@ -59,12 +59,12 @@ class PixelBox:
     height: int
 
     @classmethod
-    def whole(cls, side: int) -> Self:
+    def full(cls, side: int) -> Self:
         """Return the box of a whole square picture."""
         return cls(left=0, top=0, width=side, height=side)
 
     @classmethod
-    def round_all(cls, boxes: Sequence[PixelBox]) -> Self:
+    def union(cls, boxes: Sequence[PixelBox]) -> Self:
         """Return the smallest box that holds all of `boxes`, of which there is at least one."""
         left, top = min(box.left for box in boxes), min(box.top for box in boxes)
         right = max(box.left + box.width for box in boxes)
@@ -75,7 +75,7 @@ class PixelBox:
     def around(
         cls, vertices: NDArray[np.float32], projection: NDArray[np.float64], side: int
     ) -> Self:
-        """Return a box round all that `vertices` show in a square picture.
+        """Return the bounding box of `vertices` in a square picture.
 
         Parameters
         ----------
@@ -87,18 +87,18 @@ class PixelBox:
             Pixels along each side of the picture.
         """
         flat = projection[[0, 1, 3]].astype(np.float32)
-        across, down, depth = flat[:, :3] @ vertices.reshape(-1, 3).T + flat[:, 3:]
+        x, y, depth = flat[:, :3] @ vertices.reshape(-1, 3).T + flat[:, 3:]
         if depth.min() <= 0:
-            return cls.whole(side)  # something is behind the camera, and projects anywhere
-        left, right = _span(across / depth, side)
-        top, bottom = _span(down / depth, side)
+            return cls.full(side)  # something is behind the camera, and projects anywhere
+        left, right = _span(x / depth, side)
+        top, bottom = _span(y / depth, side)
         return cls(left=left, top=top, width=right - left, height=bottom - top)
 
 
-def _span(places: NDArray[np.float32], side: int) -> tuple[int, int]:
-    """Return the first pixel, and the one after the last, of `places` in [-1, 1]."""
-    low = (float(places.min()) + 1) / 2 * side - _MARGIN
-    high = (float(places.max()) + 1) / 2 * side + _MARGIN
+def _span(positions: NDArray[np.float32], side: int) -> tuple[int, int]:
+    """Return the first pixel, and the one after the last, of `positions` in [-1, 1]."""
+    low = (float(positions.min()) + 1) / 2 * side - _MARGIN
+    high = (float(positions.max()) + 1) / 2 * side + _MARGIN
     first = int(np.clip(low, 0, side - 1)) // _STEP * _STEP
     end = min(side, -int(-np.clip(high, first + 1, side) // _STEP) * _STEP)
     return first, end
@@ -109,11 +109,11 @@ class Canvas:
 
     def __init__(self, size: int, background: Colour = BACKGROUND) -> None:
         self._size = size
-        self._reformatters = [VideoReformatter() for _ in _PLANE_SHRINKS]
-        plain = VIDEO @ [*background, 255.0]
-        self._background = np.round(plain[:3]).astype(int).tolist()
+        self._reformatters = [VideoReformatter() for _ in _PLANE_SCALES]
+        colour = VIDEO @ [*background, 255.0]
+        self._background = np.round(colour[:3]).astype(int).tolist()
 
-    def with_picture(self, planes: NDArray[np.uint8], box: PixelBox) -> Any:
+    def video_frame(self, planes: NDArray[np.uint8], box: PixelBox) -> Any:
         """Return an `av.VideoFrame` with a picture in its place.
 
         Parameters
@@ -125,7 +125,7 @@ class Canvas:
             Which part of the whole picture it is; the rest is background.
         """
         frame = av.VideoFrame(self._size, self._size, "yuv420p")
-        for number, shrink in enumerate(_PLANE_SHRINKS):
+        for number, shrink in enumerate(_PLANE_SCALES):
             inner = self._averaged(number, planes[number], SUPERSAMPLING * shrink)
             pixels = plane_pixels(frame.planes[number])
             top = box.top // SUPERSAMPLING // shrink

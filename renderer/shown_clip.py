@@ -1,4 +1,4 @@
-"""A motion clip as participants see it, before anything is drawn."""
+"""A motion clip prepared for display."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from motion.placement import stand_on_ground
 from motion.resample import resample
 
 LENGTH_TOLERANCE: Final = 0.1
-"""Seconds by which motion and speech may differ; the last frame is held or left out."""
+"""Seconds by which motion and speech may differ; the last frame is repeated or left out."""
 
 
 def as_shown(
@@ -60,10 +60,10 @@ def as_shown(
             where=path,
             remedy="Cut both to the same length",
         )
-    shown = freeze(resample(clip, frame_rate), frozen)
-    shown = stand_on_ground(shown, body.joints(clip.betas))
+    result = freeze(resample(clip, frame_rate), frozen)
+    result = stand_on_ground(result, body.joints(clip.betas))
     count = max(1, round(duration * frame_rate))
-    return shown.frames(np.minimum(np.arange(count), len(shown) - 1))
+    return result.frames(np.minimum(np.arange(count), len(result) - 1))
 
 
 def frame_at(clip: MotionClip, seconds: float) -> MotionClip:

@@ -1,4 +1,4 @@
-"""Copies of MP4 videos that keep the picture as it is encoded, with its own or another speech."""
+"""Copies of MP4 videos with the same encoded picture, and with the same or another speech."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from av.bitstream import BitStreamFilterContext
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.encoder import MP4_OPTIONS, SOUND_RATE, encoded_sound, forget_bit_rates
+from renderer.encoder import MP4_OPTIONS, SOUND_RATE, clear_bit_rates, encoded_sound
 from renderer.loudness import at_common_loudness
 
 TICKS: Final = 90_000
-"""Parts of a second in which a copy counts the moments of its pictures."""
+"""Ticks per second of a copy's timestamps."""
 
 _SEI: Final = "filter_units=remove_types=6"
-"""Leaves out supplemental information, where encoders write who they are (H.264, annex D)."""
+"""Removes supplemental information, in which encoders name themselves (H.264, annex D)."""
 
 
 def end_of(video: Path) -> Fraction:
-    """Return the moment in seconds when the last picture and the last sound of a video are over.
+    """Return the time in seconds at which a video's picture and sound have ended.
 
     Raises
     ------
@@ -80,34 +80,34 @@ def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> N
                 av.open(str(draft), "w", format="mp4", options=options) as copy,
             ):
                 _copy(original, copy, end, sound=sound)
-            forget_bit_rates(draft)
+            clear_bit_rates(draft)
     except (av.FFmpegError, OSError, IndexError) as error:
         raise _unreadable(source) from error
 
 
 def _copy(original: Any, copy: Any, end: int, *, sound: bool) -> None:
-    """Write what is encoded in `original` into `copy`, the picture held until tick `end`."""
-    wanted: list[Any] = [original.streams.video[0]]
-    wanted += original.streams.audio[:1] if sound else []
-    streams = {stream.index: copy.add_stream_from_template(stream) for stream in wanted}
-    picture = wanted[0]
-    quiet = BitStreamFilterContext(_SEI, picture, streams[picture.index])
-    for packet in _packets(original, wanted, picture, end):
-        for kept in quiet.filter(packet) if packet.stream is picture else [packet]:
-            kept.stream = streams[packet.stream.index]
-            copy.mux(kept)
+    """Copy the packets of `original` into `copy`, the last picture shown until tick `end`."""
+    selected: list[Any] = [original.streams.video[0]]
+    selected += original.streams.audio[:1] if sound else []
+    streams = {stream.index: copy.add_stream_from_template(stream) for stream in selected}
+    picture = selected[0]
+    sei_filter = BitStreamFilterContext(_SEI, picture, streams[picture.index])
+    for packet in _packets(original, selected, picture, end):
+        for out_packet in sei_filter.filter(packet) if packet.stream is picture else [packet]:
+            out_packet.stream = streams[packet.stream.index]
+            copy.mux(out_packet)
 
 
-def _packets(original: Any, wanted: list[Any], picture: Any, end: int) -> list[Any]:
-    """Return what is encoded in `wanted` of its streams, the picture held until tick `end`."""
-    packets = [packet for packet in original.demux(wanted) if packet.pts is not None]
+def _packets(original: Any, selected: list[Any], picture: Any, end: int) -> list[Any]:
+    """Return the packets of the `selected` streams, the last picture shown until tick `end`."""
+    packets = [packet for packet in original.demux(selected) if packet.pts is not None]
     pictures = [packet for packet in packets if packet.stream is picture]
     for packet in pictures:
         ticks = Fraction(packet.time_base) * TICKS
         packet.pts, packet.dts = round(packet.pts * ticks), round(packet.dts * ticks)
         packet.duration, packet.time_base = round(packet.duration * ticks), Fraction(1, TICKS)
-    shown_last = max(pictures, key=lambda packet: packet.pts)
-    shown_last.duration = end - shown_last.pts
+    last_shown = max(pictures, key=lambda packet: packet.pts)
+    last_shown.duration = end - last_shown.pts
     # The file counts by decoding order, in which the last picture can be another one.
     pictures[-1].duration = end - (pictures[-1].dts - pictures[0].dts)
     return packets
@@ -145,8 +145,8 @@ def write_dubbed(
     InputError
         If picture or speech cannot be read.
     """
-    heard = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
-    sound = _lasting(heard, round(seconds * SOUND_RATE))
+    excerpt = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
+    sound = _padded(excerpt, round(seconds * SOUND_RATE))
     try:
         with replacing(video) as draft:
             with (
@@ -154,7 +154,7 @@ def write_dubbed(
                 av.open(str(draft), "w", format="mp4", options=MP4_OPTIONS) as copy,
             ):
                 _write(original, copy, sound)
-            forget_bit_rates(draft)
+            clear_bit_rates(draft)
     except (av.FFmpegError, IndexError) as error:
         raise InputError(
             f"the rendered clip cannot be read ({error})",
@@ -172,10 +172,10 @@ def _write(original: Any, copy: Any, sound: Audio) -> None:
         if packet.pts is not None:
             packet.stream = picture
             packets.append(packet)
-    # A muxer sorts by time only within 10 s; a longer file would tell that it was dubbed.
+    # A muxer sorts by time only within 10 s; a longer file would reveal that it was dubbed.
     copy.mux(sorted(packets, key=lambda packet: packet.dts * Fraction(packet.time_base)))
 
 
-def _lasting(sound: Audio, count: int) -> Audio:
+def _padded(sound: Audio, count: int) -> Audio:
     samples: Any = sound.samples[:count]
     return replace(sound, samples=np.pad(samples, (0, count - len(samples))))

@@ -94,7 +94,7 @@ def _multisampled(
         gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
     gl.glDrawBuffers(PLANES, colours)
     gl.glEnable(gl.GL_MULTISAMPLE)
-    whole = PixelBox.whole(side)
+    whole = PixelBox.full(side)
     drawing.context.draw_into(many, drawing.scene, whole, RGB)
     gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, many)
     gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, target)

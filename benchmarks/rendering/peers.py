@@ -23,7 +23,7 @@ from benchmarks.rendering.measured import Measured
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.body.surface import surface_colours
-from renderer.framing import Camera, looking
+from renderer.framing import Camera, look_at
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.look import Look
 
@@ -38,7 +38,7 @@ def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, fr
         vertices=body.vertices(clip),
         faces=body.faces,
         colours=np.round(surface_colours(body)[:, :3] * 255).astype(np.uint8),
-        camera=looking(np.array(camera.eye), np.array(camera.target)),
+        camera=look_at(np.array(camera.eye), np.array(camera.target)),
         field_of_view=camera.field_of_view,
         size=look.size,
         frame_rate=look.frame_rate,

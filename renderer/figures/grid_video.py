@@ -1,4 +1,4 @@
-"""A grid: two to nine clips of one speech side by side, captioned, as one video."""
+"""A grid: two to nine clips of one speech side by side with captions, as one video."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from renderer.look import BACKGROUND
 from renderer.loudness import at_common_loudness
 from renderer.picture import SUPERSAMPLING
 
-MOST_PANELS: Final = 9
-SLOWEST: Final = 0.1
+MAX_PANELS: Final = 9
+MIN_SPEED: Final = 0.1
 
 _CAPTION_SHARE: Final = 0.11  # height of a caption line, of a panel's side
 _LETTER_SHARE: Final = 0.058
@@ -41,7 +41,7 @@ class Panel:
     Attributes
     ----------
     caption : str
-        What stands under it.
+        The text under it.
     clip : MotionClip
         As participants see it, but with as many frames as the video.
     """
@@ -52,18 +52,18 @@ class Panel:
 
 @dataclass(frozen=True, kw_only=True)
 class GridLayout:
-    """Where everything is in a frame of a grid.
+    """The positions of panels and text in a frame of a grid.
 
     Attributes
     ----------
     count : int
-        Panels, up to `MOST_PANELS`.
+        Panels, up to `MAX_PANELS`.
     size : int
         Pixels along each side of a panel, even.
     widened : bool
         Whether a panel holds two pictures, body and skeleton.
     text : str
-        What is said; stands under the whole.
+        The spoken text, shown under the grid.
     """
 
     count: int
@@ -72,9 +72,9 @@ class GridLayout:
     text: str = ""
 
     def __post_init__(self) -> None:
-        if not 0 < self.count <= MOST_PANELS:
+        if not 0 < self.count <= MAX_PANELS:
             raise InputError(
-                f"{self.count} clips make no grid", remedy=f"Show 1 to {MOST_PANELS} conditions"
+                f"{self.count} clips make no grid", remedy=f"Show 1 to {MAX_PANELS} conditions"
             )
 
     @property
@@ -105,7 +105,7 @@ class GridLayout:
         height = rows * (self.size + self.caption_height) + self.footer_height
         return self.columns * self.panel_width, height
 
-    def place(self, number: int) -> tuple[int, int]:
+    def position(self, number: int) -> tuple[int, int]:
         """Return the upper left corner of a panel; an incomplete last row is centred."""
         row, column = divmod(number, self.columns)
         in_row = min(self.columns, self.count - row * self.columns)
@@ -131,7 +131,7 @@ def write_grid(
     Parameters
     ----------
     stage : Stage
-        Where all clips play; entered. Its look says the size of a panel and the frame rate.
+        Renders all clips; entered. Its look sets the panels' size and the frame rate.
     camera : Camera
         The camera of `stage`.
     panels : sequence of Panel
@@ -144,7 +144,7 @@ def write_grid(
     skeleton : {'over', 'beside'} or None
         Where the skeleton is drawn, if it is.
     text : str
-        What is said; empty where unknown.
+        The spoken text; empty if unknown.
     video : Path
         Where to write an MP4 that plays while it loads; appears whole, or not at all.
     on_frame : callable
@@ -159,16 +159,16 @@ def write_grid(
         sound = at_common_loudness(speech)
     else:
         sound = Audio(np.zeros(round(count / rate * SOUND_RATE), np.float32), SOUND_RATE)
-    base = _base(layout, [panel.caption for panel in panels])
-    drawn = [_pictures(stage, camera, panel.clip, skeleton) for panel in panels]
+    background = _background(layout, [panel.caption for panel in panels])
+    picture_streams = [_pictures(stage, camera, panel.clip, skeleton) for panel in panels]
     with (
         replacing(video) as draft,
         VideoWriter(draft, *layout.frame, rate, sound) as writer,
     ):
-        for number, pictures in enumerate(zip(*drawn, strict=True)):
-            frame = base.copy()
+        for number, pictures in enumerate(zip(*picture_streams, strict=True)):
+            frame = background.copy()
             for place, picture in enumerate(pictures):
-                frame.paste(picture, layout.place(place))
+                frame.paste(picture, layout.position(place))
             _write_clock(frame, layout, number / rate * speed, speed)
             writer.write(video_frame(np.asarray(frame)))
             on_frame(number + 1, count)
@@ -177,27 +177,27 @@ def write_grid(
 def _pictures(
     stage: Stage, camera: Camera, clip: MotionClip, skeleton: Place | None
 ) -> Iterator[Image.Image]:
-    """Yield the frames of one clip as they are shown."""
+    """Yield the frames of one clip."""
     joints = joints_of(clip, stage.body) if skeleton is not None else None
     for number in range(len(clip)):
         # Frame by frame, because the clips of a grid are drawn in turns by one stage.
-        drawn = next(stage.pictures(clip.frames(slice(number, number + 1))))
-        picture = Image.fromarray(drawn).reduce(SUPERSAMPLING).convert("RGB")
+        pixels = next(stage.pictures(clip.frames(slice(number, number + 1))))
+        picture = Image.fromarray(pixels).reduce(SUPERSAMPLING).convert("RGB")
         if joints is not None and skeleton is not None:
             picture = with_skeleton(picture, joints[number], camera, skeleton)
         yield picture
 
 
-def _base(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
+def _background(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
     """Return what all frames share: background, captions, text."""
     image = Image.new("RGB", layout.frame, BACKGROUND)
     pen = ImageDraw.Draw(image)
     letters = font(layout.size * _LETTER_SHARE)
     for number, caption in enumerate(captions):
-        left, top = layout.place(number)
+        left, top = layout.position(number)
         centre = left + layout.panel_width / 2, top + layout.size + layout.caption_height / 2
-        shown = fitted(caption, letters, 0.94 * layout.panel_width)
-        pen.text(centre, shown, INK, letters, anchor="mm")
+        line_text = fitted(caption, letters, 0.94 * layout.panel_width)
+        pen.text(centre, line_text, INK, letters, anchor="mm")
     if layout.text:
         small = font(layout.size * _LETTER_SHARE * 0.82)
         width, height = layout.frame

@@ -18,24 +18,24 @@ from renderer.look import BACKGROUND, Colour
 VARIATION_COLOURS: Final = (
     "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#8A8A8A",
 )  # fmt: skip
-"""Okabe and Ito's palette, told apart with any kind of colour vision."""
+"""Okabe and Ito's palette, distinguishable with any kind of colour vision."""
 
-_FAINTEST: Final = 0.28
+_MIN_STRENGTH: Final = 0.28
 _SAME_DEPTH: Final = 0.05
 """Metres in depth up to which two figures count as being in the same place."""
-_WITH_AGE: Final = 0.1
+_EXTRA_DEPTH_OF_OLDEST: Final = 0.1
 """Metres by which that grows to the oldest moment, so that older faces do not mix either."""
 _DEPTH_STEP: Final = 0.02
 """Metres by which depth may be off, since a triangle has one depth."""
-_COVERING: Final = 0.04
+_OCCLUSION_DEPTH: Final = 0.04
 """Metres in depth by which the nearer of two variations mostly covers the other."""
 _VARIATION_STRENGTH: Final = 0.85
-_TINT: Final = 0.75
+_TINT_STRENGTH: Final = 0.75
 _LINE: Final = 1.6  # height of a line of text, in letters
 
 
 def colours_for(count: int) -> tuple[str, ...]:
-    """Return the colours of `count` variations; `InputError` if they cannot be told apart."""
+    """Return the colours of `count` variations; `InputError` if there are too few colours."""
     if count > len(VARIATION_COLOURS):
         raise InputError(
             f"{count} variations cannot be told apart in one picture",
@@ -53,24 +53,24 @@ def faded(moments: Sequence[CutOut]) -> CutOut:
     count = len(moments)
     pictures, depths = _stacked(moments)
     ages = np.arange(count)[::-1]
-    strengths = _FAINTEST + (1 - _FAINTEST) * (1 - ages / count) ** 2
+    strengths = _MIN_STRENGTH + (1 - _MIN_STRENGTH) * (1 - ages / count) ** 2
     alphas = pictures[..., 3] * np.where(ages, strengths, 1.0)[:, None, None].astype(np.float32)
-    behind = np.where(ages, _SAME_DEPTH + _WITH_AGE * ages / count, 0.0)
-    far_first = np.argsort(-(depths + behind[:, None, None]), axis=0, kind="stable")
+    depth_offsets = np.where(ages, _SAME_DEPTH + _EXTRA_DEPTH_OF_OLDEST * ages / count, 0.0)
+    far_first = np.argsort(-(depths + depth_offsets[:, None, None]), axis=0, kind="stable")
     colour = np.zeros((*depths.shape[1:], 3), np.float32)
-    clear = np.ones(depths.shape[1:], np.float32)
+    transparency = np.ones(depths.shape[1:], np.float32)
     for layer in far_first:
         alpha = np.take_along_axis(alphas, layer[None], 0)[0]
-        shown = np.take_along_axis(pictures[..., :3], layer[None, ..., None], 0)[0]
-        colour = colour * (1 - alpha[..., None]) + shown * alpha[..., None]
-        clear *= 1 - alpha
-    seen = np.maximum(1 - clear, np.float32(1e-6))[..., None]
-    picture = _as_image(colour / seen, 1 - clear)
+        layer_colour = np.take_along_axis(pictures[..., :3], layer[None, ..., None], 0)[0]
+        colour = colour * (1 - alpha[..., None]) + layer_colour * alpha[..., None]
+        transparency *= 1 - alpha
+    opacity = np.maximum(1 - transparency, np.float32(1e-6))[..., None]
+    picture = _as_image(colour / opacity, 1 - transparency)
     return CutOut(picture, depths.min(axis=0))
 
 
 def blended(variations: Sequence[CutOut]) -> CutOut:
-    """Return the figures of several clips in one picture, none of them drawn before another.
+    """Blend the figures of several clips into one picture, giving none precedence.
 
     Each has its colour of `VARIATION_COLOURS` where it differs from the others. Where several
     lie over each other the nearer ones count more, and what all share keeps its own colours.
@@ -85,20 +85,20 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
         return variations[0]
     pictures, depths = _stacked(variations)
     nearest = depths.min(axis=0)
-    weighed = np.zeros((*nearest.shape, 3), np.float32)
+    weighted_sum = np.zeros((*nearest.shape, 3), np.float32)
     total = np.zeros_like(nearest)
-    clear = np.ones_like(nearest)
+    transparency = np.ones_like(nearest)
     for picture, depth, colour in zip(pictures, depths, colours, strict=True):
-        apart = np.maximum(np.abs(depths - depth) - _DEPTH_STEP, 0)
-        shared = (np.exp(-apart / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
-        behind = np.maximum(depth - nearest - _DEPTH_STEP, 0)
-        weight = picture[..., 3] * np.maximum(np.exp(-behind / _COVERING), 1e-3)
-        tint = _TINT * (1 - shared)[..., None]
-        weighed += weight[..., None] * _tinted(picture[..., :3], colour, tint)
+        differences = np.maximum(np.abs(depths - depth) - _DEPTH_STEP, 0)
+        shared = (np.exp(-differences / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
+        depth_behind = np.maximum(depth - nearest - _DEPTH_STEP, 0)
+        weight = picture[..., 3] * np.maximum(np.exp(-depth_behind / _OCCLUSION_DEPTH), 1e-3)
+        tint = _TINT_STRENGTH * (1 - shared)[..., None]
+        weighted_sum += weight[..., None] * _tinted(picture[..., :3], colour, tint)
         total += weight
-        clear *= 1 - _VARIATION_STRENGTH * picture[..., 3]
-    mean = weighed / np.maximum(total, 1e-6)[..., None]
-    return CutOut(_as_image(mean, 1 - clear), nearest)
+        transparency *= 1 - _VARIATION_STRENGTH * picture[..., 3]
+    mean = weighted_sum / np.maximum(total, 1e-6)[..., None]
+    return CutOut(_as_image(mean, 1 - transparency), nearest)
 
 
 def draw_overlay(
@@ -135,11 +135,11 @@ def draw_overlay(
         middle = picture.height + (place + 0.7) * line
         swatch = page.area(0, middle - line / 4, line / 2, line / 2)
         swatch.add_patch(Rectangle((0, 0), 1, 1, color=VARIATION_COLOURS[place]))
-        shown = fitted(name, letters, picture.width - line)
-        page.write(line * 0.8, middle, shown, ha="left", va="center", fontsize=LETTERS)
+        text = fitted(name, letters, picture.width - line)
+        page.write(line * 0.8, middle, text, ha="left", va="center", fontsize=LETTERS)
     middle = picture.height + (lines - 0.3) * line
-    shown = fitted(caption, letters, 0.98 * picture.width)
-    page.write(0, middle, shown, ha="left", va="center", fontsize=LETTERS)
+    text = fitted(caption, letters, 0.98 * picture.width)
+    page.write(0, middle, text, ha="left", va="center", fontsize=LETTERS)
     return page
 
 
@@ -161,5 +161,5 @@ def _stacked(figures: Sequence[CutOut]) -> tuple[NDArray[np.float32], NDArray[np
 
 def _as_image(colour: NDArray[np.floating], alpha: NDArray[np.floating]) -> Image.Image:
     """Return RGBA of `colour`, shape (H, W, 3), and `alpha`, shape (H, W), both in [0, 1]."""
-    together = np.concatenate([np.clip(colour, 0, 1), alpha[..., None]], axis=-1)
-    return Image.fromarray(np.round(together * 255).astype(np.uint8), "RGBA")
+    rgba = np.concatenate([np.clip(colour, 0, 1), alpha[..., None]], axis=-1)
+    return Image.fromarray(np.round(rgba * 255).astype(np.uint8), "RGBA")

@@ -1,4 +1,4 @@
-"""Frames of several clips: the figure alone, cut to what any of them fills, or close to its face.
+"""Frames of several clips: the figure alone, cropped to a common box, or its face.
 
 What lips, brows and eyes do is too small to see in a study's own picture.
 """
@@ -20,20 +20,20 @@ from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, large_still, still
 from renderer.figures.skeleton_lines import joints_of, with_skeleton
-from renderer.framing import Camera, looking, project
+from renderer.framing import Camera, look_at, project
 from renderer.picture import SUPERSAMPLING
 
 Box = tuple[float, float, float, float]
 """Left, top, right and bottom of a part of a picture, in shares of its sides."""
 
-FAR: Final = np.float32(1e9)
+NO_DEPTH: Final = np.float32(1e9)
 """Depth where there is no figure, in metres."""
 
-_SAME_COLOUR: Final = 2
+_COLOUR_TOLERANCE: Final = 2
 """By how much of 255 a pixel of the background may differ from it."""
 
 _MARGIN: Final = 0.02
-WHOLE: Final[Box] = (0.0, 0.0, 1.0, 1.0)
+FULL_BOX: Final[Box] = (0.0, 0.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,13 +45,13 @@ class CutOut:
     picture : Image
         RGBA, clear where the figure is not.
     depth : ndarray, shape (height, width), float32
-        How far before the camera the figure is at each pixel, in metres; `FAR` beside it.
+        Distance of the figure from the camera at each pixel, in metres; `NO_DEPTH` elsewhere.
     """
 
     picture: Image.Image
     depth: NDArray[np.float32]
 
-    def within(self, box: Box) -> CutOut:
+    def crop(self, box: Box) -> CutOut:
         """Return the part inside `box`, widened to whole pixels."""
         left, top = (math.floor(share * self.picture.width) for share in box[:2])
         right, bottom = (math.ceil(share * self.picture.width) for share in box[2:])
@@ -72,17 +72,17 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
     camera : Camera
         The camera of `stage`.
     """
-    drawn = large_still(stage, pose)
-    # Colour alone does not tell where the figure is: its shadow on the floor is no part of it.
-    depth = _depth(stage.body, pose, camera, drawn.width)
-    near = minimum_filter(depth, 3) < FAR
+    large = large_still(stage, pose)
+    # Colour alone does not mask the figure: its shadow on the floor is not part of it.
+    depth = _depth(stage.body, pose, camera, large.width)
+    in_figure = minimum_filter(depth, 3) < NO_DEPTH
     differs = (
-        np.abs(np.asarray(drawn, np.int16) - np.array(stage.look.background, np.int16)).max(axis=-1)
-        > _SAME_COLOUR
+        np.abs(np.asarray(large, np.int16) - np.array(stage.look.background, np.int16)).max(axis=-1)
+        > _COLOUR_TOLERANCE
     )
-    drawn.putalpha(Image.fromarray(np.where(near & differs, 255, 0).astype(np.uint8)))
+    large.putalpha(Image.fromarray(np.where(in_figure & differs, 255, 0).astype(np.uint8)))
     # Averaged with colours weighed by alpha, so that the background's colour leaves no rim.
-    picture = drawn.convert("RGBa").reduce(SUPERSAMPLING).convert("RGBA")
+    picture = large.convert("RGBa").reduce(SUPERSAMPLING).convert("RGBA")
     blocks = depth.reshape(picture.height, SUPERSAMPLING, picture.width, SUPERSAMPLING)
     return CutOut(picture, blocks.min(axis=(1, 3)))
 
@@ -95,11 +95,11 @@ def box_around(body: BodyModel, pose: MotionClip, camera: Camera) -> Box:
     return float(left), float(top), float(right), float(bottom)
 
 
-def _depth(body: BodyModel, pose: MotionClip, camera: Camera, side: int) -> NDArray[np.float32]:
+def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> NDArray[np.float32]:
     """Return the depth at each pixel of a square picture, each triangle as one flat step."""
-    corners = project(body.vertices(pose)[0], camera, side)[body.faces]
+    corners = project(body.vertices(pose)[0], camera, size)[body.faces]
     depths = corners[..., 2].mean(axis=1)
-    image = Image.new("F", (side, side), float(FAR))
+    image = Image.new("F", (size, size), float(NO_DEPTH))
     pen = ImageDraw.Draw(image)
     far_first = np.argsort(-depths, kind="stable")
     flat = corners[far_first, :, :2].reshape(-1, 6).tolist()
@@ -130,8 +130,8 @@ def panel(
 
 def cropped(picture: Image.Image, box: Box, size: tuple[int, int]) -> Image.Image:
     """Return the part of `picture` inside `box`, scaled to `size` pixels."""
-    side = picture.width
-    left, top, right, bottom = (share * side for share in box)
+    width = picture.width
+    left, top, right, bottom = (share * width for share in box)
     return picture.resize(size, Image.Resampling.LANCZOS, box=(left, top, right, bottom))
 
 
@@ -141,16 +141,16 @@ def aspect_of(box: Box) -> float:
     return (bottom - top) / (right - left)
 
 
-_FACE: Final = 0.17
+_FACE_MARGIN: Final = 0.17
 """Metres from between the eyes to the edge of the picture, where the head holds still."""
 _BELOW_EYES: Final = 0.03
 
 
-def faces_level(groups: Iterable[Sequence[MotionClip]], body: BodyModel) -> list[list[MotionClip]]:
-    """Return groups of clips moved so that the faces of all groups are in one place.
+def align_faces(groups: Iterable[Sequence[MotionClip]], body: BodyModel) -> list[list[MotionClip]]:
+    """Return groups of clips translated so that the faces of all groups coincide.
 
-    Somebody who sits is otherwise below a picture of those who stand. Within a group nothing moves
-    against each other.
+    Seated speakers would otherwise be below a picture of standing ones. Clips of one group keep
+    their positions relative to each other.
 
     Parameters
     ----------
@@ -159,46 +159,48 @@ def faces_level(groups: Iterable[Sequence[MotionClip]], body: BodyModel) -> list
     body : BodyModel
         The body that they are put on.
     """
-    given = [list(group) for group in groups]
-    middles = [_range_of_faces(group, body).mean(axis=0) for group in given]
+    clips_of_group = [list(group) for group in groups]
+    middles = [_range_of_faces(group, body).mean(axis=0) for group in clips_of_group]
     return [
         [
             replace(clip, trans=clip.trans + (middles[0] - middle).astype(np.float32))
             for clip in group
         ]
-        for group, middle in zip(given, middles, strict=True)
+        for group, middle in zip(clips_of_group, middles, strict=True)
     ]
 
 
 def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) -> Camera:
-    """Return a camera beside `camera` that sees the faces of all `clips`, all the time.
+    """Return a camera, moved from `camera`, that sees the faces of all `clips` in every frame.
 
     Parameters
     ----------
     clips : iterable of MotionClip
-        At least one; all are seen alike.
+        At least one.
     body : BodyModel
         The body that they are put on.
     camera : Camera
-        How far away it stands, and on which side; it moves in height and along the picture.
+        Sets the distance and the side; the result is moved up or down and sideways.
     """
     low, high = _range_of_faces(clips, body)
-    middle, reach = (low + high) / 2, (high - low) / 2
-    pose = looking(np.array(camera.eye), np.array(camera.target))
+    middle, half_extent = (low + high) / 2, (high - low) / 2
+    pose = look_at(np.array(camera.eye), np.array(camera.target))
     right, back = pose[:3, 0], pose[:3, 2]
-    half = max(float(np.abs(right) @ reach), float(reach[1])) + _FACE
-    away = float((camera.eye - middle) @ back)
+    half = max(float(np.abs(right) @ half_extent), float(half_extent[1])) + _FACE_MARGIN
+    distance = float((camera.eye - middle) @ back)
     target = middle - [0, _BELOW_EYES, 0]
-    (x, y, z), (a, b, c) = (target + away * back).tolist(), target.tolist()
+    (x, y, z), (a, b, c) = (target + distance * back).tolist(), target.tolist()
     return Camera(
         eye=(x, y, z),
         target=(a, b, c),
-        field_of_view=float(np.degrees(2 * np.arctan(half / (away - np.abs(back) @ reach)))),
+        field_of_view=float(
+            np.degrees(2 * np.arctan(half / (distance - np.abs(back) @ half_extent)))
+        ),
     )
 
 
 def _range_of_faces(clips: Iterable[MotionClip], body: BodyModel) -> NDArray[np.float64]:
-    """Return the least and the greatest place between the eyes, shape (2, 3)."""
+    """Return the smallest and the largest position between the eyes, shape (2, 3)."""
     eyes = [joint_index("left_eye"), joint_index("right_eye")]
     points = np.concatenate([joints_of(clip, body)[:, eyes].mean(axis=1) for clip in clips])
     return np.stack([points.min(axis=0), points.max(axis=0)])

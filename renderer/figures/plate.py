@@ -1,4 +1,4 @@
-"""A page as it is printed: pictures with text around them, as PNG and PDF.
+"""A printed page: pictures with text around them, as PNG and PDF.
 
 Text in pictures has the font that comes with matplotlib: no system font is needed.
 """
@@ -58,18 +58,18 @@ def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
 def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int) -> list[str]:
     """Return `text` broken into at most `lines` lines of at most `width` pixels.
 
-    Words are kept whole where they fit; what does not fit ends with an ellipsis.
+    Words are broken only if they do not fit; text that does not fit ends with an ellipsis.
     """
     words = _printable(text).split()
-    done: list[str] = []
-    while words and len(done) < lines - 1:
+    finished: list[str] = []
+    while words and len(finished) < lines - 1:
         line = words.pop(0)
         while words and letters.getlength(f"{line} {words[0]}") <= width:
             line += f" {words.pop(0)}"
-        done.append(fitted(line, letters, width))
+        finished.append(fitted(line, letters, width))
     if words:
-        done.append(fitted(" ".join(words), letters, width))
-    return done
+        finished.append(fitted(" ".join(words), letters, width))
+    return finished
 
 
 def _printable(text: str) -> str:
@@ -81,7 +81,7 @@ def _printable(text: str) -> str:
 class Plate:
     """A page of `width` × `height` pixels at `DOTS_PER_INCH`, first row on top.
 
-    Pictures lie on whole pixels, so that none of them is resampled.
+    Pictures are placed on whole pixels, so that none of them is resampled.
     """
 
     width: int
@@ -111,8 +111,8 @@ class Plate:
 
     def write(self, x: float, y: float, text: str, **style: Any) -> None:
         """Write `text` at a pixel; `style` as for `matplotlib.figure.Figure.text`."""
-        given: dict[str, Any] = {"color": INK, "parse_math": False, **style}
-        self.figure.text(x / self.width, 1 - y / self.height, text, **given)
+        options: dict[str, Any] = {"color": INK, "parse_math": False, **style}
+        self.figure.text(x / self.width, 1 - y / self.height, text, **options)
 
     def save(self, paths: Sequence[Path]) -> None:
         """Write the page to each of `paths`, by its ending one of `ENDINGS`."""

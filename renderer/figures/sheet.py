@@ -17,14 +17,14 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image, ImageDraw
 
 from motion.segment import Segment
-from renderer.figures.glance import MOMENTS, SIDE, Glance
+from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance
 from renderer.figures.plate import FAINT_INK, INK, font, wrapped
 from renderer.look import BACKGROUND
 
 COLUMNS: Final = 4
 CURVE: Final = 30
 """Pixels of the movement curve's height."""
-CELL: Final = (COLUMNS * SIDE, (MOMENTS + 1) // COLUMNS * SIDE + CURVE)
+CELL: Final = (COLUMNS * TILE_SIZE, (MOMENTS + 1) // COLUMNS * TILE_SIZE + CURVE)
 """Width and height of a cell in pixels."""
 
 _FULL_CURVE: Final = 40.0
@@ -45,14 +45,14 @@ _CELL_HEIGHT: Final = CELL[1] + _LINE + 10
 
 @dataclass(frozen=True, kw_only=True)
 class SheetCell:
-    """What stands in a cell of the sheet.
+    """A cell of the sheet with its remark and link.
 
     Attributes
     ----------
     cell : Cell or None
-        None where there is no video that can be read.
+        None if there is no readable video.
     remark : str
-        What is worth a look; why there is no picture where there is none.
+        What is worth a look, or why there is no picture.
     video : str
         Address of the video from the HTML page; empty where there is none.
     """
@@ -75,7 +75,7 @@ class Sheet:
     conditions : tuple of str
         Columns.
     roles : mapping of str to str
-        What a condition is in the study, where that is to be said.
+        A condition's role in the study, if it should be shown.
     segments : tuple of Segment
         Rows.
     cells : mapping of (segment, condition) to SheetCell
@@ -118,7 +118,7 @@ def sheet_pictures(sheet: Sheet) -> Iterator[Image.Image]:
 
 
 def _data_address(cell: Cell) -> str:
-    """Return a cell's picture as the address of itself."""
+    """Return a cell's picture as a data address."""
     return "data:image/webp;base64," + base64.b64encode(cell.data).decode()
 
 
@@ -136,8 +136,8 @@ def _page(sheet: Sheet, rows: Sequence[Segment], facts: str) -> Image.Image:
         room = CELL[0] - (font(_LETTERS).getlength(role) + 8 if role else 0)
         (name,) = wrapped(condition, letters, room, 1)
         pen.text((left, _HEADER - _LINE), name, INK, letters)
-        beside = left + letters.getlength(name) + 8
-        pen.text((beside, _HEADER - _LINE), role, FAINT_INK, font(_LETTERS))
+        role_left = left + letters.getlength(name) + 8
+        pen.text((role_left, _HEADER - _LINE), role, FAINT_INK, font(_LETTERS))
     for row, segment in enumerate(rows):
         top = _HEADER + row * _CELL_HEIGHT
         _write_segment(pen, segment, top)
@@ -163,7 +163,7 @@ def _write_segment(pen: ImageDraw.ImageDraw, segment: Segment, top: int) -> None
 def _paste_cell(
     image: Image.Image, pen: ImageDraw.ImageDraw, entry: SheetCell, left: int, top: int
 ) -> None:
-    """Put a cell and its remark on a page; a frame stands for a picture that is not there."""
+    """Put a cell and its remark on a page; a missing picture is drawn as a frame."""
     if entry.cell is not None:
         image.paste(entry.cell.picture, (left, top))
     else:
@@ -207,12 +207,12 @@ def draw_cell(glance: Glance) -> Cell:
     """
     image = Image.new("RGB", CELL, BACKGROUND)
     pen = ImageDraw.Draw(image)
-    letters = font(SIDE * 0.095)
+    letters = font(TILE_SIZE * 0.095)
     for number, (seconds, picture) in enumerate(zip(glance.times, glance.pictures, strict=True)):
-        place = number % COLUMNS * SIDE, number // COLUMNS * SIDE
+        place = number % COLUMNS * TILE_SIZE, number // COLUMNS * TILE_SIZE
         image.paste(Image.fromarray(picture), place)
         pen.text((place[0] + 4, place[1] + 3), f"{seconds:.1f}", FAINT_INK, letters)
-    image.paste(_presence(glance), ((COLUMNS - 1) * SIDE, CELL[1] - CURVE - SIDE))
+    image.paste(_presence(glance), ((COLUMNS - 1) * TILE_SIZE, CELL[1] - CURVE - TILE_SIZE))
     _draw_curve(pen, glance)
     remarks = Image.Exif()
     remarks[_DESCRIPTION] = json.dumps(glance.remarks)

@@ -15,7 +15,7 @@ from renderer.figures.plate import INK, font
 from renderer.framing import Camera, project
 
 SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
-"""Vermilion and blue of Okabe and Ito's palette, told apart with any kind of colour vision."""
+"""Vermilion and blue of Okabe and Ito's palette, for any kind of colour vision."""
 
 SIDE_MARKS: Final = {"left": "●", "right": "■"}
 """The form of each side's joints."""
@@ -62,15 +62,15 @@ def with_skeleton(
     joints : ndarray, shape (55, 3)
         Where the joints are in that frame, in metres.
     camera : Camera
-        Where the picture was taken from.
+        The picture's camera.
     place : {'over', 'beside'}
         ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
         skeleton alone on its right.
     key : bool
-        Whether a corner says which colour is which side.
+        Whether a corner explains the colours.
     """
     size = picture.width
-    lines = _drawn(project(joints, camera, size)[:, :2], size, key=key)
+    lines = _skeleton_picture(project(joints, camera, size)[:, :2], size, key=key)
     if place == "over":
         result = picture.convert("RGBA")
         result.alpha_composite(lines)
@@ -81,19 +81,19 @@ def with_skeleton(
     return result
 
 
-def _drawn(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:
+def _skeleton_picture(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:
     """Return the skeleton with joints at `points`, shape (55, 2), on a clear picture."""
-    side = size * _OVERSAMPLING
+    width = size * _OVERSAMPLING
     points = points * _OVERSAMPLING
-    large = Image.new("RGBA", (side, side))
+    large = Image.new("RGBA", (width, width))
     pen = ImageDraw.Draw(large)
     visible = [bone for bone in _BONES if np.isfinite(points[list(bone)]).all()]
     # All rims first: a bone's rim must not cut the bone that it crosses.
     for rim in (True, False):
         for bone in visible:
-            _draw_bone(pen, points, bone, side, rim=rim)
+            _draw_bone(pen, points, bone, width, rim=rim)
     if key:
-        _draw_key(pen, side)
+        _draw_key(pen, width)
     return large.convert("RGBa").reduce(_OVERSAMPLING).convert("RGBA")
 
 
@@ -101,7 +101,7 @@ def _draw_bone(
     pen: ImageDraw.ImageDraw,
     points: NDArray[np.float64],
     bone: tuple[int, int],
-    side: int,
+    size: int,
     *,
     rim: bool,
 ) -> None:
@@ -109,11 +109,11 @@ def _draw_bone(
     joint, parent = bone
     name = JOINT_NAMES[joint]
     finger = name[-1].isdigit() and "spine" not in name
-    edge = 0.0022 * side if rim else 0.0
+    edge = 0.0022 * size if rim else 0.0
     colour = _HALO if rim else SIDE_COLOURS.get(name.split("_")[0], _MIDDLE_COLOUR)
-    width = (_FINGER_SHARE if finger else _BONE_SHARE) * side + 2 * edge
+    width = (_FINGER_SHARE if finger else _BONE_SHARE) * size + 2 * edge
     pen.line([tuple(points[parent]), tuple(points[joint])], fill=colour, width=round(width))
-    radius = (_JOINT_SHARE * (0.45 if finger else 1)) * side + edge
+    radius = (_JOINT_SHARE * (0.45 if finger else 1)) * size + edge
     _draw_joint(pen, points[joint], radius, colour, square=name.startswith("right_"))
 
 
@@ -132,17 +132,17 @@ def _draw_joint(
         pen.ellipse(corners, fill=colour)
 
 
-def _draw_key(pen: ImageDraw.ImageDraw, side: int) -> None:
+def _draw_key(pen: ImageDraw.ImageDraw, size: int) -> None:
     """Say in the lower left corner which side is which."""
-    letters = font(_LETTER_SHARE * side)
-    left = margin = 0.03 * side
-    middle = side - margin - _LETTER_SHARE * side / 2
+    letters = font(_LETTER_SHARE * size)
+    left = margin = 0.03 * size
+    middle = size - margin - _LETTER_SHARE * size / 2
     for name, colour in SIDE_COLOURS.items():
-        centre = np.array([left + _JOINT_SHARE * side, middle])
-        _draw_joint(pen, centre, _JOINT_SHARE * side, colour, square=name == "right")
-        left += 0.026 * side
+        centre = np.array([left + _JOINT_SHARE * size, middle])
+        _draw_joint(pen, centre, _JOINT_SHARE * size, colour, square=name == "right")
+        left += 0.026 * size
         pen.text(
             (left, middle), name, INK, letters, anchor="lm",
-            stroke_width=0.003 * side, stroke_fill=_HALO,
+            stroke_width=0.003 * size, stroke_fill=_HALO,
         )  # fmt: skip
-        left += letters.getlength(name) + 0.03 * side
+        left += letters.getlength(name) + 0.03 * size

@@ -26,16 +26,16 @@ from renderer.figures.plate import (
 )
 from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 
-MOST_MOMENTS: Final = 16
-"""As many as are told apart in one figure."""
+MAX_MOMENTS: Final = 16
+"""Moments that remain legible in one figure."""
 
 _STEP: Final = 0.01
 _SYLLABLE: Final = 0.06
 """Seconds over which loudness is averaged, about half a syllable."""
 
 _SMALLEST_LETTERS: Final = 4.5
-_SHRUNK_TO: Final = 0.93  # share of a panel's side that text may fill
-_CUT_AT: Final = 0.97  # a little more, as sizes of letters are rounded
+_TEXT_SHARE: Final = 0.93  # share of a panel's side that text may fill
+_CUT_SHARE: Final = 0.97  # a little more, as sizes of letters are rounded
 _GAP: Final = 6  # pixels between panels
 _LINE: Final = 1.5  # height of a line of text, in letters
 _WAVE_HEIGHT: Final = 0.34  # inches
@@ -90,16 +90,16 @@ def loud_moments(speech: Audio, count: int) -> tuple[Moment, ...]:
     twice; a part without one gives its middle.
     """
     step = max(1, round(_STEP * speech.sample_rate))
-    whole = len(speech.samples) // step * step
-    if whole < count * step:
+    length = len(speech.samples) // step * step
+    if length < count * step:
         return even_moments(speech.duration, count)
-    energy = np.square(speech.samples[:whole], dtype=np.float64).reshape(-1, step).mean(axis=1)
+    energy = np.square(speech.samples[:length], dtype=np.float64).reshape(-1, step).mean(axis=1)
     loudness = gaussian_filter1d(energy, _SYLLABLE / _STEP)
     syllables, _ = find_peaks(loudness, distance=math.ceil(len(loudness) / count / 2))
     moments = []
     for part in np.array_split(np.arange(len(loudness)), count):
-        within = syllables[(syllables >= part[0]) & (syllables <= part[-1])]
-        loudest = within[np.argmax(loudness[within])] if len(within) else part[len(part) // 2]
+        peaks = syllables[(syllables >= part[0]) & (syllables <= part[-1])]
+        loudest = peaks[np.argmax(loudness[peaks])] if len(peaks) else part[len(part) // 2]
         moments.append(Moment(seconds=round(float(loudest) * _STEP, 3)))
     return tuple(moments)
 
@@ -119,9 +119,9 @@ class StripLayout:
     aspect : float
         Height of a panel over its width.
     wave : bool
-        Whether the speech's wave stands under the panels.
+        Whether the speech's waveform is drawn under the panels.
     skeleton : bool
-        Whether skeletons are drawn, so that their colours are to be told.
+        Whether skeletons are drawn and their colours explained.
     """
 
     inches: float
@@ -160,7 +160,7 @@ def draw_strip(
     panels : mapping of (row, moment) to Image
         The pictures, each as large as ``layout.panel``.
     speech : Audio
-        What is said meanwhile.
+        The speech of the segment.
     clear : bool
         Whether the page has no background.
     """
@@ -175,12 +175,12 @@ def draw_strip(
         round(axis_at + wave + (2.4 if layout.skeleton else 1.4) * line),
         clear=clear,
     )
-    shown, names_size = _lettered(layout.rows, height)
+    texts, names_size = _fit_texts(layout.rows, height)
     for row, name in enumerate(layout.rows):
         top = row * (height + _GAP)
         middle = top + height / 2
         page.write(
-            line / 2, middle, shown[row], rotation=90, ha="center", va="center", fontsize=names_size
+            line / 2, middle, texts[row], rotation=90, ha="center", va="center", fontsize=names_size
         )
         for column, moment in enumerate(layout.moments):
             left = layout.margin + column * (width + _GAP)
@@ -189,8 +189,8 @@ def draw_strip(
         layout.margin + column * (width + _GAP) + width / 2 for column in range(len(layout.moments))
     ]
     words = [f"“{moment.word}”" if moment.word else moment.label for moment in layout.moments]
-    shown, words_size = _lettered(words, width)
-    for centre, moment, word in zip(centres, layout.moments, shown, strict=True):
+    texts, words_size = _fit_texts(words, width)
+    for centre, moment, word in zip(centres, layout.moments, texts, strict=True):
         page.write(
             centre,
             panels_height + line * 0.55,
@@ -215,11 +215,11 @@ def draw_strip(
     return page
 
 
-def _lettered(texts: Sequence[str], room: float) -> tuple[list[str], float]:
+def _fit_texts(texts: Sequence[str], room: float) -> tuple[list[str], float]:
     """Return `texts`, cut where they must be, and the points at which each fits `room` pixels."""
     longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
-    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * _SHRUNK_TO * room / longest))
-    return [fitted(text, font(pixels(size)), _CUT_AT * room) for text in texts], size
+    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * _TEXT_SHARE * room / longest))
+    return [fitted(text, font(pixels(size)), _CUT_SHARE * room) for text in texts], size
 
 
 def _draw_time(
@@ -254,11 +254,11 @@ def _draw_time(
     step = _tick_step(speech.duration, room)
     for tick in np.arange(0, speech.duration + 1e-6, step):
         x = layout.margin + tick / speech.duration * room
-        last = tick + step > speech.duration
+        is_last = tick + step > speech.duration
         page.write(
             x,
             axis_at + wave + pixels(LETTERS) * 0.35,
-            f"{tick:g} s" if last else f"{tick:g}",
+            f"{tick:g} s" if is_last else f"{tick:g}",
             ha="left" if tick == 0 else "right" if x > page.width - pixels(LETTERS) else "center",
             va="top",
             fontsize=LETTERS - 2,
@@ -279,5 +279,7 @@ def _envelope(samples: np.ndarray) -> np.ndarray:
 
 def _tick_step(duration: float, room: float) -> float:
     """Return seconds between at most ten ticks, whose numbers have space in `room` pixels."""
-    most = min(10, room / pixels(2.5 * LETTERS))
-    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= most), 60)
+    max_ticks = min(10, room / pixels(2.5 * LETTERS))
+    return next(
+        (step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= max_ticks), 60
+    )

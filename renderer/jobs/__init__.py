@@ -1,1 +1,1 @@
-"""Many videos: what is to be made, by which processes or hosts, and what became of it."""
+"""Rendering many videos: jobs, the processes or hosts that do them, and their outcomes."""

@@ -28,11 +28,11 @@ START_COMMAND: Final = (
 )
 """How workers are started. Dask's own malloc settings cost a tenth of the frames per second."""
 
-_CONNECTING: Final = 8.0
-_FOR_A_WORKER: Final = 10.0
-_WITHOUT_WORKERS: Final = 120.0
-_LOOKING: Final = 5.0
-_LAST: Final = -1e9
+_CONNECT_TIMEOUT: Final = 8.0
+_WORKER_TIMEOUT: Final = 10.0
+_NO_WORKER_TIMEOUT: Final = 120.0
+_POLL_INTERVAL: Final = 5.0
+_LOWEST_PRIORITY: Final = -1e9
 
 
 class ClusterWorkers:
@@ -46,14 +46,14 @@ class ClusterWorkers:
         Absolute paths of files and folders that every worker must see.
     """
 
-    def __init__(self, address: str, needed: Sequence[Path] = ()) -> None:
+    def __init__(self, address: str, required_files: Sequence[Path] = ()) -> None:
         self._address = address
-        self._fitness = (RENDERER_VERSION, sys.version_info[:2], tuple(needed))
+        self._fitness = (RENDERER_VERSION, sys.version_info[:2], tuple(required_files))
         self._running: dict[str, tuple[int, Job, Any]] = {}
         self._ended: SimpleQueue[str] = SimpleQueue()
-        # Dask blames a dead worker's death on what waited there as well, so nothing is given up
+        # Dask blames a worker's death on jobs that waited there too, so no job is given up
         # at the first time.
-        self._second_chance: set[int] = set()
+        self._retried: set[int] = set()
         self._client: Any = None
 
     def __enter__(self) -> Self:
@@ -62,7 +62,7 @@ class ClusterWorkers:
         Raises
         ------
         InputError
-            If Dask is not installed, nobody answers at the address, or a worker is unfit.
+            If Dask is not installed, the address does not answer, or a worker is unfit.
         """
         self._client = _connected(self._address)
         try:
@@ -73,13 +73,13 @@ class ClusterWorkers:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Take back what no worker has begun; a video that is being written is finished."""
+        """Cancel jobs that no worker has started; a video that is being written is finished."""
         if self._client.status == "running":
             self._client.cancel([future for _, _, future in self._running.values()])
         self._client.close()
 
     def room(self) -> bool:
-        """Tell whether a worker is idle; workers may come and go, so one job may always wait."""
+        """Return whether a worker is idle; workers may come and go, so one job may always wait."""
         self._check_connection()
         return len(self._running) < max(1, self._count_workers())
 
@@ -109,32 +109,32 @@ class ClusterWorkers:
         without_workers = 0.0
         while True:
             try:
-                key = self._ended.get(timeout=_LOOKING)
+                key = self._ended.get(timeout=_POLL_INTERVAL)
             except Empty:
                 self._check_connection()
-                without_workers = 0.0 if self._count_workers() else without_workers + _LOOKING
-                if without_workers > _WITHOUT_WORKERS:
+                without_workers = 0.0 if self._count_workers() else without_workers + _POLL_INTERVAL
+                if without_workers > _NO_WORKER_TIMEOUT:
                     raise self._no_worker() from None
                 continue
             self._check_connection()
             number, job, future = self._running.pop(key)
-            if _killed(future) and number not in self._second_chance:
-                self._second_chance.add(number)
-                self._submit(number, job, priority=_LAST)
+            if _killed(future) and number not in self._retried:
+                self._retried.add(number)
+                self._submit(number, job, priority=_LOWEST_PRIORITY)
                 continue
-            return [(number, _outcome(future, job))]
+            return [(number, _outcome_of(future, job))]
 
     def _check_workers(self) -> None:
         try:
-            self._client.wait_for_workers(1, timeout=_FOR_A_WORKER)
+            self._client.wait_for_workers(1, timeout=_WORKER_TIMEOUT)
         except TimeoutError:
             raise self._no_worker() from None
-        found = self._client.run(why_unfit, *self._fitness, on_error="return")
-        unfit = {worker: why for worker, why in found.items() if why is not None}
+        answers = self._client.run(find_misfit, *self._fitness, on_error="return")
+        unfit = {worker: reason for worker, reason in answers.items() if reason is not None}
         if unfit:
-            worker, why = next(iter(unfit.items()))
+            worker, reason = next(iter(unfit.items()))
             raise InputError(
-                f"{len(unfit)} of {len(found)} workers cannot render; {worker}: {why}",
+                f"{len(unfit)} of {len(answers)} workers cannot render; {worker}: {reason}",
                 where=self._address,
                 remedy="Give all machines the same Motion Jury and a shared folder, and start "
                 f"workers with '{START_COMMAND.format(address=self._address)}'",
@@ -142,15 +142,15 @@ class ClusterWorkers:
 
     def _check_connection(self) -> None:
         if self._client.status != "running":
-            raise self._lost()
+            raise self._connection_lost()
 
     def _count_workers(self) -> int:
         try:
             return len(self._client.scheduler_info()["workers"])
         except OSError:
-            raise self._lost() from None
+            raise self._connection_lost() from None
 
-    def _lost(self) -> InputError:
+    def _connection_lost(self) -> InputError:
         return InputError(
             "the connection to the cluster was lost",
             where=self._address,
@@ -176,13 +176,13 @@ def _connected(address: str) -> Any:
             where="--cluster",
             remedy="Install it with: pip install 'motionjury[cluster]'",
         ) from None
-    # A lost connection is told as an error of ours, not by Dask's tracebacks as well.
+    # A lost connection is reported as our error only, without Dask's tracebacks.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     client: Any = Client  # its methods carry no types
     try:
         # A client made for what is not an address hangs, and complains, when it is thrown away.
         resolve_address(address)
-        return client(address, timeout=_CONNECTING, set_as_default=False)
+        return client(address, timeout=_CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(
             f"no Dask scheduler can be reached there ({error})",
@@ -192,8 +192,8 @@ def _connected(address: str) -> Any:
         ) from None
 
 
-def _outcome(future: Any, job: Job) -> Outcome:
-    """Return what a worker said of `job`, or that workers died over it."""
+def _outcome_of(future: Any, job: Job) -> Outcome:
+    """Return a worker's outcome of `job`, or that workers died over it."""
     if future.status == "finished":
         outcome = future.result()
         if not isinstance(outcome, Outcome):
@@ -202,8 +202,8 @@ def _outcome(future: Any, job: Job) -> Outcome:
     if _killed(future):
         return Outcome(name=job.name, error="every worker that tried it ended early")
     problem = _problem(future)
-    said = f"the cluster gave it up ({future.status})" if problem is None else repr(problem)
-    return Outcome(name=job.name, error=f"the worker failed: {said}")
+    description = f"the cluster gave it up ({future.status})" if problem is None else repr(problem)
+    return Outcome(name=job.name, error=f"the worker failed: {description}")
 
 
 def _killed(future: Any) -> bool:
@@ -219,18 +219,18 @@ def _problem(future: Any) -> BaseException | None:
     return problem
 
 
-def why_unfit(
-    version: str, python: tuple[int, int], needed: Sequence[Path], dask_worker: Worker
+def find_misfit(
+    version: str, python: tuple[int, int], required_files: Sequence[Path], dask_worker: Worker
 ) -> str | None:
-    """Return why this worker cannot render for the one who asks; None where it can.
+    """Return why this worker cannot render for this client; None if it can.
 
     Parameters
     ----------
     version : str
-        `RENDERER_VERSION` of the one who asks.
+        The client's `RENDERER_VERSION`.
     python : tuple of int
-        Major and minor version of their Python.
-    needed : sequence of Path
+        Major and minor version of the client's Python.
+    required_files : sequence of Path
         Files and folders that must be reachable from here.
     dask_worker : Worker
         This worker; ``Client.run`` gives it to the parameter of this name.
@@ -244,20 +244,20 @@ def why_unfit(
     threads = dask_worker.state.nthreads
     if threads != 1:
         return f"it does {threads} jobs at once in one process, which OpenGL does not allow"
-    for path in needed:
+    for path in required_files:
         if not path.exists():
             return f"it does not see {path}"
     return None
 
 
 def do_cluster_job(
-    job: Job, version: str, python: tuple[int, int], needed: Sequence[Path]
+    job: Job, version: str, python: tuple[int, int], required_files: Sequence[Path]
 ) -> Outcome:
     """Do `job` if this worker, which may have joined late, is fit for it."""
     from distributed import get_worker
 
     worker = get_worker()
-    unfit = why_unfit(version, python, needed, worker)
+    unfit = find_misfit(version, python, required_files, worker)
     if unfit is not None:
         return Outcome(name=job.name, error=f"worker {worker.address} was left: {unfit}")
     return do_job(job, _stages())

@@ -1,4 +1,4 @@
-"""Videos to make, as plain data: how a process makes each, and what becomes of it."""
+"""Rendering jobs as plain data, and how a process does them."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ class ClipJob:
     video: Path | None
 
     @property
-    def needs(self) -> tuple[Path, ...]:
+    def inputs(self) -> tuple[Path, ...]:
         """Files of other jobs that it is made from: none."""
         return ()
 
     @property
-    def makes(self) -> tuple[Path, ...]:
+    def outputs(self) -> tuple[Path, ...]:
         """Files that other jobs may be made from."""
         return tuple(path for path in (self.frames, self.video) if path is not None)
 
@@ -92,19 +92,19 @@ class DubJob:
     video: Path
 
     @property
-    def needs(self) -> tuple[Path, ...]:
+    def inputs(self) -> tuple[Path, ...]:
         """Files of other jobs that it is made from."""
         return (self.picture,)
 
     @property
-    def makes(self) -> tuple[Path, ...]:
+    def outputs(self) -> tuple[Path, ...]:
         """Files that other jobs may be made from: none."""
         return ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class PairJob:
-    """Two rendered clips to be put side by side.
+    """Two rendered clips to be shown side by side.
 
     Attributes
     ----------
@@ -132,12 +132,12 @@ class PairJob:
     look: Look
 
     @property
-    def needs(self) -> tuple[Path, ...]:
+    def inputs(self) -> tuple[Path, ...]:
         """Files of other jobs that it is made from."""
         return (self.left, self.right)
 
     @property
-    def makes(self) -> tuple[Path, ...]:
+    def outputs(self) -> tuple[Path, ...]:
         """Files that other jobs may be made from: none."""
         return ()
 
@@ -147,7 +147,7 @@ Job = ClipJob | DubJob | PairJob
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What became of a job.
+    """The outcome of a job.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ class Outcome:
 
 
 class Stages:
-    """The stage of the last clip job, kept for the next one if it is to look the same."""
+    """The stage of the last clip job, reused if the next one has the same look."""
 
     def __init__(self) -> None:
         self._stack = ExitStack()
@@ -181,7 +181,7 @@ class Stages:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def of(self, job: ClipJob) -> Stage:
+    def stage_for(self, job: ClipJob) -> Stage:
         """Return a stage with the body, camera and look of `job`."""
         # Imported here: pair jobs need neither OpenGL nor a body.
         from renderer.clip_video import Stage
@@ -199,9 +199,9 @@ class Stages:
 
 
 def do_job(job: Job, stages: Stages) -> Outcome:
-    """Do `job` and return what became of it.
+    """Do `job` and return its outcome.
 
-    What neither the person's input nor the machine is to blame for is raised.
+    Errors other than in input or by the operating system are raised.
     """
     began = time.perf_counter()
     error = None
@@ -223,7 +223,7 @@ def _do_clip(job: ClipJob, stages: Stages) -> None:
     from renderer.clip_video import write_clip_video
 
     write_clip_video(
-        stages.of(job),
+        stages.stage_for(job),
         motion=job.motion,
         speech=job.speech,
         start=job.start,

@@ -31,7 +31,7 @@ many threads.
 ATTEMPTS: Final = 2
 """How many processes may die over one job before it is given up."""
 
-_PATIENCE: Final = 10.0
+_END_TIMEOUT: Final = 10.0
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ class LocalWorkers:
             worker.process.terminate()
             worker.pipe.close()
         for worker in self._workers:
-            worker.process.join(_PATIENCE)
+            worker.process.join(_END_TIMEOUT)
             if worker.process.is_alive():
                 worker.process.kill()
 
     def room(self) -> bool:
-        """Tell whether a process is idle, or may still be started."""
+        """Return whether a process is idle, or may still be started."""
         return sum(worker.task is not None for worker in self._workers) < self._processes
 
     def begin(self, number: int, job: Job) -> None:
@@ -89,7 +89,7 @@ class LocalWorkers:
             else:
                 worker.task = task
                 return
-        self._begin_anew(task)
+        self._start_new(task)
 
     def ended(self) -> Sequence[tuple[int, Outcome]]:
         """Wait until at least one job has ended, and return those that have."""
@@ -98,19 +98,19 @@ class LocalWorkers:
             ready = wait([worker.pipe for worker in self._workers if worker.task is not None])
             for worker in [worker for worker in self._workers if worker.pipe in ready]:
                 task, worker.task = worker.task, None
-                outcome = self._received(worker, task) if task is not None else None
+                outcome = self._receive(worker, task) if task is not None else None
                 if task is not None and outcome is not None:
                     ended.append((task.number, outcome))
         return ended
 
-    def _received(self, worker: _Worker, task: _Task) -> Outcome | None:
-        """Return what `worker` says of `task`; None where it died and another has begun it."""
+    def _receive(self, worker: _Worker, task: _Task) -> Outcome | None:
+        """Return the outcome of `task`; None if the worker died and a new one has started it."""
         try:
             outcome = worker.pipe.recv()
         except (EOFError, ConnectionError):
             reason = self._forget(worker)
             if task.attempt < ATTEMPTS:
-                self._begin_anew(_Task(task.number, task.job, task.attempt + 1))
+                self._start_new(_Task(task.number, task.job, task.attempt + 1))
                 return None
             return Outcome(
                 name=task.job.name,
@@ -120,7 +120,7 @@ class LocalWorkers:
             raise TypeError(f"a worker sent {type(outcome).__name__}")
         return outcome
 
-    def _begin_anew(self, task: _Task) -> None:
+    def _start_new(self, task: _Task) -> None:
         """Have `task` done by a new process."""
         worker = _start_worker()
         worker.task = task
@@ -130,7 +130,7 @@ class LocalWorkers:
 
     def _forget(self, worker: _Worker) -> str:
         """Leave out a dead process; return how it ended."""
-        worker.process.join(_PATIENCE)
+        worker.process.join(_END_TIMEOUT)
         self._workers.remove(worker)
         worker.pipe.close()
         code = worker.process.exitcode
@@ -140,23 +140,23 @@ class LocalWorkers:
 def _start_worker() -> _Worker:
     """Start a process that waits for jobs."""
     context = multiprocessing.get_context("spawn")
-    here, there = context.Pipe()
-    process = context.Process(target=work, args=(there,), daemon=True)
+    own_end, worker_end = context.Pipe()
+    process = context.Process(target=work, args=(worker_end,), daemon=True)
     with _environment(ONE_THREAD):
         process.start()
-    there.close()
-    return _Worker(process=process, pipe=here)
+    worker_end.close()
+    return _Worker(process=process, pipe=own_end)
 
 
 @contextmanager
 def _environment(changes: dict[str, str]) -> Iterator[None]:
     """Set environment variables for as long as the block runs."""
-    before = {name: os.environ.get(name) for name in changes}
+    previous = {name: os.environ.get(name) for name in changes}
     os.environ.update(changes)
     try:
         yield
     finally:
-        for name, value in before.items():
+        for name, value in previous.items():
             if value is None:
                 del os.environ[name]
             else:

@@ -20,16 +20,16 @@ class Workers(Protocol):
     """Processes that do jobs, each with one OpenGL context; a ``with`` block begins and ends it."""
 
     def __enter__(self) -> Self:
-        """Get ready; `InputError` where that is impossible."""
+        """Connect or start; `InputError` if that is impossible."""
 
     def __exit__(self, *_: object) -> None:
-        """Begin nothing more, and leave no half-written video."""
+        """Start no further job, and leave no half-written video."""
 
     def room(self) -> bool:
-        """Tell whether one more job would be taken up at once."""
+        """Return whether one more job would be started at once."""
 
     def begin(self, number: int, job: Job) -> None:
-        """Have `job` done; `number` tells it apart."""
+        """Start `job`, identified by `number`."""
 
     def ended(self) -> Sequence[tuple[int, Outcome]]:
         """Wait until at least one begun job has ended, and return those that have.
@@ -47,12 +47,12 @@ class JobOrder:
     """
 
     def __init__(self, jobs: Sequence[Job]) -> None:
-        made_by = {path: number for number, job in enumerate(jobs) for path in job.makes}
+        made_by = {path: number for number, job in enumerate(jobs) for path in job.outputs}
         self._awaited: dict[int, set[int]] = {}
         self._waiting_for: defaultdict[int, list[int]] = defaultdict(list)
         self._ready: list[int] = []
         for number, job in enumerate(jobs):
-            awaited = {made_by[path] for path in job.needs if path in made_by}
+            awaited = {made_by[path] for path in job.inputs if path in made_by}
             self._awaited[number] = awaited
             for clip in awaited:
                 self._waiting_for[clip].append(number)
@@ -65,19 +65,19 @@ class JobOrder:
 
     def succeeded(self, number: int) -> None:
         """Let the jobs that waited for this one alone be begun."""
-        for pair in self._waiting_for.pop(number, []):
-            self._awaited[pair].discard(number)
-            if not self._awaited[pair]:
-                heapq.heappush(self._ready, pair)
+        for waiting in self._waiting_for.pop(number, []):
+            self._awaited[waiting].discard(number)
+            if not self._awaited[waiting]:
+                heapq.heappush(self._ready, waiting)
 
     def failed(self, number: int) -> list[int]:
         """Return the jobs that can no longer be done; they will not be begun."""
-        lost = self._waiting_for.pop(number, [])
-        for pair in lost:
-            for clip in self._awaited.pop(pair):
+        blocked = self._waiting_for.pop(number, [])
+        for waiting in blocked:
+            for clip in self._awaited.pop(waiting):
                 if clip != number:
-                    self._waiting_for[clip].remove(pair)
-        return lost
+                    self._waiting_for[clip].remove(waiting)
+        return blocked
 
 
 def run_jobs(
@@ -118,7 +118,7 @@ def run_jobs(
         return []
     outcomes: dict[int, Outcome] = {}
     with _workers(jobs, processes, cluster) as workers:
-        for number, outcome in _done_in_order(jobs, workers):
+        for number, outcome in _run_in_order(jobs, workers):
             outcomes[number] = outcome
             on_done(outcome)
     return [outcomes[number] for number in range(len(jobs))]
@@ -130,18 +130,18 @@ def _workers(jobs: Sequence[Job], processes: int, cluster: str | None) -> Worker
     # Imported here: Dask is an optional extra.
     from renderer.jobs.cluster import ClusterWorkers
 
-    return ClusterWorkers(cluster, _needed_files(jobs))
+    return ClusterWorkers(cluster, _required_files(jobs))
 
 
-def _needed_files(jobs: Sequence[Job]) -> list[Path]:
-    """Return what tells whether a machine sees the study: all share a body, one speech will do."""
+def _required_files(jobs: Sequence[Job]) -> list[Path]:
+    """Return files by which to check that a machine sees the study; one speech is enough."""
     clips = [job for job in jobs if isinstance(job, ClipJob)]
-    needed = {jobs[0].speech, *(job.body for job in clips)}
-    needed |= {job.look.expression_matrix for job in clips}
-    return sorted(path for path in needed if path is not None)
+    files = {jobs[0].speech, *(job.body for job in clips)}
+    files |= {job.look.expression_matrix for job in clips}
+    return sorted(path for path in files if path is not None)
 
 
-def _done_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int, Outcome]]:
+def _run_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int, Outcome]]:
     """Yield each job's number and outcome as it ends."""
     order = JobOrder(jobs)
     busy = 0
@@ -157,11 +157,11 @@ def _done_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int,
                 order.succeeded(number)
             yield number, outcome
             if outcome.error is not None:
-                for lost in order.failed(number):
-                    yield lost, _impossible(jobs[lost], jobs[number])
+                for blocked in order.failed(number):
+                    yield blocked, _blocked_outcome(jobs[blocked], jobs[number])
 
 
-def _impossible(lost: Job, clip: Job) -> Outcome:
+def _blocked_outcome(blocked: Job, clip: Job) -> Outcome:
     return Outcome(
-        name=lost.name, error=f"its clip {clip.name} could not be made", because_of=clip.name
+        name=blocked.name, error=f"its clip {clip.name} could not be made", because_of=clip.name
     )

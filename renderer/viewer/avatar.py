@@ -1,4 +1,4 @@
-"""An avatar's body in few bytes: mesh, skin, face, joints."""
+"""An avatar's body in a compact encoding: mesh, skin, face, joints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from motion.body.skinning import four_strongest
 from motion.body.surface import VertexNormals, surface_colours
 from motion.skeleton import PARENTS
 from renderer.look import default_body
-from renderer.viewer.packing import packed, quantised
+from renderer.viewer.packing import pack, quantise
 
 _STEP: Final = 5e-5
 """Metres: five hundredths of a millimetre."""
@@ -34,19 +34,19 @@ def packed_avatar(avatar: str) -> bytes:
     vertices are kept that it moves.
     """
     body = avatar_body(avatar)
-    none = np.zeros(0)
-    vertices, step = quantised(body.template, _STEP)
+    no_betas = np.zeros(0)
+    vertices, step = quantise(body.template, _STEP)
     joints, weights = four_strongest(body.weights)
-    moved = np.abs(body.expression_directions).max(axis=1) > _FACE_STEP / 2
-    slots, moved_vertices = np.nonzero(moved.T)
-    moves, face_step = quantised(
+    is_moved = np.abs(body.expression_directions).max(axis=1) > _FACE_STEP / 2
+    slots, moved_vertices = np.nonzero(is_moved.T)
+    moves, face_step = quantise(
         body.expression_directions[moved_vertices, :, slots].reshape(-1, 3), _FACE_STEP
     )
     twist = body.twist_joints
-    return packed(
+    return pack(
         {
             "parents": PARENTS,
-            "joints": np.round(body.joints(none), 5).tolist(),
+            "joints": np.round(body.joints(no_betas), 5).tolist(),
             "bones": [] if twist is None else twist.bones.tolist(),
             "shares": [] if twist is None else twist.shares.tolist(),
             "expressions": body.expression_directions.shape[2],
@@ -55,7 +55,7 @@ def packed_avatar(avatar: str) -> bytes:
         },
         {
             "vertices": vertices,
-            "normals": quantised(VertexNormals(body).of(body.template), _NORMAL_STEP)[0],
+            "normals": quantise(VertexNormals(body).of(body.template), _NORMAL_STEP)[0],
             "colours": np.round(surface_colours(body)[:, :3] * 255).astype(np.int16),
             "faces": body.faces,
             "skinJoints": joints,

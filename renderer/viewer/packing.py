@@ -1,4 +1,4 @@
-"""Small integers in few bytes, for a browser to read.
+"""Compact encoding of small integers for browsers.
 
 What follows each other differs little, in motion as on a mesh. So the differences are kept, and
 those that are small have a first byte only: the others are all zero, which deflate makes nothing
@@ -19,7 +19,7 @@ LARGEST: Final = 32_767
 """Largest integer that an array may hold; the smallest is its opposite."""
 
 
-def quantised(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int16], float]:
+def quantise(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int16], float]:
     """Return `values` in steps, and the step.
 
     Parameters
@@ -27,7 +27,7 @@ def quantised(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int
     values : ndarray
         Finite numbers.
     step : float
-        What is asked for; it is larger where the values would not fit.
+        The requested step; it is enlarged if the values would not fit.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def quantised(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int
     return np.round(values / step).astype(np.int16), step
 
 
-def packed(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[np.integer]]) -> bytes:
+def pack(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[np.integer]]) -> bytes:
     """Return facts and arrays as zlib data.
 
     Inside are the length of a header as four bytes, lowest first; the header in JSON, with the
@@ -54,12 +54,12 @@ def packed(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[np.integer]]) 
     arrays : mapping of str to ndarray
         Shape (rows, columns), values from -32,767 to 65,535.
     """
-    named = [[name, *values.shape] for name, values in arrays.items()]
-    header = json.dumps({**facts, "arrays": named}, separators=(",", ":")).encode()
-    parts = [len(header).to_bytes(4, "little"), header]
+    shapes = [[name, *values.shape] for name, values in arrays.items()]
+    header = json.dumps({**facts, "arrays": shapes}, separators=(",", ":")).encode()
+    chunks = [len(header).to_bytes(4, "little"), header]
     for values in arrays.values():
         differences = np.diff(values.astype(np.uint16), axis=0, prepend=np.uint16(0))
         signed = differences.view(np.int16).T
         folded = ((signed << 1) ^ (signed >> 15)).view(np.uint16)
-        parts += [part.astype(np.uint8).tobytes() for part in (folded & 0xFF, folded >> 8)]
-    return zlib.compress(b"".join(parts), level=9)
+        chunks += [part.astype(np.uint8).tobytes() for part in (folded & 0xFF, folded >> 8)]
+    return zlib.compress(b"".join(chunks), level=9)

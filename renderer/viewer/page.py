@@ -27,7 +27,7 @@ from renderer.look import Look
 from renderer.viewer.avatar import avatar_body, packed_avatar
 from renderer.viewer.tracks import track
 
-MOST_CLIPS: Final = 6
+MAX_CLIPS: Final = 6
 """Clips side by side; more of them are too small to judge."""
 
 SCRIPTS: Final = ("three.min.js", "viewer.js")
@@ -44,14 +44,14 @@ _COMPRESSION: Final = 0.6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """What plays side by side, on one clock.
+    """Clips that play side by side and in sync.
 
     Attributes
     ----------
     name : str
-        What stands beside the button that starts it.
+        Its title, next to the start button.
     clips : mapping of str to MotionClip
-        By what stands under them; at most `MOST_CLIPS`.
+        By caption; at most `MAX_CLIPS`.
     speech : Audio or None
         What is heard, as long as the clips.
     """
@@ -89,12 +89,12 @@ def packed_scene(
     Raises
     ------
     InputError
-        If there is no clip, or more than `MOST_CLIPS`.
+        If there is no clip, or more than `MAX_CLIPS`.
     """
-    if not 0 < len(scene.clips) <= MOST_CLIPS:
+    if not 0 < len(scene.clips) <= MAX_CLIPS:
         raise InputError(
             f"{len(scene.clips)} motions do not fit side by side",
-            remedy=f"Show 1 to {MOST_CLIPS} at a time",
+            remedy=f"Show 1 to {MAX_CLIPS} at a time",
         )
     return {
         "speech": None if scene.speech is None else keep(_mp3(scene.speech)),
@@ -107,7 +107,7 @@ def packed_scene(
 
 
 def data_address(data: bytes) -> str:
-    """Return the address that is the data itself."""
+    """Return a data address."""
     return f"data:;base64,{base64.b64encode(data).decode()}"
 
 
@@ -142,14 +142,14 @@ class MotionFigures:
         Raises
         ------
         InputError
-            If there is no clip, or more than `MOST_CLIPS`.
+            If there is no clip, or more than `MAX_CLIPS`.
         """
-        told = packed_scene(scene, self._body, self._look, self._embed)
+        facts = packed_scene(scene, self._body, self._look, self._embed)
         return Markup(
             '<figure class="motion-viewer" data-scene="{}"{}>'
             '<button type="button" class="start">Play {}</button></figure>'
         ).format(
-            json.dumps({"avatar": self._avatar} | told),
+            json.dumps({"avatar": self._avatar} | facts),
             Markup(" data-at-once") if at_once else "",
             scene.name,
         )
@@ -191,7 +191,7 @@ def style() -> str:
 
 
 def policy_hash(script: str) -> str:
-    """Return how a page's security policy knows a script that stands in it."""
+    """Return the hash by which a page's security policy allows an inline script."""
     return f"sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}"
 
 
@@ -208,8 +208,8 @@ def write_shared_files(folder: Path, look: Look) -> None:
         "id": AVATAR_SCRIPT,
         "textContent": base64.b64encode(packed_avatar(look.avatar)).decode(),
     }
-    made = f'Object.assign(document.createElement("script"), {json.dumps(properties)})'
-    write_text(folder / AVATAR_SCRIPT, f"document.head.append({made});\n")
+    expression = f'Object.assign(document.createElement("script"), {json.dumps(properties)})'
+    write_text(folder / AVATAR_SCRIPT, f"document.head.append({expression});\n")
 
 
 def write_motion_page(
@@ -236,11 +236,11 @@ def write_motion_page(
     notes : sequence of str
         Sentences below.
     shares : bool
-        Whether it needs the files beside it that `write_shared_files` writes, rather than none.
+        Whether it uses the files that `write_shared_files` writes to its folder.
     """
     figures = MotionFigures(look, avatar=f"#{AVATAR_SCRIPT}" if shares else "")
-    drawn = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]
-    own = () if shares else scripts()
+    elements = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]
+    inline_scripts = () if shares else scripts()
     environment = Environment(
         loader=PackageLoader("renderer.viewer", "."), autoescape=True, undefined=StrictUndefined
     )
@@ -248,11 +248,11 @@ def write_motion_page(
         path,
         environment.get_template("page.html").render(
             title=title,
-            figures=drawn,
+            figures=elements,
             notes=notes,
             sources=figures.sources(),
             beside=(AVATAR_SCRIPT, *SCRIPTS) if shares else (),
-            scripts={policy_hash(script): Markup(script) for script in own},  # noqa: S704
+            scripts={policy_hash(script): Markup(script) for script in inline_scripts},  # noqa: S704
             style=Markup(style()),  # noqa: S704 - our own file, as the scripts are
         ),
     )

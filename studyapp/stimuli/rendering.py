@@ -145,17 +145,17 @@ class _FrameRoom:
         self._needed = Counter(
             side for pair in self._pairs.values() for side in (pair.left, pair.right)
         )
-        self._cache.shrink(needed=self._needed.keys())
+        self._cache.shrink(required=self._needed.keys())
 
     def free(self, outcome: Outcome) -> None:
         """Count a job as ended, and shrink the cache."""
         pair = self._pairs.get(outcome.name)
         for side in (pair.left, pair.right) if pair is not None else ():
-            self._cache.used(side)
+            self._cache.mark_used(side)
             self._needed[side] -= 1
             if not self._needed[side]:
                 del self._needed[side]
-        self._cache.shrink(needed=self._needed.keys())
+        self._cache.shrink(required=self._needed.keys())
 
 
 def _current_files(folder: StudyFolder) -> dict[str, str]:

@@ -22,7 +22,7 @@ from renderer.look import AVATARS, Colour, Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
 from renderer.viewer.avatar import avatar_body
-from renderer.viewer.page import MOST_CLIPS, Scene
+from renderer.viewer.page import MAX_CLIPS, Scene
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -207,7 +207,7 @@ def segment_scene(
     heard : Segment or None
         Whose speech is heard, as far as the motion goes; None for silence.
     conditions : iterable of str
-        Whose clips; only the first `MOST_CLIPS` that can be read are shown.
+        Whose clips; only the first `MAX_CLIPS` that can be read are shown.
 
     Returns
     -------
@@ -223,8 +223,8 @@ def segment_scene(
         path = folder.clip(condition, segment.name)
         if not path.is_file():
             missing[condition] = "there is no motion file"
-        elif len(clips) == MOST_CLIPS:
-            missing[condition] = f"{MOST_CLIPS} others are shown already"
+        elif len(clips) == MAX_CLIPS:
+            missing[condition] = f"{MAX_CLIPS} others are shown already"
         else:
             try:
                 clip, rate = read_clip(path), study.video.frame_rate

@@ -35,7 +35,7 @@ Cast = Callable[[MotionClip], ContactShadow]
 
 @pytest.fixture(scope="module")
 def cast(caster: ShadowCaster, body: BodyModel) -> Cast:
-    return lambda clip: caster.under(body.vertices(clip)[0], caster.ground(clip))
+    return lambda clip: caster.shadow(body.vertices(clip)[0], caster.ground(clip))
 
 
 def _moved(clip: MotionClip, **joints: tuple[float, float, float]) -> MotionClip:
@@ -92,7 +92,7 @@ def test_the_shadow_turns_with_the_foot(cast: Cast, standing: MotionClip) -> Non
 def _frames_of_whole_pictures(stage: Stage, clip: MotionClip) -> list[Any]:
     """Return the video frames that are made when no part of a picture is left out."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(PixelBox, "around", lambda *given: PixelBox.whole(given[2]))
+        patch.setattr(PixelBox, "around", lambda *given: PixelBox.full(given[2]))
         return list(stage.video_frames(clip))
 
 

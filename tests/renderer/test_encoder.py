@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.audio import Audio
-from renderer.encoder import SOUND_RATE, forget_bit_rates, pad_to_equal_size
+from renderer.encoder import SOUND_RATE, clear_bit_rates, pad_to_equal_size
 from tests.support.encoded import Told, write_video
 
 NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
@@ -32,7 +32,7 @@ def test_the_file_no_longer_says_how_many_bits_its_sound_has_and_nothing_else_ch
     sound, rate = heard(video)
     before = video.read_bytes()
 
-    forget_bit_rates(video)
+    clear_bit_rates(video)
 
     assert heard(video)[0] == sound
     assert video.read_bytes().count(rate) == before.count(rate) - 2
@@ -48,7 +48,7 @@ def test_a_video_without_sound_stays_as_it_is(tmp_path: Path) -> None:
     write_video(path, Told(sound=None))
     before = path.read_bytes()
 
-    forget_bit_rates(path)
+    clear_bit_rates(path)
 
     assert path.read_bytes() == before
 

@@ -125,7 +125,7 @@ def test_what_is_behind_the_camera_takes_the_whole_picture() -> None:
     projection = ONWARDS.copy()
     projection[3] = (0, 0, 1, 0)
     vertices = np.array([[0, 0, 1], [0, 0, -1]], np.float32)
-    assert PixelBox.around(vertices, projection, SIDE) == PixelBox.whole(SIDE)
+    assert PixelBox.around(vertices, projection, SIDE) == PixelBox.full(SIDE)
 
 
 @pytest.mark.parametrize("framed", ["camera", "closer"])
@@ -142,7 +142,7 @@ def test_video_frames_are_those_of_whole_pictures(
             for frame in stage.video_frames(part)
         ]
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(PixelBox, "around", lambda *_: PixelBox.whole(small_look.size * 2))
+            patch.setattr(PixelBox, "around", lambda *_: PixelBox.full(small_look.size * 2))
             for whole, planes in zip(stage.video_frames(part), cropped, strict=True):
                 for plane, expected in zip(planes, whole.planes, strict=True):
                     np.testing.assert_array_equal(plane, plane_pixels(expected))
@@ -165,4 +165,4 @@ def test_a_video_frame_has_the_colours_of_the_picture(
 def test_a_box_round_boxes_holds_them_all_and_no_more() -> None:
     high = PixelBox(left=16, top=0, width=16, height=64)
     wide = PixelBox(left=0, top=32, width=128, height=16)
-    assert PixelBox.round_all([high, wide]) == PixelBox(left=0, top=0, width=128, height=64)
+    assert PixelBox.union([high, wide]) == PixelBox(left=0, top=0, width=128, height=64)

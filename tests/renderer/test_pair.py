@@ -48,15 +48,15 @@ def folder(tmp_path: Path) -> Path:
 
 def test_what_was_used_longest_ago_goes_first(folder: Path) -> None:
     old, new, middle = (write(folder, n, 10, t) for n, t in (("a", 1), ("b", 3), ("c", 2)))
-    FrameCache(folder, 20).shrink(needed=())
+    FrameCache(folder, 20).shrink(required=())
     assert (old.exists(), middle.exists(), new.exists()) == (False, True, True)
 
 
 def test_use_makes_frames_young_again(folder: Path) -> None:
     old, new = write(folder, "a", 10, 1), write(folder, "b", 10, 2)
     cache = FrameCache(folder, 10)
-    cache.used(old)
-    cache.shrink(needed=())
+    cache.mark_used(old)
+    cache.shrink(required=())
     assert (old.exists(), new.exists()) == (True, False)
 
 
@@ -68,9 +68,9 @@ def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> No
 
 def test_no_folder_is_an_empty_cache(folder: Path) -> None:
     cache = FrameCache(folder, 0)
-    cache.shrink(needed=())
+    cache.shrink(required=())
     cache.keep_only(())
-    cache.used(folder / "gone.mkv")
+    cache.mark_used(folder / "gone.mkv")
     assert cache.size() == 0
 
 
@@ -89,7 +89,7 @@ def test_the_limit_is_kept_but_for_what_is_needed_and_no_more_goes_than_must(
     files = [write(folder, str(n), size, used=n + 1) for n, size in enumerate(sizes)]
     held = {files[n] for n in needed if n < len(files)}
     cache = FrameCache(folder, limit)
-    cache.shrink(needed=held)
+    cache.shrink(required=held)
     left = {path for path in files if path.exists()}
     assert held <= left
     assert cache.size() <= max(limit, sum(sizes[files.index(path)] for path in held))

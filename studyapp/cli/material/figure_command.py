@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from renderer.figures.strip import MOST_MOMENTS, Moment
+from renderer.figures.strip import MAX_MOMENTS, Moment
 from studyapp.cli.arguments import study_folder
 from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
@@ -130,7 +130,7 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @click.option(
     "--moments",
     "count",
-    type=click.IntRange(1, MOST_MOMENTS),
+    type=click.IntRange(1, MAX_MOMENTS),
     default=6,
     show_default=True,
     help="Without --at: how many moments, the loudest syllable of each part of the speech.",

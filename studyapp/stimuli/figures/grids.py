@@ -9,7 +9,7 @@ from typing import Final
 
 from motion.errors import InputError
 from renderer.encoder import SOUND_RATE
-from renderer.figures.grid_video import SLOWEST, GridLayout, Panel, write_grid
+from renderer.figures.grid_video import MIN_SPEED, GridLayout, Panel, write_grid
 from renderer.figures.skeleton_lines import Place
 from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.study.folder import StudyFolder
@@ -41,7 +41,7 @@ def write_grid_of(
     conditions : sequence of str
         Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
     speed : float
-        From `renderer.figures.grid_video.SLOWEST` to 1. Slow motion interpolates the original
+        From `renderer.figures.grid_video.MIN_SPEED` to 1. Slow motion interpolates the original
         motion, so that it is as smooth as at full speed.
     skeleton : {'over', 'beside'} or None
         Where the skeleton is drawn, if it is.
@@ -55,9 +55,9 @@ def write_grid_of(
     on_frame : callable
         Called with (frames done, frames in all) after each.
     """
-    if not SLOWEST <= speed <= 1:
+    if not MIN_SPEED <= speed <= 1:
         raise InputError(
-            f"speed {speed:g} is not usable", remedy=f"Give {SLOWEST:g} to 1, such as 0.25"
+            f"speed {speed:g} is not usable", remedy=f"Give {MIN_SPEED:g} to 1, such as 0.25"
         )
     if output.suffix.lower() != ".mp4":
         raise InputError("a grid is written as MP4", where=output, remedy="End its name with .mp4")

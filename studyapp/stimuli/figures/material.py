@@ -15,8 +15,8 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage
-from renderer.figures.panels import Box, common_box, face_camera, faces_level
-from renderer.figures.strip import MOST_MOMENTS, Moment, loud_moments
+from renderer.figures.panels import Box, align_faces, common_box, face_camera
+from renderer.figures.strip import MAX_MOMENTS, Moment, loud_moments
 from renderer.framing import Camera
 from renderer.shown_clip import as_shown
 from studyapp.stimuli.render_plan import RenderPlan
@@ -51,7 +51,7 @@ class FigureMaterial:
         self, groups: Iterable[Sequence[MotionClip]]
     ) -> tuple[Self, list[list[MotionClip]]]:
         """Return the same with a camera close to the faces, and the clips brought before it."""
-        level = faces_level(groups, self.plan.model)
+        level = align_faces(groups, self.plan.model)
         clips = [clip for group in level for clip in group]
         camera = face_camera(clips, self.plan.model, self.plan.camera)
         return replace(self, camera=camera), level
@@ -137,11 +137,11 @@ class FigureMaterial:
         Raises
         ------
         InputError
-            If a moment lies outside the segment, or there are more than `MOST_MOMENTS`.
+            If a moment lies outside the segment, or there are more than `MAX_MOMENTS`.
         """
-        if len(given) > MOST_MOMENTS:
+        if len(given) > MAX_MOMENTS:
             raise InputError(
-                f"{len(given)} moments are too many", remedy=f"Give 1 to {MOST_MOMENTS}"
+                f"{len(given)} moments are too many", remedy=f"Give 1 to {MAX_MOMENTS}"
             )
         for moment in given:
             if not 0 <= moment.seconds <= segment.duration:

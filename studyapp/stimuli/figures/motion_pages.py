@@ -9,7 +9,7 @@ from pathlib import Path
 
 from motion.files import digest
 from motion.segment import Segment
-from renderer.viewer.page import FILES, MOST_CLIPS, Scene, write_motion_page, write_shared_files
+from renderer.viewer.page import FILES, MAX_CLIPS, Scene, write_motion_page, write_shared_files
 from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import StimulusVideo
@@ -61,8 +61,8 @@ class MotionPages:
     def _scenes(self, segment: Segment, conditions: Sequence[str]) -> list[Scene]:
         """Return as many scenes as the conditions need, in their order."""
         called, scenes = self.study.display_names, []
-        for first in range(0, len(conditions), MOST_CLIPS):
-            names = conditions[first : first + MOST_CLIPS]
+        for first in range(0, len(conditions), MAX_CLIPS):
+            names = conditions[first : first + MAX_CLIPS]
             scene, _ = segment_scene(self.folder, self.study, segment, names, heard=segment)
             clips = {called[name]: clip for name, clip in scene.clips.items()}
             if clips:

@@ -25,7 +25,7 @@ from renderer.framing import frame_clips
 from renderer.look import Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
-from renderer.viewer.page import MOST_CLIPS, Scene, write_motion_page
+from renderer.viewer.page import MAX_CLIPS, Scene, write_motion_page
 from studyapp.stimuli.recorded_beside import read_recorded
 
 PAGE, VIDEO, GLB, BVH = KINDS = ("page", "video", "glb", "bvh")
@@ -108,7 +108,7 @@ def read_previewed(
 def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look) -> Path:
     """Write one page on which all motions can be played and turned around, and return it.
 
-    They stand side by side on one clock, `MOST_CLIPS` in a row.
+    They stand side by side on one clock, `MAX_CLIPS` in a row.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look
         )
         for motion in motions
     }
-    rows = [motions[start : start + MOST_CLIPS] for start in range(0, len(motions), MOST_CLIPS)]
+    rows = [motions[start : start + MAX_CLIPS] for start in range(0, len(motions), MAX_CLIPS)]
     page = out / (f"{motions[0].name}.html" if len(motions) == 1 else _PAGE_OF_SEVERAL)
     write_motion_page(
         page,

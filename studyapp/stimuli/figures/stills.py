@@ -14,7 +14,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
-from renderer.figures.panels import WHOLE, Box, aspect_of, cropped, cut_out, panel
+from renderer.figures.panels import FULL_BOX, Box, aspect_of, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip
@@ -213,7 +213,7 @@ def write_overlay(
     width = round(printed.inches * DOTS_PER_INCH)
     with material.stage(_drawn_size(width, box)) as stage:
         trails = [
-            faded([cut_out(stage, pose, material.camera).within(box) for pose in row])
+            faded([cut_out(stage, pose, material.camera).crop(box) for pose in row])
             for row in poses
         ]
     size = (width, round(width * aspect_of(box)))
@@ -230,9 +230,9 @@ def _view(
     """Return the material seen as asked for, the part of its picture that is shown, and poses."""
     if printed.closeup:
         material, rows = material.close_to_faces(rows)
-        return material, WHOLE, rows
+        return material, FULL_BOX, rows
     everyone = [pose for row in rows for pose in row]
-    return material, WHOLE if printed.whole else material.box_around(everyone), rows
+    return material, FULL_BOX if printed.whole else material.box_around(everyone), rows
 
 
 def _drawn_size(width: int, box: Box) -> int:

@@ -74,7 +74,7 @@ def test_panels_are_inside_the_frame_and_none_covers_another(count: int, widened
     layout = GridLayout(count=count, size=64, widened=widened)
     width, height = layout.frame
     assert width % 2 == height % 2 == 0
-    places = [layout.place(number) for number in range(count)]
+    places = [layout.position(number) for number in range(count)]
     for left, top in places:
         assert left % 2 == top % 2 == 0
         assert left >= 0
@@ -91,7 +91,7 @@ def test_each_clip_is_in_its_place_in_every_frame(grid: Path, stage: Stage, clip
     layout = GridLayout(count=2, size=SIZE, text="words")
     for number in (0, 7, 11):
         for place, clip in enumerate(clips):
-            left, top = layout.place(place)
+            left, top = layout.position(place)
             drawn = np.asarray(still(stage, clip, number / 30)).astype(int)
             part = shown[number, top : top + SIZE, left : left + SIZE]
             assert np.abs(part - drawn).mean() < 2.5

@@ -8,7 +8,7 @@ from PIL import Image, ImageColor
 
 from motion.errors import InputError
 from renderer.figures.overlay import VARIATION_COLOURS, blended, draw_overlay, faded
-from renderer.figures.panels import FAR, CutOut
+from renderer.figures.panels import NO_DEPTH, CutOut
 
 RED, GREEN, GREY = (200, 0, 0, 255), (0, 200, 0, 255), (120, 120, 120, 255)
 
@@ -17,7 +17,7 @@ def square(colour: tuple[int, int, int, int], left: int, depth: float) -> CutOut
     """Return a square of 10 pixels in a picture of 40 × 20, so far from the camera."""
     picture = Image.new("RGBA", (40, 20))
     picture.paste(colour, (left, 5, left + 10, 15))
-    depths = np.full((20, 40), FAR, np.float32)
+    depths = np.full((20, 40), NO_DEPTH, np.float32)
     depths[5:15, left : left + 10] = depth
     return CutOut(picture, depths)
 

@@ -13,13 +13,13 @@ from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
 from renderer.figures.panels import (
-    FAR,
+    NO_DEPTH,
     CutOut,
+    align_faces,
     box_around,
     common_box,
     cut_out,
     face_camera,
-    faces_level,
 )
 from renderer.figures.skeleton_lines import joints_of
 from renderer.framing import Camera, frame_clips, project
@@ -63,8 +63,8 @@ def test_depth_says_where_the_figure_is_and_how_far(
     figure: CutOut, clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     solid = np.asarray(figure.picture)[..., 3] == 255
-    assert (figure.depth[solid] < FAR).all()
-    assert (figure.depth[:4] == FAR).all()
+    assert (figure.depth[solid] < NO_DEPTH).all()
+    assert (figure.depth[:4] == NO_DEPTH).all()
     joints = joints_of(frame_at(clip, 0.4), body)[0]
     x, y, depth = project(joints[joint_index("spine2")], camera, 160)
     # The chest's surface lies before its joint.
@@ -116,7 +116,7 @@ def test_faces_of_who_sits_and_who_stands_are_in_one_place(
     clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     seated = clip_of(clip.poses, clip.trans - [0.1, 0.45, 0.2])
-    level = faces_level([[clip], [seated]], body)
+    level = align_faces([[clip], [seated]], body)
     close = face_camera([each for group in level for each in group], body, camera)
     seen = [
         project(joints_of(each, body)[:, joint_index("left_eye")], close, 100) for (each,) in level

@@ -10,7 +10,7 @@ import pytest
 
 from motion.errors import InputError
 from motion.segment import Segment
-from renderer.figures.glance import MOMENTS, SIDE, Glance, glance_at
+from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance, glance_at
 from renderer.figures.sheet import (
     CELL,
     ROWS_ON_PAGE,
@@ -93,7 +93,7 @@ def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
     seen = glance(tmp_path, [*SWAYING])
     assert seen.remarks == ()
     assert seen.seconds == pytest.approx(3)
-    assert seen.pictures.shape == (MOMENTS, SIDE, SIDE, 3)
+    assert seen.pictures.shape == (MOMENTS, TILE_SIZE, TILE_SIZE, 3)
     assert list(seen.times) == sorted(seen.times)
     assert len(seen.movement) == 89
 
@@ -131,9 +131,9 @@ def test_a_figure_at_the_edge_is_told(tmp_path: Path) -> None:
 
 def test_presence_is_the_share_of_frames_at_each_place(tmp_path: Path) -> None:
     presence = glance(tmp_path, [10] * 30 + [80] * 30).presence
-    middle = SIDE * 3 // 4
-    assert presence[middle, round(30 / 128 * SIDE)] == pytest.approx(0.5)
-    assert presence[middle, round(62 / 128 * SIDE)] == 0
+    middle = TILE_SIZE * 3 // 4
+    assert presence[middle, round(30 / 128 * TILE_SIZE)] == pytest.approx(0.5)
+    assert presence[middle, round(62 / 128 * TILE_SIZE)] == 0
 
 
 def test_what_is_no_video_is_refused(tmp_path: Path) -> None:

@@ -80,7 +80,7 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 @pytest.fixture(autouse=True)
 def _time_for_workers_to_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "_FOR_A_WORKER", PATIENCE)
+    monkeypatch.setattr(cluster, "_WORKER_TIMEOUT", PATIENCE)
 
 
 @contextmanager
@@ -138,7 +138,7 @@ def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
 ) -> None:
     with _scheduler(tmp_path) as (address, process):
         with monkeypatch.context() as patch:
-            patch.setattr(cluster, "_FOR_A_WORKER", 0.5)
+            patch.setattr(cluster, "_WORKER_TIMEOUT", 0.5)
             with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp"):
                 run_jobs([clip_job], processes=1, cluster=address)
         with (
@@ -185,7 +185,7 @@ def test_a_worker_of_several_threads_is_refused(
 def test_an_address_where_nobody_answers_is_told(
     clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "_CONNECTING", 0.5)
+    monkeypatch.setattr(cluster, "_CONNECT_TIMEOUT", 0.5)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"

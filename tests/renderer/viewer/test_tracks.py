@@ -11,7 +11,7 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT
-from renderer.viewer.packing import LARGEST, packed, quantised
+from renderer.viewer.packing import LARGEST, pack, quantise
 from renderer.viewer.tracks import track
 from tests.renderer.viewer.decoding import unpacked
 
@@ -84,7 +84,7 @@ def test_a_body_that_wanders_off_keeps_its_way(far: float, body: BodyModel) -> N
 def test_what_is_packed_is_read_again(
     values: np.ndarray[tuple[int, ...], np.dtype[np.int16]],
 ) -> None:
-    facts, arrays = unpacked(packed({"rate": 30.0}, {"first": values, "second": values[::-1]}))
+    facts, arrays = unpacked(pack({"rate": 30.0}, {"first": values, "second": values[::-1]}))
 
     assert facts == {"rate": 30.0}
     assert np.array_equal(arrays["first"], values)
@@ -94,7 +94,7 @@ def test_what_is_packed_is_read_again(
 def test_values_are_off_by_half_a_step_at_most() -> None:
     values = np.array([-1.0, 0.3, 1.0])
 
-    numbers, step = quantised(values, 0.1)
+    numbers, step = quantise(values, 0.1)
 
     assert step == pytest.approx(0.1)
     assert np.abs(numbers * step - values).max() <= 0.05
