@@ -56,6 +56,10 @@ class ConflictError(RefusalError):
     """The request does not fit where the study session stands."""
 
 
+class LateReportError(ConflictError):
+    """What was played of a trial arrived just after its end, as it does when they go on at once."""
+
+
 class StudyFullError(ConflictError):
     """No place is open."""
 
@@ -100,7 +104,7 @@ KINDS: Final[Mapping[type[RefusalError], str]] = {
     TooMuchWatchedError: "too-much-watched",
 }
 """What is noted, and as what. A study that is full or looks for other people refuses nothing
-that anybody did wrong."""
+that anybody did wrong, nor does a report go wrong that crosses with *Next*."""
 
 LOG: Final = logging.getLogger(__name__)
 

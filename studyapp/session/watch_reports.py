@@ -19,7 +19,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.session.places import regain_place
-from studyapp.session.refusal import TooMuchWatchedError, UnacceptableError
+from studyapp.session.refusal import LateReportError, TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find, require_present, video_of
 from studyapp.session.video_access import PRESENT_POSITION, RUNNING
@@ -160,6 +160,9 @@ def store_record(session: Session, video: PlayedVideo, record: Record, now: date
         session.connection().execute(CHANGED, {"video": video.id, **values})
 
 
+ON_ITS_WAY: Final = 60.0
+"""Seconds for which a report may be on its way, tried again where the network is slow."""
+
 TOLERANCE: Final = 1.0
 """Seconds by which a browser's clock may be ahead of what has passed on the server."""
 
@@ -196,7 +199,7 @@ def record_watched(
         now = clock.now()
         playing = load_playing(session, token, video_token, now)
         if playing is None:
-            _bring_back(session, served, token, video_token)
+            _bring_back(session, served, token, video_token, clock)
             playing = load_playing(session, token, video_token, now)
         if playing is None:
             raise RuntimeError("what is playing in SQL is not what is playing in Python")
@@ -222,12 +225,24 @@ def record_watched(
         return watched
 
 
-def _bring_back(session: Session, served: ServedStudy, token: str, video_token: str) -> None:
+def _bring_back(
+    session: Session, served: ServedStudy, token: str, video_token: str, clock: Clock
+) -> None:
     """Give a place back that was lost to a pause; refuse everybody else who is not at the video."""
     study_session = find(session, token)
-    video = video_of(session, study_session, video_token)
+    trial = video_of(session, study_session, video_token).trial
+    ends = (trial.answered_at, trial.unplayable_at, study_session.withdrawn_at)
+    if any(end is not None and _is_just_past(end, clock) for end in ends):
+        raise LateReportError(
+            "This is not the page you are on.", "The next page shows how to go on."
+        )
     regain_place(session, served, study_session)
-    require_present(study_session, video.trial)
+    require_present(study_session, trial)
+
+
+def _is_just_past(moment: datetime, clock: Clock) -> bool:
+    seconds = clock.seconds_since(moment)
+    return seconds is None or seconds < ON_ITS_WAY
 
 
 def _within(video: PlayedVideo, report: Report) -> Report:

@@ -16,6 +16,7 @@ from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
     IneligibleError,
+    LateReportError,
     NotTheirsError,
     RefusalError,
     StudyFullError,
@@ -39,6 +40,7 @@ STATUS: Final[dict[type[RefusalError], int]] = {
     CrowdedAddressError: 429,
     StudyFullError: 409,
     ConflictError: 409,
+    LateReportError: 409,
     UnacceptableError: 422,
     TooMuchWatchedError: 422,
 }

@@ -64,6 +64,22 @@ def test_what_is_refused_is_noted_by_its_kind(
     ]
 
 
+def test_a_report_that_crosses_with_next_is_refused_unnoted_a_later_one_is_noted(
+    app: Flask, visitor: Visitor, clock: SetClock
+) -> None:
+    page = visitor.page()
+    watched = page.value("#pair", "data-watched-url")
+    visitor.watch()
+    visitor.post(page)
+
+    assert visitor.client.post(watched, json=WATCHED).status_code == 409
+    assert noted(app) == []
+
+    clock.advance(seconds=61)
+    assert visitor.client.post(watched, json=WATCHED).status_code == 409
+    assert [line[:2] for line in noted(app)] == [(1, "stale-page")]
+
+
 @BOTH
 def test_the_character_nul_is_refused_wherever_it_stands(
     app: Flask, opened: Database, participant: Participant
