@@ -28,6 +28,8 @@ class StudyVersion(Base):
         When it was first served.
     in_force : bool
         Whether it is the one that was served last.
+    screened_by_eligibility, screened_by_consent, screened_by_comprehension : int
+        How many were screened out by their answers at these stages; nothing says who.
     """
 
     __tablename__ = "study_versions"
@@ -39,6 +41,9 @@ class StudyVersion(Base):
     operation: Mapped[dict[str, Any]] = mapped_column(JSON)
     opened_at: Mapped[datetime]
     in_force: Mapped[bool] = mapped_column(default=True, server_default=text("true"))
+    screened_by_eligibility: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    screened_by_consent: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    screened_by_comprehension: Mapped[int] = mapped_column(default=0, server_default=text("0"))
 
 
 class IntakeChange(Base):

@@ -145,6 +145,13 @@ def upgrade() -> None:
         sa.Column("operation", sa.JSON(), nullable=False),
         sa.Column("opened_at", sa.DateTime(timezone=True), nullable=False),
         sa.Column("in_force", sa.Boolean(), server_default=sa.text("true"), nullable=False),
+        sa.Column(
+            "screened_by_eligibility", sa.Integer(), server_default=sa.text("0"), nullable=False
+        ),
+        sa.Column("screened_by_consent", sa.Integer(), server_default=sa.text("0"), nullable=False),
+        sa.Column(
+            "screened_by_comprehension", sa.Integer(), server_default=sa.text("0"), nullable=False
+        ),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_study_versions")),
         sa.UniqueConstraint("design", name=op.f("uq_study_versions_design")),
         sa.UniqueConstraint("number", name=op.f("uq_study_versions_number")),
