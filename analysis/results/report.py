@@ -98,6 +98,9 @@ class TableReport:
         Rules of exclusion in the order in which they were applied, and whom they removed.
     exclusions : dict of str to str
         Each participant left out, and the reason.
+    screened_out : mapping of str to int
+        How many were screened out before the trials, by stage: ``eligibility``, ``consent``,
+        ``comprehension``; empty for a table.
     flow : tuple of Flow
         By arm; a single one for a table.
     conditions_shown, questions, sets : tuple of str
@@ -124,6 +127,7 @@ class TableReport:
     participants: Participants
     rules: tuple[RuleOutcome, ...]
     exclusions: dict[str, str]
+    screened_out: Mapping[str, int]
     flow: tuple[Flow, ...]
     conditions_shown: tuple[str, ...]
     questions: tuple[str, ...]
@@ -206,6 +210,7 @@ def analyse_answers(
     settings: Settings,
     arms: Sequence[ArmState] = (),
     arm_of: Mapping[str, str] | None = None,
+    screened_out: Mapping[str, int] | None = None,
     metrics: StudyMetrics | None = None,
     recorded: str | None = None,
     looks: LooksBefore = NOT_LOGGED,
@@ -224,6 +229,8 @@ def analyse_answers(
         What the researcher decided.
     arms, arm_of
         Of a study; see `participant_flow`.
+    screened_out : mapping of str to int, optional
+        Of a study; see `TableReport`.
     metrics : StudyMetrics, optional
         Automatic metrics of the conditions, to be set beside the answers.
     recorded : str, optional
@@ -254,6 +261,7 @@ def analyse_answers(
         participants=Participants(recruited=left_out.recruited, attentive=left_out.attentive),
         rules=left_out.rules,
         exclusions=left_out.exclusions,
+        screened_out=screened_out or {},
         flow=participant_flow(table, left_out, arms, arm_of),
         conditions_shown=table.conditions,
         questions=table.questions,

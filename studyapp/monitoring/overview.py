@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
@@ -47,6 +47,7 @@ from studyapp.monitoring.study_sessions import (
 )
 from studyapp.session.ending import JUDGED
 from studyapp.session.intake import Intake, present_intake
+from studyapp.session.screening import count_screened_out
 from studyapp.session.served_study import ServedStudy
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)
@@ -85,6 +86,8 @@ class Overview:
         Study sessions of earlier versions of the study, which are counted nowhere else.
     lapsed, replaced, unwatched : int
         Study sessions that hold no place.
+    screened_out : mapping of str to int
+        How many were screened out at each stage, in all versions of the study.
     excluded : int
         Study sessions that researchers exclude from the analysis; most hold places all the same.
     leaving_out : tuple of SessionProgress
@@ -103,6 +106,7 @@ class Overview:
     lapsed: int
     replaced: int
     unwatched: int
+    screened_out: Mapping[str, int]
     excluded: int
     leaving_out: tuple[SessionProgress, ...]
     progress: Progress
@@ -128,6 +132,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         videos = played_videos(session, names)
         balance = sides(shown_on_sides(session), names)
         intake = present_intake(session)
+        screened_out = count_screened_out(session)
     arms = count_places(served.study.arms, present, intake.more_places)
     places, left, items = total_places(arms), dropouts(present), checked_items(judged_checks)
     whole = durations("whole study session", _whole_seconds(present))
@@ -145,6 +150,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         lapsed=sum(each.standing == "lapsed" for each in present),
         replaced=sum(each.standing == "replaced" for each in present),
         unwatched=sum(each.standing == "unwatched" for each in present),
+        screened_out=screened_out,
         leaving_out=_leaving_out(present),
         excluded=sum(each.excluded for each in present),
         progress=progress(trials, counted),

@@ -285,5 +285,6 @@ def task_report(
         settings=settings,
         arms=() if stored is None else arm_states(study, stored),
         arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+        screened_out={} if stored is None else stored.screened_out,
         **more,
     )

@@ -41,6 +41,8 @@ class Manifest(BaseModel):
         came who is reported; None where that is not known.
     more_places : int
         Places of each arm beyond those of the study file.
+    screened_out : dict
+        How many were screened out, by stage.
     columns : dict
         By table, the type of each column.
     sha256 : dict
@@ -54,6 +56,7 @@ class Manifest(BaseModel):
     motionjury: str
     stated_version: int | None
     more_places: int
+    screened_out: dict[str, int]
     columns: dict[str, dict[str, Kind]]
     sha256: dict[str, str]
 
@@ -88,6 +91,7 @@ def write_shared_answers(
         motionjury=metadata.version("motionjury"),
         stated_version=stated_version,
         more_places=stored.more_places,
+        screened_out=dict(stored.screened_out),
         columns=columns,
         sha256={
             path.name: sha256_of(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
@@ -115,7 +119,9 @@ def read_shared_answers(folder: Path, origin: Source) -> Answers:
         stated = study_of(text, manifest.stated_version)
     if manifest.origin != origin:
         return NO_ANSWERS
-    stored = StoredAnswers(**tables, more_places=manifest.more_places)
+    stored = StoredAnswers(
+        **tables, more_places=manifest.more_places, screened_out=manifest.screened_out
+    )
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -32,6 +32,7 @@ from studyapp.researchers.audit import COMMAND_LINE
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.ending import JUDGED
 from studyapp.session.intake import present_intake
+from studyapp.session.screening import count_screened_out
 from studyapp.session.state import state_of
 from studyapp.session.watch_evidence import watched_share
 from studyapp.study.settings.study import Study
@@ -82,6 +83,8 @@ class StoredAnswers:
         `planned` and `answers` (see `studyapp.database.tables.Look`).
     more_places : int
         Places of each arm that researchers wanted beyond those of the study file.
+    screened_out : mapping of str to int
+        How many were screened out at each stage, before they had a place or the trials began.
     """
 
     study_sessions: pd.DataFrame
@@ -90,6 +93,7 @@ class StoredAnswers:
     stimuli: pd.DataFrame
     looks: pd.DataFrame
     more_places: int
+    screened_out: Mapping[str, int]
 
     def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
         """Return what belongs to some of the study sessions."""
@@ -102,6 +106,7 @@ class StoredAnswers:
             stimuli=self.stimuli[self.stimuli["trial"].isin(trials["trial"])],
             looks=self.looks,
             more_places=self.more_places,
+            screened_out=self.screened_out,
         )
 
 
@@ -195,6 +200,7 @@ def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
         ),
         looks=_looks(session),
         more_places=present_intake(session).more_places,
+        screened_out=count_screened_out(session),
     )
 
 

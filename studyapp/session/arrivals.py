@@ -1,11 +1,8 @@
-"""Who arrives, and how things stand for them: known, let in, screened out, one of too many.
+"""Who arrives, and how things stand for them: known, let in, one of too many.
 
 How many newcomers come from one network address is counted, so that nobody takes all places alone.
 Only who got a place is counted, and for an hour; nothing says who came from where. Who has a link
 that was made for them, or that Prolific has signed, is not counted.
-
-Who was screened out stays so, where somebody sent them by name. The code that a recruiter wants for
-it is shown only once this is stored: nobody gets it and then goes back and answers otherwise.
 """
 
 from __future__ import annotations
@@ -16,12 +13,9 @@ from datetime import datetime, timedelta
 from typing import Any, Final
 
 from sqlalchemy import Connection, Select, bindparam, delete, exists, false, func, insert, select
-from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from studyapp.clock import Clock
-from studyapp.database.engine import Database
-from studyapp.database.tables import Newcomer, ScreenOut, StudySession, StudyVersion
+from studyapp.database.tables import Newcomer, StudySession, StudyVersion
 from studyapp.session.intake import NEWEST_MORE_PLACES, NEWEST_STATE, Intake, intake_of
 from studyapp.session.places import IS_ANY_STALE, has_open_place, silent_since
 from studyapp.session.refusal import CrowdedAddressError, StudyFullError
@@ -255,23 +249,3 @@ STATEMENTS: Final = {
     for in_turn in (False, True)
 }
 """By whether a recruiter names who arrives, and whether it is asked in the allocation's turn."""
-
-
-def was_screened_out(database: Database, arrival: Arrival) -> bool:
-    """Tell whether the arriving person was screened out before."""
-    with database.reading() as session:
-        return _found(session, arrival) is not None
-
-
-def note_screen_out(database: Database, arrival: Arrival, clock: Clock) -> None:
-    """Store that the arriving person was screened out; doing so twice changes nothing."""
-    try:
-        with database.writing() as session:
-            if _found(session, arrival) is None:
-                session.add(ScreenOut(participant=arrival.name, screened_out_at=clock.now()))
-    except IntegrityError:
-        pass  # the same person in another window, at the same moment
-
-
-def _found(session: Session, arrival: Arrival) -> ScreenOut | None:
-    return session.scalars(select(ScreenOut).where(ScreenOut.participant == arrival.name)).first()

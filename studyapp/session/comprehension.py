@@ -13,12 +13,14 @@ from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import ScreenOut, StudySession
+from studyapp.database.tables import StudySession
 from studyapp.session.form_answers import form_answers, is_eligible
 from studyapp.session.participation import sound_check_due
 from studyapp.session.refusal import IneligibleError, UnacceptableError
+from studyapp.session.screening import screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find, form_due, state_of
+from studyapp.study.settings.study import Study
 
 
 def begin(
@@ -59,7 +61,7 @@ def begin(
             study_session.started_at = now
             return
         if tried:
-            _screen_out(session, study_session)
+            _screen_out(session, served.study, study_session)
     if tried:
         raise IneligibleError(
             "Thank you for your interest: this study looks for other participants.",
@@ -71,15 +73,12 @@ def begin(
     )
 
 
-def _screen_out(session: Session, study_session: StudySession) -> None:
-    """Erase a study session, and let nobody come back under its recruiter's name."""
-    if study_session.recruiter_participant is not None:
-        session.add(
-            ScreenOut(
-                participant=study_session.recruiter_participant,
-                screened_out_at=study_session.last_active_at,
-            )
-        )
+def _screen_out(session: Session, study: Study, study_session: StudySession) -> None:
+    """Erase a study session, and let nobody come back under the name by which they were sent."""
+    name = study_session.recruiter_participant
+    if name is None and study.recruitment.names_participants:
+        name = study_session.visit
+    screen_out(session, name, "comprehension", study_session.last_active_at)
     study_session.place = None
     session.flush()
     session.delete(study_session)

@@ -60,6 +60,11 @@ def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> 
         )
 
 
+def ineligible_stage(study: Study, fields: Mapping[str, str]) -> Stage:
+    """Return the stage before enrolment at which somebody ineligible said so."""
+    return next(stage for stage in BEFORE_ENROLMENT if not is_eligible(study, stage, fields))
+
+
 def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
     """Tell whether acceptable answers to the questions of `stage` let somebody take part."""
     return all(

@@ -61,6 +61,7 @@ def flow_section(report: TableReport, subject: Subject) -> Section | None:
         paragraphs=paragraphs(
             "participants.flow",
             report=report,
+            screened_out=_screened_out(report),
             exploratory=any(rule.exploratory for rule in report.rules if rule not in by_hand),
             by_hand=sum(rule.removed for rule in by_hand),
             unwatched=sum(flow.unwatched or 0 for flow in report.flow),
@@ -99,9 +100,14 @@ def flow_line(report: TableReport, subject: Subject) -> str:
         "participants.line",
         nobody=subject.origin == "none",
         people=subject.people,
+        screened_out=_screened_out(report),
         opened=sum(opened) if opened else None,
         report=report,
     )
+
+
+def _screened_out(report: TableReport) -> int | None:
+    return sum(report.screened_out.values()) if report.screened_out else None
 
 
 def looks_section(report: TableReport) -> Section | None:

@@ -1,7 +1,7 @@
 """The entrance: eligibility, what the study is, consent.
 
 Newcomers who cannot be admitted are told so on the first page they reach. Nothing is stored before
-consent, except that somebody named by a recruiter was screened out.
+consent, except how many were screened out, and that somebody named by a recruiter was.
 """
 
 from __future__ import annotations
@@ -15,11 +15,12 @@ from typing import Final
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
-from studyapp.session.arrivals import Arrival, note_screen_out, was_screened_out
+from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import way_back
 from studyapp.session.enrolment import enrol, enrolled, require_welcome
-from studyapp.session.form_answers import check_eligibility
+from studyapp.session.form_answers import check_eligibility, ineligible_stage
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
+from studyapp.session.screening import note_screen_out, was_screened_out
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -133,7 +134,7 @@ def consent() -> ResponseReturnValue:
     except UnacceptableError as refusal:
         return entrant.page("eligibility", problem=note_and_explain(refusal)), 422
     except IneligibleError:
-        return _screened_out(entrant)
+        return _screen_out(entrant)
     return entrant.page("consent")
 
 
@@ -151,7 +152,7 @@ def start() -> ResponseReturnValue:
         stage: Stage = "eligibility" if problems_of("eligibility", entrant.answers) else "consent"
         return entrant.page(stage, problem=note_and_explain(refusal)), 422
     except IneligibleError:
-        return _screened_out(entrant)
+        return _screen_out(entrant)
     return _redirect(token)
 
 
@@ -196,12 +197,21 @@ def _was_screened_out(entrant: Entrant) -> bool:
     return was_screened_out(site.database, entrant.arrival)
 
 
-def _screened_out(entrant: Entrant) -> ResponseReturnValue:
-    """Say so; people named by the recruiter stay screened out, and are told a code."""
+def _screen_out(entrant: Entrant) -> ResponseReturnValue:
+    """Count them; people named by the recruiter stay screened out, and only then get a code."""
     site = study_site()
-    named = site.study.recruitment.names_participants
-    if named:
-        note_screen_out(site.database, entrant.arrival, site.clock)
+    note_screen_out(
+        site.database,
+        entrant.arrival,
+        ineligible_stage(site.study, entrant.answers),
+        site.clock,
+        named=site.study.recruitment.names_participants,
+    )
+    return _screened_out(entrant)
+
+
+def _screened_out(entrant: Entrant) -> ResponseReturnValue:
+    named = study_site().study.recruitment.names_participants
     return screened_out_page(named=named, was_sent=bool(entrant.recruiter)), 403
 
 

@@ -18,8 +18,9 @@ from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import StudyState, log_change, logged_changes, note_look
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrivals import Arrival, note_screen_out
+from studyapp.session.arrivals import Arrival
 from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
+from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.support.read_once import read_once
@@ -182,7 +183,7 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
 def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
-        note_screen_out(person.database, arrival, person.clock)
+        note_screen_out(person.database, arrival, "eligibility", person.clock, named=True)
 
     (found,) = remembered(person.database, "screened-out", KEY)
 

@@ -15,9 +15,10 @@ from studyapp.recruitment.payment import (
     judge_submission,
     known_participants,
 )
-from studyapp.session.arrivals import Arrival, note_screen_out
+from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
+from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment
 from tests.support.servers.both_databases import BOTH
@@ -110,7 +111,8 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
     finished.begin().take_all()
     withdraw(opened, left.token, clock)
     for name in ("turned away", "finished"):
-        note_screen_out(opened, Arrival(recruiter_participant=name), Clock())
+        arrival = Arrival(recruiter_participant=name)
+        note_screen_out(opened, arrival, "eligibility", Clock(), named=True)
     enrol(opened, served, Arrival(visit="of-nobody"), clock)
 
     names = ("finished", "under way", "left", "turned away", "never came")

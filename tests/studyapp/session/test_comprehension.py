@@ -5,18 +5,12 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import func, select
 
-from studyapp.database.tables import FormAnswer, Place, StudySession, Trial
+from studyapp.database.tables import FormAnswer, Place, ScreenOut, StudySession, Trial
 from studyapp.session.refusal import IneligibleError, UnacceptableError, UnknownAddressError
+from studyapp.session.screening import count_screened_out
 from tests.studyapp.session.conftest import Open
+from tests.support.studies.asked_forms import COMPREHENSION
 from tests.support.studies.taking_part_steps import Participant
-
-COMPREHENSION = """
-[[form.comprehension]]
-name = "judged"
-text = "What are you to judge?"
-choices = ["the clothes", "the gestures"]
-eligible = ["the gestures"]
-"""
 
 
 @pytest.fixture
@@ -53,4 +47,7 @@ def test_nothing_stays_of_who_is_wrong_twice_and_the_place_is_open_again(
         for table in (StudySession, Trial, FormAnswer):
             assert session.scalar(select(func.count()).select_from(table)) == 0
         assert session.scalars(select(Place.study_session_id).distinct()).all() == [None]
+        assert session.scalars(select(ScreenOut)).all() == []
+        counts = count_screened_out(session)
+    assert counts == {"eligibility": 0, "consent": 0, "comprehension": 1}
     assert reader.enrol().begin(judged="the gestures").look().state == "started"

@@ -9,7 +9,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import Place, ScreenOut, StudySession, Trial
+from studyapp.database.tables import Place, ScreenOut, StudySession, StudyVersion, Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.recruiter_names import COOKIE
@@ -18,7 +18,7 @@ from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
 from tests.studyapp.web.visitor import Visitor, stored_in
-from tests.support.studies.asked_forms import FORM
+from tests.support.studies.asked_forms import COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import SetClock
 
 CODES = {
@@ -34,6 +34,7 @@ PROLIFIC = "\n".join(
     )
 )
 MTURK = '[recruitment]\nchannel = "mturk"\n'
+WRONG = {"form:judged": "the clothes"}
 INVITATIONS = '[recruitment]\nchannel = "invitations"\n'
 BY_PROLIFIC = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
 BY_MTURK = "?workerId=w1&hitId=h1&assignmentId=a1&turkSubmitTo=https%3A%2F%2Fwww.mturk.com"
@@ -186,6 +187,8 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
         assert shown_code(PageReader(again.text)) == CODES["screened_out"]
     (stored,) = stored_in(app, select(ScreenOut))
     assert stored.participant == "p1"
+    (version,) = stored_in(app, select(StudyVersion))
+    assert (version.screened_by_eligibility, version.screened_by_consent) == (1, 0)
     assert not stored_in(app, select(StudySession))
     assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
 
@@ -284,6 +287,21 @@ def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
         answer = curious.get(f"/{query}")
         assert answer.status_code == 403
         assert "invitation" in PageReader(answer.text).heading
+
+
+def test_who_did_not_understand_the_instructions_cannot_come_back_by_the_same_invitation(
+    opened: Opened, clock: SetClock
+) -> None:
+    app = opened(INVITATIONS + COMPREHENSION)
+    (token,) = make_invitations(site_of(app).database, 1, clock)
+    visitor = Visitor(app, clock).enrol(f"?invitation={token}")
+
+    tries = [visitor.client.post(f"{visitor.address}/begin", data=WRONG) for _ in range(2)]
+
+    assert [answer.status_code for answer in tries] == [422, 403]
+    assert app.test_client().get(f"/?invitation={token}").status_code == 403
+    (version,) = stored_in(app, select(StudyVersion))
+    assert version.screened_by_comprehension == 1
 
 
 def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:

@@ -38,6 +38,13 @@ low = 1
 high = 3
 choices = ["never", "every day"]
 """
+COMPREHENSION = """
+[[form.comprehension]]
+name = "judged"
+text = "What are you to judge?"
+choices = ["the clothes", "the gestures"]
+eligible = ["the gestures"]
+"""
 CLOSING = """
 [[form.closing]]
 name = "comment"

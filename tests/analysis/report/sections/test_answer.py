@@ -239,6 +239,21 @@ def test_study_sessions_that_ended_unwatched_are_counted_among_the_participants(
     assert not any("ended before the last trial" in text for text in unflawed)
 
 
+def test_those_who_were_screened_out_stand_before_those_who_started(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
+    counts = {"eligibility": 3, "consent": 0, "comprehension": 1}
+    screened = replace(report, screened_out=counts)
+
+    section = flow_section(screened, subject_of(report))
+
+    assert flow_line(screened, subject_of(report)).startswith("Participants: 4 screened out, ")
+    assert section is not None
+    assert section.paragraphs[0].startswith(
+        "4 people were screened out before the trials: 3 by the questions about eligibility"
+    )
+    assert "screened out" not in flow_line(report, subject_of(report))
+
+
 def test_excluded_participants_are_counted_in_answer_and_flow(tmp_path: Path) -> None:
     table = pd.concat(
         [
