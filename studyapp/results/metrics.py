@@ -62,7 +62,7 @@ def measure_study(
         If the study, its segments or a network cannot be read, or no condition has a motion file.
     """
     study = folder.study()
-    segments = tuple(folder.segments())
+    segments = folder.segments_of(study)
     shown = dict.fromkeys((*study.conditions, study.catch.condition))
     clips = {
         condition: {
@@ -82,7 +82,7 @@ def measure_study(
     return study_metrics(
         clips,
         {
-            segment.name: (folder.speech / segment.wav, segment.start, segment.end)
+            segment.name: (folder.recording(segment), segment.start, segment.end)
             for segment in segments
         },
         frozen=study.freeze,

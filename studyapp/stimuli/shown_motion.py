@@ -239,7 +239,7 @@ def _speech(folder: StudyFolder, segment: Segment, heard: Segment | None) -> Aud
     if heard is None:
         return None
     try:
-        speech = read_audio(folder.speech / heard.wav, sample_rate=SOUND_RATE)
+        speech = read_audio(folder.recording(heard), sample_rate=SOUND_RATE)
     except InputError:
         return None
     end = min(heard.end, heard.start + segment.duration)

@@ -105,6 +105,15 @@ class StudyFolder:
         """Return the motion clip of `condition` for `segment`."""
         return self.root / "motion" / condition / f"{segment}.npz"
 
+    def recording(self, segment: Segment) -> Path:
+        """Return the file with the speech of `segment`.
+
+        A segment that finished videos alone make known is heard in the first of them.
+        """
+        if segment.wav:
+            return self.speech / segment.wav
+        return min(self.videos.glob(f"*/{segment.name}.mp4"), default=self.videos)
+
     def semantics(self, segment: str) -> Path:
         """Return BEAT's annotations of semantic gestures in a recording."""
         return self.speech / f"{segment}.txt"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from collections.abc import Callable
@@ -83,6 +84,21 @@ def test_pairs_whose_motion_is_not_there_are_named(answered: Answered) -> None:
     assert not section.select("figure.motion-viewer")
     assert "theirs, segment" in section.get_text()
     assert "there is no motion file" in section.get_text()
+
+
+def test_finished_videos_without_recordings_lend_their_sound_to_their_motion(
+    answered: Answered,
+) -> None:
+    folder = with_motion(answered("pairwise", people=3), "ours", "theirs", "real")
+    shutil.rmtree(folder.speech)
+
+    page = report(folder, with_motion=True)
+
+    viewers = opened(page).select("#motion figure.motion-viewer")
+    assert viewers
+    assert all('"speech": "' in str(viewer["data-scene"]) for viewer in viewers)
+    skipped = json.loads(page.with_name("results.json").read_text("utf-8"))["metrics"]["skipped"]
+    assert skipped == []
 
 
 def test_before_anybody_has_answered_the_report_says_that_there_are_no_pairs(
