@@ -11,7 +11,7 @@ from motion.files import write_text
 from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
-from studyapp.study.settings.presentation import Language
+from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.study_file import TEMPLATES, render_study_file, require_new_file
 from studyapp.study.study_options import StudyOptions
@@ -52,6 +52,12 @@ from studyapp.study.study_options import StudyOptions
     help="How many take part; of pairwise studies, in each comparison.",
 )
 @click.option(
+    "--framing",
+    type=click.Choice(get_args(Framing)),
+    help="How much of the body the videos show. By default the face where all questions are about "
+    "it, else the upper body.",
+)
+@click.option(
     "--recruit",
     "channel",
     type=click.Choice(get_args(Channel)),
@@ -76,6 +82,7 @@ def command(
     catch_videos: bool,
     trials: int | None,
     participants: int | None,
+    framing: Framing | None,
     channel: str | None,
     pay: str | None,
     minutes: int | None,
@@ -103,6 +110,7 @@ def command(
         participants=participants,
         conditions=read_conditions(conditions, folder),
         catch_videos=catch_videos,
+        framing=framing,
         channel=cast("Channel | None", channel),
         pay=None if pay is None else read_pay(pay, channel),
         minutes=minutes,

@@ -19,7 +19,9 @@ from studyapp.researchers.account import Right
 from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (
+    AS_ASKED,
     CHANNEL_DESCRIPTIONS,
+    FRAMING_DESCRIPTIONS,
     LANGUAGES,
     MAX_MINUTES,
     MAX_PARTICIPANTS,
@@ -37,7 +39,7 @@ from studyapp.study.interview import (
     source_descriptions,
 )
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.settings.presentation import Language, Video
+from studyapp.study.settings.presentation import Framing, Language, Video
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.settings.study import Study
@@ -128,6 +130,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         contact=read_address(form.get("contact", "")),
         ethics=read_line(form.get("ethics", ""), 300),
         avatar=form.get("avatar") or None,
+        framing=cast("Framing | None", form.get("framing") or None),
         wording={
             question.name: read_line(wording[question.name], LONGEST_QUESTION)
             for question in default.questions
@@ -171,6 +174,7 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
         "conditions": "stand-ins",
         "channel": "link",
         "avatar": default.video.avatar,
+        "framing": "",
     }
     return page(
         "describe_study",
@@ -188,6 +192,7 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
         channels=CHANNEL_DESCRIPTIONS,
         languages=LANGUAGES,
         avatars=AVATARS,
+        framings={"": AS_ASKED, **FRAMING_DESCRIPTIONS},
         most_participants=MAX_PARTICIPANTS,
         most_trials=MOST_TRIALS,
         longest=MAX_MINUTES,

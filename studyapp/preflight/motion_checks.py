@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -18,6 +17,7 @@ from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
 from studyapp.stimuli.render_plan import study_camera
 from studyapp.stimuli.shown_motion import background_of, left_out, shown_abilities, shown_body
+from studyapp.study.settings.questions import is_about_face
 from studyapp.study.settings.study import Study
 
 LEAST_HEAD_PIXELS: Final = 120
@@ -25,10 +25,6 @@ LEAST_HEAD_PIXELS: Final = 120
 
 _HEAD_METRES: Final = 0.26
 """From the chin to the top of the hair."""
-
-_FACE_WORDS: Final = re.compile(
-    r"\b(faces?|facial|lips?|mouth)\b|gesicht|mimik|lippen|顔|表情", re.IGNORECASE
-)
 
 ConditionClips = Mapping[str, Sequence[MotionClip]]
 
@@ -136,9 +132,7 @@ def _framing_findings(
         yield make_finding("framed-part-still", framing=part, why="the study's body has no face")
     if background_of(study) != BACKGROUND:
         yield make_finding("background-unlike-pages")
-    about_face = [
-        question.name for question in study.questions if _FACE_WORDS.search(question.text)
-    ]
+    about_face = [question.name for question in study.questions if is_about_face(question.text)]
     if about_face and not part and body.has_face and "face" not in study.freeze:
         pixels = _head_pixels(material, clips)
         if pixels < LEAST_HEAD_PIXELS:

@@ -12,7 +12,7 @@ from typing import Final
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from studyapp.study.condition_options import FILES, VIDEOS, source_notation
-from studyapp.study.settings.presentation import reaches_somebody
+from studyapp.study.settings.presentation import Framing, reaches_somebody
 from studyapp.study.settings.recruitment import MONEY, Pay
 from studyapp.study.study_options import StudyOptions
 
@@ -63,6 +63,19 @@ SOURCE_DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
+FRAMING_DESCRIPTIONS: Final[Mapping[Framing, str]] = MappingProxyType(
+    {
+        "upper_body": "upper body: head, arms and hands, down to the hips",
+        "full_body": "full body: with feet and their shadow",
+        "face": "face: head and neck; gestures are not seen",
+        "hands": "hands: hands and lower arms; hardly closer where they are raised",
+    }
+)
+
+AS_ASKED: Final = "as the questions need: the face where all are about it, else the upper body"
+"""What stands for a framing that is left to the questions."""
+
+
 @dataclass(frozen=True)
 class InterviewQuestion:
     """One question, and what its answer is for."""
@@ -90,6 +103,12 @@ QUESTIONS: Final[Mapping[str, InterviewQuestion]] = MappingProxyType(
             "Catch trials show a visibly broken motion beside a good one, to detect participants "
             "who do not watch. Finished videos cannot be broken here: put broken ones into "
             "videos/broken/. Without them, the study has attention checks instead.",
+        ),
+        "framing": InterviewQuestion(
+            "Framing",
+            "How much of the body do all videos show? Where only some questions are about the "
+            "face, 'motionjury check' says how large it is. The angle of the camera, the "
+            "background and the size of the videos stand under [video] in the study's settings.",
         ),
         "channel": InterviewQuestion(
             "Recruiting",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Final
@@ -15,6 +16,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.questions import is_about_face
 from studyapp.study.settings.reading import ALIASES, parse_study, parse_text, read_text
 from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, format_amount
 from studyapp.study.settings.study import Study
@@ -123,14 +125,22 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
 
 
 def _with_wording(text: str, options: StudyOptions) -> str:
-    """Return a study file with the question texts and the avatar of `options`."""
+    """Return a study file with the question texts, the avatar and the framing of `options`."""
     document: Any = tomlkit.parse(text)
     for question in document["questions"]:
         if (words := options.wording.get(question["name"])) is not None:
             question["text"] = words
     if options.avatar is not None:
         document["video"]["avatar"] = options.avatar
-    return tomlkit.dumps(document) if options.wording or options.avatar else text
+    framing = options.framing or ("face" if _is_about_faces_alone(document) else None)
+    if framing is not None:
+        document["video"]["framing"] = framing
+    return tomlkit.dumps(document)
+
+
+def _is_about_faces_alone(document: Mapping[str, Any]) -> bool:
+    texts = [str(question["text"]) for question in document["questions"]]
+    return "face" not in document.get("freeze", ()) and all(map(is_about_face, texts))
 
 
 def _template_variables(options: StudyOptions) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import tomlkit
 from motion.errors import InputError
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.presentation import Language
+from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel, Pay
 from studyapp.study.settings.study import GROUND_TRUTH
 
@@ -51,6 +51,9 @@ class StudyOptions:
         See `studyapp.study.settings.presentation.Page`.
     avatar : str or None
         The avatar in the videos.
+    framing : {'upper_body', 'full_body', 'face', 'hands'} or None
+        What the videos show; None for the face if every question is about it, otherwise for what
+        the template has.
     wording : mapping of str to str
         Question texts that replace the template's, by question name.
     """
@@ -71,6 +74,7 @@ class StudyOptions:
     contact: str | None = None
     ethics: str | None = None
     avatar: str | None = None
+    framing: Framing | None = None
     wording: Mapping[str, str] = field(default_factory=dict)
 
 

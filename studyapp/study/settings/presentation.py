@@ -15,6 +15,8 @@ Device = Literal["computer", "tablet", "phone"]
 
 Language = Literal["en", "de", "ja"]
 
+Framing = Literal["upper_body", "full_body", "face", "hands"]
+
 _REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
 """An e-mail address, the address of a page, or a telephone number."""
 
@@ -91,7 +93,7 @@ class Video(Section):
         actions, which turns the one into the other where the body shows only that.
     """
 
-    framing: Literal["upper_body", "full_body", "face", "hands"] = "upper_body"
+    framing: Framing = "upper_body"
     view: Literal["front", "three_quarter"] = "front"
     background: str = Field("#ececee", pattern="^#[0-9a-fA-F]{6}$")
     size: int = Field(720, ge=64, le=1440, multiple_of=2)

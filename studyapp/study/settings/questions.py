@@ -15,6 +15,15 @@ from studyapp.study.settings.sections import Name, Section
 RESERVED_NAMES = ("trial",)
 """Names of the page's own fields."""
 
+_OF_FACES: Final = re.compile(
+    r"\b(faces?|facial|lips?|mouth)\b|gesicht|mimik|lippen|顔|表情", re.IGNORECASE
+)
+
+
+def is_about_face(text: str) -> bool:
+    """Tell whether the text of a question names the face."""
+    return _OF_FACES.search(text) is not None
+
 
 class Reason(Section):
     """One reason that participants may tick beside their answer."""

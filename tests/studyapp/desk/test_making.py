@@ -33,7 +33,7 @@ def filled_in(page: PageReader) -> dict[str, str]:
             sent[str(field["name"])] = str(field.get("value", ""))
     for choice in form.select("select[name]"):
         (chosen,) = choice.select("option[selected]")
-        sent[str(choice["name"])] = chosen.text
+        sent[str(choice["name"])] = str(chosen.get("value", chosen.text))
     return sent
 
 
@@ -69,6 +69,7 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
         "trials": "12",
         "participants": "7",
         "avatar": "maya",
+        "framing": "hands",
         "pay": "2.50 GBP",
         "minutes": "15",
         "channel": "prolific",
@@ -87,7 +88,8 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
     study = read_study(lab.folder / "own" / "study.toml")
     assert isinstance(study, PairwiseStudy)
     assert list(study.conditions) == ["ground_truth", "ours", "chance"]
-    assert (study.reference, study.trials, study.video.avatar) == ("ground_truth", 12, "maya")
+    assert (study.reference, study.trials) == ("ground_truth", 12)
+    assert (study.video.avatar, study.video.framing) == ("maya", "hands")
     assert study.questions[0].text == 'Which gestures "fit" better?'
     assert study.recruitment.channel == "prolific"
     assert study.page.contact == "lab@example.org"
@@ -105,6 +107,7 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
         ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
         ({"conditions": "own"}, "no condition is named"),
         ({"avatar": "nobody"}, "avatar"),
+        ({"framing": "feet"}, "framing"),
     ],
 )
 def test_what_is_wrong_is_said_and_nothing_is_made(

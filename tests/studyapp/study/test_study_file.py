@@ -8,6 +8,7 @@ from motion.errors import InputError
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.presentation import Framing
 from studyapp.study.settings.reading import read_study
 from studyapp.study.study_file import TEMPLATES, add_condition, new_study
 
@@ -34,6 +35,25 @@ def test_what_is_wanted_ends_up_in_the_file(tmp_path: Path) -> None:
         study = new_study(tmp_path / f"{name}.toml", name="s", reference=name, trials=2)
         assert isinstance(study, PairwiseStudy)
         assert (study.conditions[name].generator, study.practice) == (None, 1)
+
+
+@pytest.mark.parametrize(
+    ("framing", "second", "expected"),
+    [
+        (None, "Which face is more alive?", "face"),
+        (None, "Which motion is more alive?", "upper_body"),
+        ("full_body", "Which face is more alive?", "full_body"),
+    ],
+)
+def test_the_face_is_framed_where_all_questions_are_about_it_and_nothing_else_is_wanted(
+    tmp_path: Path, framing: Framing | None, second: str, expected: str
+) -> None:
+    wording = {"fit": "Which lips fit better?", "realism": second}
+    study = new_study(
+        tmp_path / "s.toml", name="s", template="mismatch", framing=framing, wording=wording
+    )
+
+    assert study.video.framing == expected
 
 
 def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
