@@ -13,7 +13,7 @@ from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from motion.segment import EMOTIONS
+from motion.segment import EMOTIONS, SEGMENTS_FILE
 from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE, Inbox, Upload, WrongOffsetError
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
@@ -104,7 +104,9 @@ def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
         study=study,
         problem=problem,
         files=files,
-        has_speech=any(file.condition == "" for file in files),
+        # A table of segments says all of it.
+        asks_about_speech=any(file.condition == "" for file in files)
+        and not any(file.name == SEGMENTS_FILE for file in files),
         conditions=_conditions(study),
         emotions=EMOTIONS,
         endings=IMPORTABLE_ENDINGS,

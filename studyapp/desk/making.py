@@ -19,7 +19,6 @@ from studyapp.researchers.account import Right
 from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (
-    AS_ASKED,
     CHANNEL_DESCRIPTIONS,
     FRAMING_DESCRIPTIONS,
     LANGUAGES,
@@ -111,7 +110,8 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
             raise InputError("no condition is named", remedy="Name two or more of them")
     default = _template_study(template, language)
     wording = {
-        question.name: form.get(f"question-{question.name}", "") for question in default.questions
+        question.name: " ".join(form.get(f"question-{question.name}", "").split())
+        for question in default.questions
     }
     requested = StudyOptions(
         name=name,
@@ -192,7 +192,7 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
         channels=CHANNEL_DESCRIPTIONS,
         languages=LANGUAGES,
         avatars=AVATARS,
-        framings={"": AS_ASKED, **FRAMING_DESCRIPTIONS},
+        framings=FRAMING_DESCRIPTIONS,
         most_participants=MAX_PARTICIPANTS,
         most_trials=MOST_TRIALS,
         longest=MAX_MINUTES,

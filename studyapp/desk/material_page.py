@@ -55,6 +55,8 @@ class Cell:
 
     Attributes
     ----------
+    label : str
+        What the condition is called.
     source : Path
         Where its motion, or its finished video, belongs, whether it is there or not.
     video : Path or None
@@ -64,6 +66,7 @@ class Cell:
     """
 
     condition: str
+    label: str
     segment: Segment
     source: Path
     video: Path | None
@@ -158,6 +161,7 @@ class Material:
         files = dict.fromkeys((source_name, clip, *self._shown_in.get((segment, condition), ())))
         return Cell(
             condition=condition,
+            label=self.study.display_names[condition],
             segment=self.segments[segment],
             source=source,
             video=video if video.is_file() else None,
@@ -281,7 +285,7 @@ def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
 def _scenes(cells: Sequence[Cell]) -> list[Scene]:
     """Return the scenes of cells of one segment."""
     segment = cells[0].segment.name
-    clips = [(cell.condition, cell.condition) for cell in cells if cell.has_motion]
+    clips = [(cell.label, cell.condition) for cell in cells if cell.has_motion]
     return scenes_of(segment, segment, clips)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
@@ -63,17 +63,15 @@ SOURCE_DESCRIPTIONS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-FRAMING_DESCRIPTIONS: Final[Mapping[Framing, str]] = MappingProxyType(
+FRAMING_DESCRIPTIONS: Final[Mapping[Framing | Literal[""], str]] = MappingProxyType(
     {
-        "upper_body": "upper body: head, arms and hands, down to the hips",
-        "full_body": "full body: with feet and their shadow",
-        "face": "face: head and neck; gestures are not seen",
-        "hands": "hands: hands and lower arms; hardly closer where they are raised",
+        "": "as the questions need",
+        "upper_body": "upper body, with room for the hands",
+        "full_body": "full body, with the feet",
+        "face": "face: head and neck",
+        "hands": "hands and lower arms",
     }
 )
-
-AS_ASKED: Final = "as the questions need: the face where all are about it, else the upper body"
-"""What stands for a framing that is left to the questions."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +104,10 @@ QUESTIONS: Final[Mapping[str, InterviewQuestion]] = MappingProxyType(
         ),
         "framing": InterviewQuestion(
             "Framing",
-            "How much of the body do all videos show? Where only some questions are about the "
-            "face, 'motionjury check' says how large it is. The angle of the camera, the "
-            "background and the size of the videos stand under [video] in the study's settings.",
+            "How much of the body do all videos show? The questions need the face where all of "
+            "them are about it, otherwise the upper body; where only some are, 'motionjury check' "
+            "says how large the face is. The angle of the camera, the background and the size of "
+            "the videos stand under [video] in the study's settings.",
         ),
         "channel": InterviewQuestion(
             "Recruiting",

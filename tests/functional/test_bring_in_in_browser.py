@@ -70,12 +70,12 @@ def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
         follow(page.get_by_role("link", name="All segments and conditions"))
         for name in ("take-0", "take-1", "take-2"):
             expect(
-                page.get_by_role("link", name=f"motion of rule_based for {name}")
+                page.get_by_role("link", name=f"motion of rule based for {name}")
             ).to_be_visible()
-        missing = page.get_by_role("link", name="missing of rule_based for long")
+        missing = page.get_by_role("link", name="missing of rule based for long")
         expect(missing).to_be_visible()
         look_at("table")
-        follow(page.get_by_role("link", name="motion of rule_based for take-0"))
+        follow(page.get_by_role("link", name="motion of rule based for take-0"))
         look_at("clip")
     assert {name: problems for name, problems in found.items() if problems} == {}
 

@@ -31,6 +31,8 @@ def filled_in(page: PageReader) -> dict[str, str]:
             continue
         if field["name"] not in ("condition", "source", "form_code"):
             sent[str(field["name"])] = str(field.get("value", ""))
+    for area in form.select("textarea[name]"):
+        sent[str(area["name"])] = area.text
     for choice in form.select("select[name]"):
         (chosen,) = choice.select("option[selected]")
         sent[str(choice["name"])] = str(chosen.get("value", chosen.text))

@@ -64,7 +64,7 @@ def test_the_table_says_what_is_there_missing_and_bad(
     found_by_check(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
     found = cells(ada.get(MATERIAL))
     assert len(found) == 12
-    assert found["take-0", "rule_based"] == "video"
+    assert found["take-0", "rule based"] == "video"
     assert found["take-1", "mismatched"] == "bad"
     assert set(found.values()) == {"video", "bad", "missing"}
     page = ada.get(f"{MATERIAL}/mismatched/take-1")
@@ -84,7 +84,7 @@ def test_what_is_wrong_with_a_pair_is_told_of_both_sides(
 ) -> None:
     found_by_check(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
     found = cells(ada.get(MATERIAL))
-    assert found["take-0", "rule_based"] == found["take-0", "mismatched"] == "bad"
+    assert found["take-0", "rule based"] == found["take-0", "mismatched"] == "bad"
 
 
 def test_a_viewer_plays_a_video_and_removes_nothing(
@@ -115,7 +115,7 @@ def test_motion_is_turned_around_whether_rendered_or_not_and_a_row_side_by_side(
     table = ada.get(MATERIAL)
     row = table.soup.select("tbody th a")[0]
     assert row.text == "take-0"
-    assert played(str(row["href"])) == ["rule_based", "broken"]
+    assert played(str(row["href"])) == ["rule based", "broken"]
     assert not ada.get(f"{MATERIAL}/rule_based/take-3").soup.select(
         ".motion-viewer, script[src*=viewer]"
     )
