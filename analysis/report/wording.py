@@ -165,8 +165,8 @@ def place_name(place: ResultKey) -> str:
 
 
 def question_name(set_name: str, question: str) -> str:
-    """Return the name of a question, after that of its set if there is one."""
-    return f"{name(set_name)}: {name(question)}" if set_name else name(question)
+    """Return what a row about a question is called, with its set if it has one."""
+    return heading(f"{set_name}: {question}" if set_name else question)
 
 
 def between(low: str, high: str) -> str:

@@ -80,7 +80,7 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             bullets=tuple(f"Rule: {rule}" for rule in recovery.rules),
             tables=(
                 _table(
-                    "Participants by kind. Who is analysed and should not be is missed.",
+                    "Participants by kind. Missed: analysed, though they should not be.",
                     tables["raters.csv"],
                     text_columns=2,
                     notes=(
@@ -93,7 +93,7 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
         ),
         Section(
             anchor="bookkeeping",
-            heading="Whether all was counted right",
+            heading="Whether everything was counted correctly",
             paragraphs=(counts_in_words(recovery),),
             tables=(
                 _table(

@@ -71,7 +71,7 @@ def signs_in_words(recovery: Recovery) -> str:
     if not signs:
         return "No two conditions could be compared."
     parts = [f"{signs.count(sign)} {SIGNS[sign]}" for sign in SIGNS if signs.count(sign)]
-    return f"Of {count(len(signs), 'comparison')}, {listed(parts)}."
+    return f"{count(len(signs), 'comparison')}: {listed(parts)}."
 
 
 def difference_in_words(difference: KnownDifference) -> str:
@@ -135,7 +135,8 @@ def counts_in_words(recovery: Recovery) -> str:
     by_words = {check.what: check.happened for check in recovery.checks}
     answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
     return (
-        f"All is counted right: {count(answers, 'acknowledged answer')} stored, each once; "
+        "Everything was counted correctly: "
+        f"{count(answers, 'acknowledged answer')} stored, each once; "
         f"{by_words.get('left for good', 0)} left for good, "
         f"{by_words.get('came back after leaving and finished', 0)} came back."
     )

@@ -110,7 +110,8 @@ def study_notes(study: Study) -> tuple[str, ...]:
     """Return it, as sentences."""
     if study.has_recording or not study.catch.trials:
         return ()
+    names = study.display_names
     return (
         "No condition is a recording of a person, so there is no ground truth: "
-        f"catch trials show {study.catch_against} against {study.catch.condition}.",
+        f"catch trials show {names[study.catch_against]} against {names[study.catch.condition]}.",
     )

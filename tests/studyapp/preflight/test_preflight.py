@@ -256,7 +256,7 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     with edited(ready.definition) as document:
         del document["conditions"]["ground_truth"]
     (note,) = study_notes(ready.study())
-    assert "rule_based against broken" in note
+    assert "rule based against broken" in note
     pretend_rendered(ready, video)
     assert note.rstrip(".") in clauses(check(ready), "note")
 

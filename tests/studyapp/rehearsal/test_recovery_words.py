@@ -88,7 +88,7 @@ def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
 
 def test_a_miss_is_shown_and_put_down_to_chance() -> None:
     lines = list(recovery_lines(RECOVERY))
-    assert " ".join(lines[1].split()) == "fit Ours against theirs win share .60 .55 .45 to .65"
+    assert " ".join(lines[1].split()) == "Fit Ours against theirs win share .60 .55 .45 to .65"
     assert lines[2].endswith("outside")
     assert "1 of 2 intervals hold the true value" in lines[3]
     assert "1 or more of 2 intervals in 10 of 100" in lines[3]

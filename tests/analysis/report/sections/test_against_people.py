@@ -77,7 +77,7 @@ def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_byt
     assert shown == section(found)
     (table,) = shown.tables
     cells = [cell.text for cell in table.rows[0]]
-    assert cells[:5] == ["realism", "liveliness ↑", "4", "1", "[−.19,\xa01]"]
+    assert cells[:5] == ["Realism", "liveliness ↑", "4", "1", "[−.19,\xa01]"]
     assert table.name == "metrics-against-people"
     assert [picture.name for picture in shown.pictures] == [
         "metric-correlations",
