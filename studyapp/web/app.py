@@ -6,6 +6,7 @@ import hashlib
 import logging
 import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -183,42 +184,32 @@ class Health:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._attempt: _Attempt | None = None
+        self._attempt: Future[bool] | None = None
+        self._began = 0.0
 
     def is_well(self, database: Database, log: logging.Logger) -> bool:
         """Return the result of the last attempt, or a new one; False if it takes too long."""
         with self._lock:
-            if self._attempt is None or self._attempt.is_outdated:
-                self._attempt = _Attempt(database, log)
-            attempt = self._attempt
-        return attempt.succeeds()
-
-
-class _Attempt:
-    """An attempt to write, in a thread beside the requests that wait for it."""
-
-    def __init__(self, database: Database, log: logging.Logger) -> None:
-        self._began = time.monotonic()
-        self._ended = threading.Event()
-        self._succeeded = False
-        threading.Thread(target=self._write, args=(database, log), daemon=True).start()
-
-    @property
-    def is_outdated(self) -> bool:
-        """Whether it has ended, and its result no longer counts."""
-        return self._ended.is_set() and time.monotonic() - self._began >= KNOWN_SECONDS
-
-    def succeeds(self) -> bool:
-        """Return whether it has succeeded, once it has ended or its time is over."""
-        self._ended.wait(max(0.0, self._began + ANSWER_SECONDS - time.monotonic()))
-        return self._succeeded
-
-    def _write(self, database: Database, log: logging.Logger) -> None:
+            now = time.monotonic()
+            is_current = now - self._began < KNOWN_SECONDS
+            if self._attempt is None or (self._attempt.done() and not is_current):
+                self._attempt, self._began = Future(), now
+                arguments = (self._attempt, database, log)
+                threading.Thread(target=_try_writing, args=arguments, daemon=True).start()
+            attempt, deadline = self._attempt, self._began + ANSWER_SECONDS
         try:
-            database.try_writing()
-            self._succeeded = True
-        except (SQLAlchemyError, InputError, OSError) as error:
-            cause = getattr(error, "orig", None) or error
-            log.error("Not well: %s", (str(cause).splitlines() or [""])[0])
-        finally:
-            self._ended.set()
+            return attempt.result(max(0.0, deadline - time.monotonic()))
+        except TimeoutError:
+            return False
+
+
+def _try_writing(attempt: Future[bool], database: Database, log: logging.Logger) -> None:
+    succeeded = False
+    try:
+        database.try_writing()
+        succeeded = True
+    except (SQLAlchemyError, InputError, OSError) as error:
+        cause = getattr(error, "orig", None) or error
+        log.error("Not well: %s", (str(cause).splitlines() or [""])[0])
+    finally:
+        attempt.set_result(succeeded)

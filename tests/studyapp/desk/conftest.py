@@ -15,6 +15,8 @@ from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
+from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import enrol
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researchers_at_hand import PASSWORD
 
@@ -45,6 +47,15 @@ def tiny(lab: Lab) -> LabStudy:
     found = lab.study("tiny")
     assert found is not None
     return found
+
+
+@pytest.fixture
+def taken(tiny: LabStudy, lab: Lab) -> LabStudy:
+    """Return the study after somebody has begun to take part."""
+    served = tiny.served()
+    assert served is not None
+    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
+    return tiny
 
 
 @pytest.fixture

@@ -9,8 +9,6 @@ import pytest
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.audit import logged_changes
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -70,11 +68,8 @@ def test_what_somebody_else_saved_meanwhile_is_shown_and_stays(
 
 
 def test_what_changes_the_design_under_participants_becomes_a_new_version(
-    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, file: Path
+    taken: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
-    served = tiny.served()
-    assert served is not None
-    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = before.replace("fit the rhythm of the speech better", "follow the speech better")
     fields = {"text": text, "seen": seen(page)}
@@ -83,18 +78,15 @@ def test_what_changes_the_design_under_participants_becomes_a_new_version(
     assert "questions may not change under them" in answer.text
     assert file.read_text("utf-8") == before
     assert ada.post(SETTINGS, **fields, new_version="").status_code == 303
-    now = tiny.served()
+    now = taken.served()
     assert now is not None
     assert now.study.questions[0].text.endswith("follow the speech better?")
-    assert tiny.problem is None
+    assert taken.problem is None
 
 
 def test_how_many_take_part_may_change_under_participants(
-    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, file: Path
+    taken: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
-    served = tiny.served()
-    assert served is not None
-    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
     assert ada.post(SETTINGS, text=text, seen=seen(ada.get(SETTINGS))).status_code == 303
-    assert tiny.standing().wanted == 6
+    assert taken.standing().wanted == 6

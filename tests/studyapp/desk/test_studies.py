@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
 from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
@@ -46,18 +44,15 @@ def test_participants_go_on_with_what_was_there_when_a_file_is_wrong(tiny: LabSt
 
 
 def test_another_process_waits_for_a_new_version_and_then_serves_it(
-    lab: Lab, tiny: LabStudy
+    lab: Lab, taken: LabStudy
 ) -> None:
-    served = tiny.served()
-    assert served is not None
-    enrol(tiny.database, served, Arrival(visit="somebody"), lab.clock)
-    other = LabStudy(tiny.folder.root, lab.database, lab.clock, "")
-    redefine(tiny.folder.root, AGAIN)
-    assert asked(tiny).endswith("rhythm of the speech better?")
+    other = LabStudy(taken.folder.root, lab.database, lab.clock, "")
+    redefine(taken.folder.root, AGAIN)
+    assert asked(taken).endswith("rhythm of the speech better?")
     assert other.standing().state == "changed"
     assert other.application() is None
-    tiny.begin_new_version()
-    for study in (tiny, other):
+    taken.begin_new_version()
+    for study in (taken, other):
         assert asked(study).endswith("follow the speech better?")
         assert study.problem is None
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.monitoring.answered_trials import (
-    AnsweredTrial,
-    progress,
-    sides,
-)
+from studyapp.monitoring.answered_trials import AnsweredTrial, progress, sides
 from studyapp.monitoring.counts import (
     Dropout,
     completions,
@@ -22,9 +19,34 @@ from studyapp.monitoring.counts import (
     total_places,
 )
 from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
-from studyapp.monitoring.study_sessions import ROWS, ListedSession, page_numbers, rows_on_page
+from studyapp.monitoring.study_sessions import (
+    ROWS,
+    ListedSession,
+    SessionProgress,
+    Standing,
+    page_numbers,
+    rows_on_page,
+)
 from studyapp.study.design.trial import Arm
-from tests.studyapp.monitoring.made_study_sessions import NOON, session_progress
+
+NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
+
+
+def session_progress(standing: Standing, settled: int = 0, **changes: Any) -> SessionProgress:
+    """Return a study session of ten trials that began at noon."""
+    values: dict[str, Any] = {
+        "id": 1,
+        "arm": "a-b",
+        "present": True,
+        "standing": standing,
+        "consented_at": NOON,
+        "started_at": NOON,
+        "last_active_at": NOON,
+        "completed_at": NOON + timedelta(minutes=10) if standing == "done" else None,
+        "trials": 10,
+        "settled": settled,
+    }
+    return SessionProgress(**(values | changes))
 
 
 def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:

@@ -11,7 +11,7 @@ from studyapp.database.engine import Database
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researchers_at_hand import joined
-from tests.support.studies.taking_part_steps import SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 NAMES = {"owner": "Ada", "analyst": "Charles", "viewer": "Mary"}
 
@@ -39,6 +39,18 @@ def hashing_costs_little(cheap_passwords: None) -> None:
 def stored(app: Flask) -> Database:
     """Return the database that the pages show."""
     return site_of(app).database
+
+
+@pytest.fixture
+def people(app: Flask, clock: SetClock) -> list[Participant]:
+    """Return two participants: one has finished, the other is at the second trial."""
+    site = site_of(app)
+    done = Participant(site.database, site.served, clock).enrol("a").begin()
+    done.take_all()
+    other = Participant(site.database, site.served, clock).enrol("b").begin()
+    other.take_trial()
+    other.look()
+    return [done, other]
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from flask import Flask
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
@@ -19,23 +18,11 @@ from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.read_once import read_once
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant
 
 ONE = "/research/study-sessions/1"
 LIST = "/research/study-sessions"
 SCRIPT = "<script>alert(1)</script>"
-
-
-@pytest.fixture
-def people(app: Flask, clock: SetClock) -> list[Participant]:
-    """Return two participants: one has finished, the other has answered a trial."""
-    site = site_of(app)
-    done, other = (
-        Participant(site.database, site.served, clock).enrol(name).begin() for name in "ab"
-    )
-    done.take_all()
-    other.take_trial()
-    return [done, other]
 
 
 @pytest.fixture

@@ -6,30 +6,19 @@ import shutil
 from contextlib import closing
 from pathlib import Path
 
-from flask import Flask
+import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.session.intake import decided
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant
 
 
-def people(app: Flask, clock: SetClock) -> None:
-    """Let one finish, and another be in the middle."""
-    site = site_of(app)
-    Participant(site.database, site.served, clock).enrol("one").begin().take_all()
-    other = Participant(site.database, site.served, clock).enrol("other").begin()
-    other.take_trial()
-    other.look()
-
-
-def test_what_is_counted_leads_to_those_counted(log_in: LogIn) -> None:
-    people(log_in.app, log_in.clock)
+def test_what_is_counted_leads_to_those_counted(people: list[Participant], log_in: LogIn) -> None:
     viewer = log_in("viewer")
 
     page = viewer.get("/research/")
@@ -47,8 +36,9 @@ def test_what_is_counted_leads_to_those_counted(log_in: LogIn) -> None:
         assert listed.startswith(f"{number} study session"), link
 
 
-def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(log_in: LogIn) -> None:
-    people(log_in.app, log_in.clock)
+def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
+    people: list[Participant], log_in: LogIn
+) -> None:
     viewer = log_in("viewer")
     page = viewer.get("/research/study-sessions")
 
@@ -68,9 +58,8 @@ def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(log_in: Log
 
 
 def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
-    log_in: LogIn,
+    people: list[Participant], log_in: LogIn
 ) -> None:
-    people(log_in.app, log_in.clock)
     with log_in.stored.writing() as session:
         session.get_one(StudySession, 2).recruiter_participant = "5d33f9"
     owner, analyst = log_in("owner"), log_in("analyst")
@@ -85,8 +74,9 @@ def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
     assert analyst.client.get(f"{listed}?order=recruiter").status_code == 404
 
 
-def test_what_happened_leads_to_the_video_it_was_about(log_in: LogIn) -> None:
-    people(log_in.app, log_in.clock)
+def test_what_happened_leads_to_the_video_it_was_about(
+    people: list[Participant], log_in: LogIn
+) -> None:
     viewer = log_in("viewer")
 
     page = viewer.get("/research/study-sessions/1")
@@ -99,9 +89,11 @@ def test_what_happened_leads_to_the_video_it_was_about(log_in: LogIn) -> None:
     assert viewer.client.get("/research/study-sessions/1/1/9.mp4").status_code == 404
 
 
-def test_the_overview_draws_places_done_over_time(log_in: LogIn) -> None:
+def test_the_overview_draws_places_done_over_time(
+    log_in: LogIn, request: pytest.FixtureRequest
+) -> None:
     assert not log_in("viewer").get("/research/").soup.select(".completions")
-    people(log_in.app, log_in.clock)
+    request.getfixturevalue("people")
 
     curve = log_in("analyst").get("/research/").one(".completions svg")
 
@@ -110,9 +102,8 @@ def test_the_overview_draws_places_done_over_time(log_in: LogIn) -> None:
 
 
 def test_a_rehearsal_is_shown_apart_and_is_not_changed(
-    log_in: LogIn, tiny_study: Path, empty_sqlite: Path
+    people: list[Participant], log_in: LogIn, tiny_study: Path, empty_sqlite: Path
 ) -> None:
-    people(log_in.app, log_in.clock)
     viewer = log_in("viewer")
     assert viewer.client.get("/research/rehearsal/").status_code == 404
     (tiny_study / "rehearsal.db").write_bytes(b"this is not a database" * 100)
@@ -137,8 +128,7 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     assert path.read_bytes() == before
 
 
-def test_no_page_says_what_was_answered(log_in: LogIn) -> None:
-    people(log_in.app, log_in.clock)
+def test_no_page_says_what_was_answered(people: list[Participant], log_in: LogIn) -> None:
     owner = log_in("owner")
     for address in ("/research/", "/research/study-sessions", "/research/study-sessions/1"):
         text = PageReader(owner.get(address).text).one("main").get_text().lower()
