@@ -1,4 +1,4 @@
-"""What a network sees of a clip: its frames, and the windows that they are cut into."""
+"""The input of a feature network: the channels of a clip's frames, cut into windows."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ _SMALLEST_SHIFT: Final = 1e-4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClipView:
-    """What a network sees of a clip: any of these, side by side.
+    """The channels of a clip that a network sees, side by side.
 
     Attributes
     ----------
     joints : tuple of str
-        SMPL-X names of joints whose rotations against their parents are seen, as the first two
+        SMPL-X names of joints whose rotations relative to their parents are used, as the first two
         columns of each matrix (6D; Zhou et al. 2019, "On the Continuity of Rotation Representations
         in Neural Networks").
     face : {'arkit', 'expressions'} or None
         A face as ARKit's 52 weights, or as the jaw's rotation and 100 SMPL-X coefficients.
     landmarks : FaceLandmarks or None
-        How far each landmark of the face is from where it is in the neutral face, in metres.
+        Displacement of each face landmark from the neutral face, in metres.
     """
 
     joints: tuple[str, ...] = ()
@@ -59,7 +59,7 @@ class ClipView:
 
     @property
     def channels(self) -> int:
-        """How many numbers a frame has."""
+        """Number of channels of a frame."""
         return len(self.floor)
 
     @property
@@ -78,13 +78,13 @@ class ClipView:
         Raises
         ------
         InputError
-            If the clip does not hold what the network looks at.
+            If the clip lacks a channel.
         """
         parts = []
-        turned = (*self.joints, "jaw") if self.face == "expressions" else self.joints
-        if turned:
-            turns = clip.poses[:, [joint_index(name) for name in turned]]
-            matrices = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix()
+        joints = (*self.joints, "jaw") if self.face == "expressions" else self.joints
+        if joints:
+            rotations = clip.poses[:, [joint_index(name) for name in joints]]
+            matrices = Rotation.from_rotvec(rotations.reshape(-1, 3)).as_matrix()
             parts.append(np.swapaxes(matrices[:, :, :2], 1, 2).astype(np.float32))
         if self.face == "arkit":
             parts.append(_required(clip.arkit, "ARKit weights"))
@@ -95,7 +95,7 @@ class ClipView:
         return np.concatenate([part.reshape(len(clip), -1) for part in parts], axis=1)
 
     def described(self) -> str:
-        """Return what the channels are, in words."""
+        """Return the channels in words."""
         parts = []
         if self.joints:
             parts.append(f"{len(self.joints)} joints, 6D rotations against the parent joint")
@@ -108,10 +108,10 @@ class ClipView:
         return "; ".join(parts)
 
 
-def _required(values: FloatArray | None, what: str) -> FloatArray:
+def _required(values: FloatArray | None, name: str) -> FloatArray:
     if values is None:
         raise InputError(
-            f"the clip holds no {what}, which the network was trained on",
+            f"the clip holds no {name}, which the network was trained on",
             remedy="Use clips that hold them, or train a network on what these clips hold",
         )
     return values
@@ -126,8 +126,8 @@ JOINTS_OF_CHANNELS: Final = MappingProxyType[Channels, tuple[str, ...]](
         "landmarks": (),
     }
 )
-"""Joints whose rotations a network sees: AMUSE's, or everything above the pelvis except the face,
-which is SMPL-X's counterpart of BEAT's 47 joints."""
+"""Joints whose rotations a network sees: AMUSE's, or all above the pelvis except the face, which is
+the SMPL-X counterpart of BEAT's 47 joints."""
 
 
 def view_of(
@@ -137,7 +137,7 @@ def view_of(
     face: Face | None = None,
     landmarks: FaceLandmarks | None = None,
 ) -> ClipView:
-    """Return what a network that looks at `channels` sees of a clip.
+    """Return the view of a network with these channels.
 
     Parameters
     ----------
@@ -146,49 +146,51 @@ def view_of(
     joints : tuple of str
         SMPL-X names of the joints whose rotations it sees.
     face : {'arkit', 'expressions'}, optional
-        In which terms it sees expressions.
+        How expressions are represented.
     landmarks : FaceLandmarks, optional
-        Where the landmarks are.
+        The landmarks.
 
     Raises
     ------
     InputError
-        If the channels need a face or landmarks and were given none.
+        If the channels need a face or landmarks and none are given.
     """
     if channels == "landmarks" and landmarks is not None:
         return ClipView(landmarks=landmarks)
-    faced = channels in ("expression", "both")
-    if channels == "landmarks" or (faced and face is None):
+    has_face = channels in ("expression", "both")
+    if channels == "landmarks" or (has_face and face is None):
         raise InputError(
-            f"a network that looks at {channels!r} needs to know of which face",
+            f"a network of {channels!r} needs a face or landmarks",
             remedy="Use a file as 'motionjury train evaluator' wrote it",
         )
-    return ClipView(joints=() if channels == "expression" else joints, face=face if faced else None)
+    return ClipView(
+        joints=() if channels == "expression" else joints, face=face if has_face else None
+    )
 
 
 def face_of(clip: MotionClip) -> Face:
-    """Return in which terms a clip tells the face; ARKit's where it does in both.
+    """Return how a clip represents the face; ARKit weights if it has both.
 
     Raises
     ------
     InputError
-        If it tells nothing of the face.
+        If it holds no face.
     """
     if clip.arkit is not None:
         return "arkit"
     if clip.expressions is not None:
         return "expressions"
     raise InputError(
-        "the clip tells nothing of the face",
+        "the clip holds no face",
         remedy="Give clips with ARKit weights or SMPL-X expression coefficients",
     )
 
 
 LARGEST: Final = 10_000
-"""Of any size of a network; a file that asks for more is damaged."""
+"""Largest size of a network; a file with a larger one is damaged."""
 
 TOLERANCE: Final = 0.1
-"""Seconds by which a clip may fall short of one window; its last frame is held as long."""
+"""Seconds by which a clip may be shorter than one window; its last frame is repeated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +200,7 @@ class WindowConfig:
     Attributes
     ----------
     frame_rate : float
-        Frames per second to which clips are brought, from 1 to 1000.
+        Frames per second to which clips are resampled, from 1 to 1000.
     window : int
         Frames of a window, from 2.
     stride : int
@@ -225,16 +227,16 @@ class WindowConfig:
         """Length of a window."""
         return self.window / self.frame_rate
 
-    def _check(self, name: str, fits: bool, wanted: str) -> None:
-        """Raise where the number called `name` does not fit."""
+    def _check(self, name: str, fits: bool, expected: str) -> None:
+        """Raise an error if the number called `name` does not fit."""
         if not fits:
             raise InputError(
-                f"{name} of the network is {getattr(self, name)!r}", remedy=f"Give {wanted}"
+                f"{name} of the network is {getattr(self, name)!r}", remedy=f"Give {expected}"
             )
 
 
 def window_starts(frames: int, window: int, stride: int) -> NDArray[np.int64]:
-    """Return where the whole windows of a clip begin, every `stride` frames from its first."""
+    """Return the starts of a clip's complete windows, every `stride` frames."""
     return np.arange(0, frames - window + 1, stride, dtype=np.int64)
 
 
@@ -258,7 +260,7 @@ def long_enough(frames: FloatArray, window: int, frame_rate: float) -> FloatArra
     return np.concatenate([frames, np.repeat(frames[-1:], missing, axis=0)])
 
 
-def windows(frames: FloatArray, window: int, stride: int) -> FloatArray:
+def cut_windows(frames: FloatArray, window: int, stride: int) -> FloatArray:
     """Return the windows of a clip's frames, shape (T, C), as shape (n, window, C)."""
     starts = window_starts(len(frames), window, stride)
     return np.asarray(frames[starts[:, None] + np.arange(window)])

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators import network_names as names
-from analysis.evaluators.clip_views import TOLERANCE, long_enough, windows
+from analysis.evaluators.clip_views import TOLERANCE, cut_windows, long_enough
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.files import sha256_of
@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float32]
 
-_AT_ONCE: Final = 64
-"""Windows that are embedded together."""
+_BATCH_SIZE: Final = 64
 
 _SHOWN_OF_HASH: Final = 16
 
@@ -41,9 +40,9 @@ class Evaluator:
     Attributes
     ----------
     sha256 : str
-        Hash of its file; every score quotes it.
+        Hash of its file, which every score quotes.
     file : EvaluatorFile
-        What the file holds.
+        The content of the file.
     """
 
     sha256: str
@@ -56,7 +55,7 @@ class Evaluator:
 
     @property
     def channels(self) -> Channels:
-        """What it looks at: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
+        """Its input: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
         return self.file.facts.channels
 
     @property
@@ -66,12 +65,12 @@ class Evaluator:
 
     @property
     def rule(self) -> None:
-        """No published code takes distances in its features."""
+        """None: no published code computes distances in its features."""
         return None
 
     @property
     def frame_rate(self) -> float:
-        """Frames per second to which it brings clips."""
+        """Frames per second to which clips are resampled."""
         return self.file.facts.network.frame_rate
 
     @property
@@ -94,55 +93,54 @@ class Evaluator:
         Parameters
         ----------
         clip : MotionClip
-            Of any frame rate. What the training clips were held still in, is held still.
+            Of any frame rate. Channels that were frozen in training are frozen.
 
         Returns
         -------
         ndarray, shape (windows, d), float32
-            Windows follow one another without overlap from the first frame; a rest that fills
-            none is left out.
+            Windows do not overlap, from the first frame on; an incomplete last one is left out.
 
         Raises
         ------
         InputError
-            If the clip is shorter than one window, or does not hold what the network looks at.
+            If the clip is shorter than one window, or lacks the network's input.
         """
         import torch
 
-        seen = torch.from_numpy(self._windows(clip))
+        windows = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(by_parts(self.file.network.embed, seen).numpy())
+            return _finite(in_batches(self.file.network.embed, windows).numpy())
 
     def classify(self, clip: MotionClip) -> FloatArray:
-        """Return how likely each emotion is in each window of a clip.
+        """Return the probability of each emotion in each window of a clip.
 
         Returns
         -------
         ndarray, shape (windows, len(labels)), float32
-            Rows add up to 1.
+            Rows sum to 1.
 
         Raises
         ------
         InputError
-            As `embed`; or if the network tells no emotions apart.
+            As `embed`; or if the network classifies no emotions.
         """
         import torch
 
         if not self.labels:
             raise InputError(
-                f"a network of kind {self.kind!r} tells no emotions apart",
+                f"a network of kind {self.kind!r} classifies no emotions",
                 remedy="Use one of kind emotion ('motionjury train evaluator emotion')",
             )
-        seen = torch.from_numpy(self._windows(clip))
+        windows = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(by_parts(self.file.network, seen).softmax(dim=1).numpy())
+            return _finite(in_batches(self.file.network, windows).softmax(dim=1).numpy())
 
     def _windows(self, clip: MotionClip) -> FloatArray:
-        """Return the clip's windows as the network sees them, shape (n, window, channels)."""
+        """Return the windows of a clip as the network's input, shape (n, window, channels)."""
         facts = self.file.facts
-        seen = self._view.frames(resample(freeze(clip, facts.frozen), self.frame_rate))
-        enough = long_enough(self.file.normalisation(seen), self.window, self.frame_rate)
-        return windows(enough, self.window, self.window)
+        frames = self._view.frames(resample(freeze(clip, facts.frozen), self.frame_rate))
+        frames = long_enough(self.file.normalisation(frames), self.window, self.frame_rate)
+        return cut_windows(frames, self.window, self.window)
 
     def describe(self) -> Mapping[str, str]:
         """Return the settings that every score of this network quotes, in words."""
@@ -193,18 +191,18 @@ def load_evaluator(path: Path) -> Evaluator:
     return Evaluator(sha256=sha256_of(path), file=file)
 
 
-def by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
-    """Return what `network` says of windows, shape (n, ...), a limited number at once."""
+def in_batches(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
+    """Return a network's output for windows, shape (n, ...), computed in batches."""
     import torch
 
-    starts = range(0, len(windows), _AT_ONCE)
-    return torch.cat([network(windows[start : start + _AT_ONCE]) for start in starts])
+    starts = range(0, len(windows), _BATCH_SIZE)
+    return torch.cat([network(windows[start : start + _BATCH_SIZE]) for start in starts])
 
 
 def _finite(values: NDArray[np.float32]) -> FloatArray:
     if not np.isfinite(values).all():
         raise InputError(
-            "the feature network says something of the clip that is not a number",
+            "the feature network returned a value that is not a number",
             remedy="Train the network again",
         )
     return values

@@ -23,18 +23,18 @@ _REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train
 
 
 class DataFacts(Facts):
-    """What a network was trained on.
+    """The data a network was trained on.
 
     Attributes
     ----------
     sha256 : str
-        Hash of the motion files and of what is said about them.
+        Hash of the motion files, their recordings and emotions.
     clips, recordings : int
         How many clips, of how many recordings.
     windows, held_out_windows : int
-        Windows to learn from, and windows kept back.
+        Windows for training, and held-out windows.
     held_out : str
-        What was kept back, in words.
+        What was held out, in words.
     """
 
     sha256: str = Field(pattern="^[0-9a-f]{64}$")
@@ -46,18 +46,18 @@ class DataFacts(Facts):
 
 
 class TrainingFacts(Facts):
-    """How a network was trained.
+    """The training of a network.
 
     Attributes
     ----------
     config : mapping
         `training.config.TrainingConfig`, as JSON holds it.
     best_step : int
-        Step after which the weights did best on what was kept back; they are in the file.
+        Step with the best weights on held-out windows, which the file holds.
     last_loss : float
         Loss of the last step.
     versions : mapping of str to str
-        Of the packages that made it.
+        Of packages.
     """
 
     config: dict[str, Any]
@@ -67,16 +67,16 @@ class TrainingFacts(Facts):
 
 
 class EvaluatorFacts(Design):
-    """What a file says of its network: its design, and how it came about.
+    """The metadata of a file: the network's design, data and training.
 
     Attributes
     ----------
     data : DataFacts
-        What it was trained on.
+        The data.
     training : TrainingFacts
-        How.
+        The training.
     held_out : mapping of str to float
-        What was measured of the windows kept back.
+        Measured on held-out windows.
     """
 
     format: Literal[2] = _FORMAT
@@ -87,12 +87,12 @@ class EvaluatorFacts(Design):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EvaluatorFile:
-    """A network, and all that it needs to look at clips.
+    """A network with everything that it needs.
 
     Attributes
     ----------
     facts : EvaluatorFacts
-        What it is.
+        Its metadata.
     network : Network
         In evaluation mode, on the processor.
     normalisation : Normalisation
@@ -131,40 +131,40 @@ def read_evaluator(path: Path) -> EvaluatorFile:
     InputError
         If the file is missing, damaged, another program's, of another version or changed.
     """
-    found = read_weights(path)
+    file = read_weights(path)
     with found_at(path):
-        facts = _facts(found)
+        facts = _facts(file)
         landmarks = None
         if facts.channels == "landmarks":
             arrays = {
-                name: tensor.numpy() for name, tensor in found.with_prefix("landmarks").items()
+                name: tensor.numpy() for name, tensor in file.with_prefix("landmarks").items()
             }
             landmarks = FaceLandmarks.from_arrays(arrays)
         channels = facts.view(landmarks).channels
         return EvaluatorFile(
             facts=facts,
-            network=_network(found, facts, channels),
-            normalisation=_normalisation(found, channels),
+            network=_network(file, facts, channels),
+            normalisation=_normalisation(file, channels),
             landmarks=landmarks,
         )
 
 
-def _facts(found: WeightsFile) -> EvaluatorFacts:
-    if "kind" not in found.facts:
+def _facts(file: WeightsFile) -> EvaluatorFacts:
+    if "kind" not in file.facts:
         raise InputError("the file holds weights, but no feature network", remedy=_REMEDY)
-    if found.facts.get("format") != _FORMAT:
+    if file.facts.get("format") != _FORMAT:
         raise InputError(
-            f"the feature network is of format {found.facts.get('format')!r}, not {_FORMAT}",
+            f"the feature network is of format {file.facts.get('format')!r}, not {_FORMAT}",
             remedy="Use the version of the program that trained it, or train again",
         )
-    if found.facts["kind"] not in SIZES:
+    if file.facts["kind"] not in SIZES:
         raise InputError(
-            f"the feature network is of an unknown kind, {found.facts['kind']!r}", remedy=_REMEDY
+            f"the feature network is of an unknown kind, {file.facts['kind']!r}", remedy=_REMEDY
         )
-    config = EmotionConfig if found.facts["kind"] == "emotion" else AutoencoderConfig
+    config = EmotionConfig if file.facts["kind"] == "emotion" else AutoencoderConfig
     try:
-        network = config(**_lists_as_tuples(found.facts["network"]))
-        return EvaluatorFacts.model_validate({**found.facts, "network": network})
+        network = config(**_lists_as_tuples(file.facts["network"]))
+        return EvaluatorFacts.model_validate({**file.facts, "network": network})
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
@@ -184,17 +184,17 @@ def _lists_as_tuples(sizes: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _network(found: WeightsFile, design: Design, channels: int) -> Network:
+def _network(file: WeightsFile, design: Design, channels: int) -> Network:
     network = design.fresh_network(channels)
     try:
-        network.load_state_dict(found.with_prefix("network"))
+        network.load_state_dict(file.with_prefix("network"))
     except RuntimeError as error:
         raise InputError("the weights do not fit the network's sizes", remedy=_REMEDY) from error
     return network.eval().requires_grad_(False)
 
 
-def _normalisation(found: WeightsFile, channels: int) -> Normalisation:
-    arrays = {name: tensor.numpy() for name, tensor in found.with_prefix("normalisation").items()}
+def _normalisation(file: WeightsFile, channels: int) -> Normalisation:
+    arrays = {name: tensor.numpy() for name, tensor in file.with_prefix("normalisation").items()}
     for name in ("mean", "deviation"):
         if name not in arrays or arrays[name].shape != (channels,):
             raise InputError(f"the {name} of the channels does not fit", remedy=_REMEDY)

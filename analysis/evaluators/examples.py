@@ -1,4 +1,4 @@
-"""Windows of recorded motion to learn from and to keep back, and learning from them."""
+"""Windows of recorded motion for training and validation, and the training task."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from training.data.splitting import held_out_recordings
 
 FloatArray = NDArray[np.float32]
 
-_AT_ONCE: Final = 64
+_BATCH_SIZE: Final = 64
 
 HELD_OUT_SHARE: Final = 0.2
-"""Of all recordings, kept back."""
+"""Share of the recordings that are held out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,7 +46,7 @@ class Normalisation:
         clips : sequence of ndarray, shape (T, C)
             At least one frame in all.
         floor : ndarray, shape (C,)
-            Least deviation of each channel, in its unit: what hardly ever moved is not blown up.
+            Smallest deviation of each channel, so that still channels are not amplified.
         """
         frames = sum(len(clip) for clip in clips)
         mean = sum(clip.sum(axis=0, dtype=np.float64) for clip in clips) / frames
@@ -68,9 +68,9 @@ class Examples:
     frames : Tensor, shape (N, C)
         The frames of all clips, one after another.
     starts : Tensor, shape (n,), int64
-        Where each window begins.
+        First frame of each window.
     labels : Tensor, shape (n,), int64
-        Number of each window's label; 0 where there are none.
+        Index of each window's label; 0 without labels.
     window : int
         Frames of a window.
     """
@@ -105,11 +105,11 @@ class Split:
     training, held_out : Examples
         Both over the same frames.
     normalisation : Normalisation
-        Of the frames to learn from alone.
+        Of the training frames only.
     recordings : int
-        How many recordings there are.
+        Number of recordings.
     how : str
-        What was kept back, in words.
+        What was held out, in words.
     """
 
     training: Examples
@@ -131,10 +131,10 @@ def split(
     seed: int,
     device: str,
 ) -> Split:
-    """Cut clips into windows, and keep a fifth of the recordings of each label back.
+    """Cut clips into windows, and hold out a fifth of the recordings of each label.
 
-    Where no label has two recordings, the last fifth of every clip is kept back instead; windows
-    that lie in both parts are left out.
+    If no label has two recordings, the last fifth of every clip is held out instead; windows that
+    lie in both parts are left out.
 
     Parameters
     ----------
@@ -149,35 +149,37 @@ def split(
     floor : ndarray, shape (C,)
         Least deviation of each channel.
     seed : int
-        Decides which recordings are kept back.
+        Determines which recordings are held out.
     device : str
-        Where the windows are put.
+        Of the windows.
     """
-    kept_back = held_out_recordings(recordings, labels, share=HELD_OUT_SHARE, seed=seed)
+    held_out = held_out_recordings(recordings, labels, share=HELD_OUT_SHARE, seed=seed)
     total = len(set(recordings))
-    learning, testing, learned = [], [], []
-    begin = 0
+    training_windows, held_out_windows, training_clips = [], [], []
+    offset = 0
     for clip, recording, label in zip(clips, recordings, labels, strict=True):
         starts = window_starts(len(clip), window, stride)
         number = names.index(label)
-        if kept_back:
-            border = 0 if recording in kept_back else len(clip)
+        if held_out:
+            border = 0 if recording in held_out else len(clip)
         else:
             border = round((1 - HELD_OUT_SHARE) * len(clip))
-        learning += [(begin + start, number) for start in starts if start + window <= border]
-        testing += [(begin + start, number) for start in starts if start >= border]
-        learned.append(clip[:border])
-        begin += len(clip)
-    normalisation = Normalisation.of(learned, floor=floor)
+        training_windows += [
+            (offset + start, number) for start in starts if start + window <= border
+        ]
+        held_out_windows += [(offset + start, number) for start in starts if start >= border]
+        training_clips.append(clip[:border])
+        offset += len(clip)
+    normalisation = Normalisation.of(training_clips, floor=floor)
     frames = torch.from_numpy(normalisation(np.concatenate(clips))).to(device)
     how = (
-        f"{len(kept_back)} of {total} recordings"
-        if kept_back
+        f"{len(held_out)} of {total} recordings"
+        if held_out
         else f"the last fifth of every clip, since {_too_few(total, len(names))}"
     )
     return Split(
-        training=_examples(frames, learning, window),
-        held_out=_examples(frames, testing, window),
+        training=_examples(frames, training_windows, window),
+        held_out=_examples(frames, held_out_windows, window),
         normalisation=normalisation,
         recordings=total,
         how=how,
@@ -197,7 +199,7 @@ def _examples(frames: Tensor, windows: Sequence[tuple[int, int]], window: int) -
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FeatureTask:
-    """Learning a feature network, which says itself what its losses are.
+    """The training of a feature network, which defines its own losses.
 
     Attributes
     ----------
@@ -206,7 +208,7 @@ class FeatureTask:
     training, held_out : Examples
         Windows.
     settings : mapping
-        What makes this task another one than the next.
+        Identify the task.
     data_sha256 : str
         Hash of all clips.
     device : str
@@ -222,7 +224,7 @@ class FeatureTask:
 
     @property
     def examples(self) -> int:
-        """Windows to learn from."""
+        """Number of training windows."""
         return len(self.training)
 
     def network(self) -> Network:
@@ -234,9 +236,9 @@ class FeatureTask:
         return network.losses(*self.training.batch(rows))
 
     def validation(self, network: Network) -> Mapping[str, float]:
-        """Return what the network measures of the windows kept back, the loss first."""
+        """Return the network's measurements on held-out windows, the loss first."""
         sums: defaultdict[str, float] = defaultdict(float)
-        for windows, labels in self.held_out.batches(_AT_ONCE):
+        for windows, labels in self.held_out.batches(_BATCH_SIZE):
             for name, value in network.measured(windows, labels).items():
                 sums[name] += float(value) * len(windows)
         return {name: value / len(self.held_out) for name, value in sums.items()}

@@ -1,4 +1,4 @@
-"""What metrics ask of a feature network, whoever trained it, and what it says about one clip."""
+"""Feature networks for metrics, trained here or published, and their features of a clip."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
 from motion.errors import InputError
 
-_SEES_THE_FACE: Final = (names.EXPRESSION, names.LANDMARKS)
-"""Networks that have nothing else to look at."""
+_FACE_NETWORKS: Final = (names.EXPRESSION, names.LANDMARKS)
+"""Networks that see nothing but the face."""
 
 _COMMANDS: Final = {
     names.EMOTION: "motionjury train evaluator emotion",
@@ -41,7 +41,7 @@ class PublishedFile:
     Attributes
     ----------
     preset : str
-        Which network; a key of `analysis.evaluators.network_names.PUBLISHED`.
+        The network; a key of `analysis.evaluators.network_names.PUBLISHED`.
     file : Path
         Its checkpoint.
     statistics : Path or None
@@ -54,7 +54,7 @@ class PublishedFile:
 
 
 Source = Path | PublishedFile
-"""Where a network is: a file of ``motionjury train evaluator``, or a published one's."""
+"""The file of a network: of ``motionjury train evaluator``, or published."""
 
 
 class FeatureNetwork(Protocol):
@@ -70,11 +70,11 @@ class FeatureNetwork(Protocol):
 
     @property
     def rule(self) -> Rule | None:
-        """By which rule published code takes distances in its features, if it is published."""
+        """The rule by which published code computes distances; None if trained here."""
 
     @property
     def labels(self) -> Sequence[str]:
-        """The emotions that it tells apart; none for other kinds."""
+        """The emotions that it classifies; none for other kinds."""
 
     def describe(self) -> Mapping[str, str]:
         """Return the settings that every score quotes."""
@@ -83,32 +83,32 @@ class FeatureNetwork(Protocol):
         """Return one row of features for each window of `clip`, shape (w, d)."""
 
     def classify(self, clip: MotionClip) -> NDArray[np.float32]:
-        """Return how much each emotion speaks for itself in each window, shape (w, labels)."""
+        """Return the probability of each emotion in each window, shape (w, labels)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
-    """One feature network among those that a run measures with.
+    """One of the feature networks of a run.
 
     Attributes
     ----------
     source : Path or PublishedFile
-        Where it is.
+        Its file.
     sha256 : str
         Hash of the file.
     name : str
-        As in `analysis.evaluators.network_names`, with the start of the hash where
-        several networks of one kind are measured with.
+        As in `analysis.evaluators.network_names`, with the start of the hash if there are several
+        networks of one kind.
     settings : mapping of str to str
-        What every score quotes.
+        Quoted by every score.
     labels : tuple of str
-        Emotions that it tells apart; none for networks that do not.
+        Emotions that it classifies; none for other kinds.
     sees : frozenset of str
-        Channels (`motion.clip`) without which it has nothing to look at: where a study holds
-        all of them still, it measures nothing.
+        Channels (`motion.clip`) that it depends on: if a study freezes all of them, it measures
+        nothing.
     rule : {'pytorch-fid', 'offset'} or None
-        By which rule published code takes distances in its features
-        (`analysis.metrics.frechet`); None for networks trained here.
+        The rule by which published code computes distances (`analysis.metrics.frechet`); None for
+        networks trained here.
     """
 
     source: Source
@@ -123,8 +123,7 @@ class Network:
 def open_network(source: Source) -> FeatureNetwork:
     """Return the network of a file.
 
-    In a process that another one started, torch is left one thread: such processes share the
-    processors already.
+    A child process gets one thread of torch, because such processes share the processors.
 
     Raises
     ------
@@ -146,20 +145,20 @@ def open_network(source: Source) -> FeatureNetwork:
 
 
 def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
-    """Return what is known of the networks in files; the same file is taken once.
+    """Return the networks in files; the same file counts once.
 
     Raises
     ------
     InputError
         If a file is no such network.
     """
-    found: dict[str, tuple[Source, FeatureNetwork]] = {}
+    opened: dict[str, tuple[Source, FeatureNetwork]] = {}
     for source in sources:
         network = open_network(source)
-        found.setdefault(network.sha256, (source, network))
-    kinds = [network.name for _, network in found.values()]
+        opened.setdefault(network.sha256, (source, network))
+    kinds = [network.name for _, network in opened.values()]
     result = []
-    for kind, (source, network) in zip(kinds, found.values(), strict=True):
+    for kind, (source, network) in zip(kinds, opened.values(), strict=True):
         several = kinds.count(kind) > 1
         result.append(
             Network(
@@ -168,7 +167,7 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
                 name=f"{kind}, {network.sha256[:8]}" if several else kind,
                 settings=dict(network.describe()),
                 labels=tuple(network.labels),
-                sees=frozenset({"face"} if kind in _SEES_THE_FACE else ()),
+                sees=frozenset({"face"} if kind in _FACE_NETWORKS else ()),
                 rule=network.rule,
             )
         )
@@ -180,16 +179,16 @@ Array = NDArray[np.float32]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClipFeatures:
-    """What a network says about one clip.
+    """A network's features of one clip.
 
     Attributes
     ----------
     features : ndarray, shape (w, d), float32
-        One row per window of the clip; no row where there is a `reason`.
+        One row per window of the clip; no row if there is a `reason`.
     emotions : ndarray, shape (w, labels), float32
-        How much each emotion speaks for itself; no column for networks that tell none apart.
+        Probability of each emotion; no column for networks that classify none.
     reason : str
-        Why the network cannot look at the clip; empty where it can.
+        Why there are no features; empty if there are some.
     """
 
     features: Array = field(default_factory=lambda: np.zeros((0, 0), np.float32))
@@ -198,7 +197,7 @@ class ClipFeatures:
 
     @property
     def named(self) -> int | None:
-        """Which emotion the clip is taken for, by the mean over its windows; None without."""
+        """Index of the emotion with the highest mean probability; None without emotions."""
         return int(self.emotions.mean(axis=0).argmax()) if self.emotions.size else None
 
 
@@ -207,43 +206,43 @@ def clip_features(
     frozen: tuple[str, ...],
     kept: Callable[[Callable[[MotionClip], Array]], Array],
 ) -> ClipFeatures:
-    """Return what a network says about one clip, or why it says nothing.
+    """Return a network's features of one clip, or why there are none.
 
     Parameters
     ----------
     network : Network
-        Which one.
+        The network.
     frozen : tuple of str
-        Channels that the study holds still.
+        Channels that the study keeps still.
     kept : callable
-        Gives the array that a function computes of the clip, or what is kept of it.
+        Returns the array that a function computes from the clip, or the kept one.
     """
     if network.sees and network.sees <= set(frozen):
         return ClipFeatures(reason=f"the study holds still: {', '.join(sorted(network.sees))}")
     try:
-        both = kept(lambda clip: _features(network, clip))
+        array = kept(lambda clip: _features(network, clip))
     except InputError as error:
         return ClipFeatures(reason=error.what)
-    end = both.shape[1] - len(network.labels)
-    return ClipFeatures(features=both[:, :end], emotions=both[:, end:])
+    end = array.shape[1] - len(network.labels)
+    return ClipFeatures(features=array[:, :end], emotions=array[:, end:])
 
 
 def _features(network: Network, clip: MotionClip) -> Array:
-    """Return features and, behind them, emotions, shape (w, d + labels)."""
+    """Return features followed by emotions, shape (w, d + labels)."""
     opened = _opened(network.source, network.sha256)
-    found = [opened.embed(clip)] + ([opened.classify(clip)] if network.labels else [])
-    both = np.hstack([np.asarray(part, np.float32) for part in found])
-    if not np.isfinite(both).all():
+    parts = [opened.embed(clip)] + ([opened.classify(clip)] if network.labels else [])
+    array = np.hstack([np.asarray(part, np.float32) for part in parts])
+    if not np.isfinite(array).all():
         raise InputError(
             "the network's features are not finite",
             remedy="Repair the motion, or use another network",
         )
-    return both
+    return array
 
 
 @lru_cache(maxsize=32)
 def _opened(source: Source, sha256: str) -> FeatureNetwork:
-    """Return the network once per process; another content of the file is another network."""
+    """Return the network, loaded once per process and content of its file."""
     network = open_network(source)
     if network.sha256 != sha256:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Published evaluators, loaded by path: a clip in their own terms in, their own features out."""
+"""Published evaluators, loaded by path, with the input and features of their authors."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analysis.evaluators.clip_views import windows
-from analysis.evaluators.evaluator import by_parts
+from analysis.evaluators.clip_views import cut_windows
+from analysis.evaluators.evaluator import in_batches
 from analysis.evaluators.published_presets import PRESETS, Preset
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
@@ -41,7 +41,7 @@ class PublishedEvaluator:
     Attributes
     ----------
     preset : Preset
-        Which.
+        The network.
     sha256 : str
         Hash of its file, and of BEAT's mean and spread.
     network : nn.Module
@@ -63,11 +63,11 @@ class PublishedEvaluator:
 
     @property
     def rule(self) -> Rule:
-        """How the published code takes the Fréchet distance."""
+        """How the published code computes the Fréchet distance."""
         return self.preset.rule
 
     def features(self, motion: ArrayLike) -> FloatArray:
-        """Return the published features of motion in the network's own terms.
+        """Return the published features of motion in the network's own representation.
 
         Parameters
         ----------
@@ -87,10 +87,10 @@ class PublishedEvaluator:
         """
         import torch
 
-        given = np.asarray(motion, np.float32)
-        self._check(given)
+        windows = np.asarray(motion, np.float32)
+        self._check(windows)
         with torch.inference_mode():
-            return np.asarray(by_parts(self.network, torch.from_numpy(given)).numpy())
+            return np.asarray(in_batches(self.network, torch.from_numpy(windows)).numpy())
 
     def embed(self, clip: MotionClip) -> FloatArray:
         """Return one row of features for each window, or part of a window, of a clip, (w, d).
@@ -110,15 +110,15 @@ class PublishedEvaluator:
                 remedy="Use longer clips",
             )
         if preset.window:
-            cut = windows(frames, preset.span, preset.stride)[:, : preset.window]
+            windows = cut_windows(frames, preset.span, preset.stride)[:, : preset.window]
         else:
-            cut = frames[None]
-        return self.features(cut).reshape(-1, preset.features)
+            windows = frames[None]
+        return self.features(windows).reshape(-1, preset.features)
 
     def classify(self, clip: MotionClip) -> FloatArray:
-        """Refuse: a published evaluator tells no emotions apart."""
+        """Raise an error: a published evaluator classifies no emotions."""
         raise InputError(
-            f"{self.preset.title} tells no emotions apart",
+            f"{self.preset.title} classifies no emotions",
             remedy="Train a network that does ('motionjury train evaluator emotion')",
         )
 
@@ -138,7 +138,7 @@ class PublishedEvaluator:
 
     def _check(self, motion: FloatArray) -> None:
         preset = self.preset
-        wanted = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
+        frames = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
         fits = motion.ndim == 3 and len(motion) and motion.shape[2] == preset.channels
         if fits:
             count = motion.shape[1]
@@ -146,7 +146,7 @@ class PublishedEvaluator:
         if not fits:
             raise InputError(
                 f"the motion has shape {motion.shape}",
-                remedy=f"Give {preset.title} (n, {wanted} frames, {preset.channels} numbers)",
+                remedy=f"Give {preset.title} (n, {frames} frames, {preset.channels} numbers)",
             )
         if not np.isfinite(motion).all():
             raise InputError(
@@ -165,8 +165,8 @@ class PublishedEvaluator:
             )
         mean, spread = self.statistics
         # What BEAT's recordings never move, and what SMPL-X has no joint for, is at its mean.
-        told = np.where(np.isnan(frames) | (spread < _STILL), mean, frames)
-        return np.asarray((told - mean) / np.maximum(spread, _STILL), np.float32)
+        frames = np.where(np.isnan(frames) | (spread < _STILL), mean, frames)
+        return np.asarray((frames - mean) / np.maximum(spread, _STILL), np.float32)
 
 
 def load_published(
@@ -199,24 +199,20 @@ def load_published(
     network = chosen.network()
     load_weights(network, path, chosen.place)
     digest = hashlib.sha256(path.read_bytes())
-    found = None
+    arrays = None
     if preset == "beat":
         folder = path.parent if statistics is None else Path(statistics)
         if statistics is not None or (folder / _MEAN).exists():
-            found = _statistics(folder)
-        for values in found or ():
+            arrays = _channels(folder / _MEAN), _channels(folder / _SPREAD)
+        for values in arrays or ():
             digest.update(values.tobytes())
     return PublishedEvaluator(
-        preset=chosen, sha256=digest.hexdigest(), network=network, statistics=found
+        preset=chosen, sha256=digest.hexdigest(), network=network, statistics=arrays
     )
 
 
-def _statistics(folder: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return _channels(folder / _MEAN), _channels(folder / _SPREAD)
-
-
 def _channels(file: Path) -> NDArray[np.float64]:
-    wanted = PRESETS["beat"].channels
+    channels = PRESETS["beat"].channels
     try:
         values = np.load(file, allow_pickle=False)
     except (OSError, EOFError, ValueError) as error:
@@ -225,10 +221,10 @@ def _channels(file: Path) -> NDArray[np.float64]:
             where=file,
             remedy="Give bvh_mean.npy and bvh_std.npy as BEAT's authors made them",
         ) from error
-    if values.size != wanted or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
+    if values.size != channels or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise InputError(
             f"the array has shape {values.shape} and type {values.dtype}",
             where=file,
-            remedy=f"Give {wanted} finite numbers",
+            remedy=f"Give {channels} finite numbers",
         )
     return np.asarray(values, np.float64).reshape(-1)

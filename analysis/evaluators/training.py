@@ -43,20 +43,20 @@ from training.run.loop import Show, Trained, train
 from training.run.records import RunFolder, package_versions
 
 FEWEST_WINDOWS: Final = 32
-"""Fewer windows than this teach a network nothing that holds for other motion."""
+"""Fewest training windows from which a network generalises."""
 
 FEWEST_HELD_OUT: Final = 8
-"""Fewer windows than this do not tell which weights are best."""
+"""Fewest held-out windows that show which weights are best."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrainedEvaluator:
-    """What came out.
+    """The result of a training.
 
     Attributes
     ----------
     facts : EvaluatorFacts
-        What the file says of its network.
+        The metadata of its file.
     skipped : tuple of InputError
         Clips that could not be used.
     """
@@ -79,15 +79,15 @@ def train_evaluator(
     Parameters
     ----------
     request : EvaluatorRequest
-        Which network.
+        The network.
     sources : sequence of ClipSource
         The recordings.
     out : Path
         Its file.
     folder : RunFolder
-        Where the run is kept; an interrupted one goes on.
+        Keeps the run; an interrupted run is resumed.
     show_reading, show_training : callable, optional
-        Told about progress.
+        Called with the progress.
 
     Raises
     ------
@@ -99,10 +99,10 @@ def train_evaluator(
     """
     check_device(request.device)
     config = SIZES[request.kind][request.size]
-    seer = _Seer(request, config.frame_rate)
+    reader = _InputReader(request, config.frame_rate)
     clips = read_training_clips(
         sources,
-        seer.see,
+        reader.read,
         window=config.window,
         frame_rate=config.frame_rate,
         needs_emotion=request.kind == "emotion",
@@ -116,7 +116,7 @@ def train_evaluator(
         channels=request.channels,
         network=config,
         joints=JOINTS_OF_CHANNELS[request.channels],
-        face=seer.face,
+        face=reader.face,
         labels=labels if request.kind == "emotion" else (),
         frozen=request.frozen,
     )
@@ -162,15 +162,15 @@ def train_evaluator(
     return TrainedEvaluator(facts=facts, skipped=clips.skipped)
 
 
-class _Seer:
-    """Looks at clips as the network will; the first face decides in which terms."""
+class _InputReader:
+    """Reads the network's input from clips; the first face determines its representation."""
 
     def __init__(self, request: EvaluatorRequest, frame_rate: float) -> None:
         self._request = request
         self._frame_rate = frame_rate
         self.face: Face | None = None
 
-    def see(self, clip: MotionClip) -> NDArray[np.float32]:
+    def read(self, clip: MotionClip) -> NDArray[np.float32]:
         """Return the clip's frames at the network's frame rate, shape (T, C)."""
         if self.face is None and self._request.channels in ("expression", "both"):
             self.face = face_of(clip)
@@ -184,7 +184,7 @@ class _Seer:
 
 
 def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> None:
-    """Raise where there is nothing to learn."""
+    """Raise an error if there is nothing to learn."""
     if not clips.sources:
         raise InputError(
             f"there is no clip to learn from{_left_out(clips)}",
@@ -208,15 +208,15 @@ def _left_out(clips: TrainingClips) -> str:
 
 
 def _check_windows(parts: Split, config: WindowConfig, clips: TrainingClips) -> None:
-    """Raise where there is too little to learn from, or to tell how well it was learned."""
-    for found, needed, what in (
+    """Raise an error if there are too few windows for training or for validation."""
+    for count, fewest, purpose in (
         (len(parts.training), FEWEST_WINDOWS, "to learn from"),
         (len(parts.held_out), FEWEST_HELD_OUT, "to keep back"),
     ):
-        if found < needed:
+        if count < fewest:
             raise InputError(
-                f"the clips make {found} windows of {config.seconds:.4g} s {what}, and a network "
-                f"needs {needed}{_left_out(clips)}",
+                f"the clips make {count} windows of {config.seconds:.4g} s {purpose}, and a "
+                f"network needs {fewest}{_left_out(clips)}",
                 remedy="Give more recordings, or longer ones",
             )
 
@@ -253,7 +253,7 @@ def _trained(
 
 
 def _held_out(trained: Trained[Network], parts: Split, kind: Kind) -> dict[str, float]:
-    """Return what was measured of the windows kept back.
+    """Return the measurements on held-out windows.
 
     ``largest_share`` is the accuracy of always naming the most frequent emotion.
     """

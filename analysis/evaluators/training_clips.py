@@ -1,4 +1,4 @@
-"""The recorded clips that a network learns from: read one after another, or named as unusable."""
+"""The recorded clips that a network is trained on."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ FloatArray = NDArray[np.float32]
 
 @dataclass(frozen=True, kw_only=True)
 class ClipSource:
-    """A clip to learn from.
+    """A clip for training.
 
     Attributes
     ----------
     name : str
-        Which clip; no two have one name.
+        A unique name.
     recording : str
-        What it is cut from: clips of one recording are kept back together.
+        The recording it is cut from; clips of one recording are held out together.
     emotion : str
         Its label; empty where unknown.
     sha256 : str
@@ -48,11 +48,11 @@ class TrainingClips:
     Attributes
     ----------
     sources : tuple of ClipSource
-        Those that can be used, in the order of their names.
+        The usable clips, ordered by name.
     frames : tuple of ndarray, shape (T, C), float32
-        What the network sees of each, at its frame rate.
+        The network's input of each, at its frame rate.
     skipped : tuple of InputError
-        What is wrong with the others.
+        Errors of the others.
     """
 
     sources: tuple[ClipSource, ...]
@@ -70,7 +70,7 @@ class TrainingClips:
 
     @property
     def seen_sha256(self) -> str:
-        """Hash of the same and of what the network sees: files may be read in several ways."""
+        """Hash of these and of the network's input: the same files may be read differently."""
         digest = hashlib.sha256(self.sha256.encode())
         for frames in self.frames:
             digest.update(np.ascontiguousarray(frames).data)
@@ -79,29 +79,29 @@ class TrainingClips:
 
 def read_training_clips(
     sources: Iterable[ClipSource],
-    see: Callable[[MotionClip], FloatArray],
+    read_input: Callable[[MotionClip], FloatArray],
     *,
     window: int,
     frame_rate: float,
     needs_emotion: bool,
     show: Callable[[int, int], None] | None = None,
 ) -> TrainingClips:
-    """Read clips; those that cannot be used are named.
+    """Read clips and list those that cannot be used.
 
     Parameters
     ----------
     sources : iterable of ClipSource
         The clips.
-    see : callable
-        Turns a clip into what the network sees of it at its frame rate, shape (T, C).
+    read_input : callable
+        Returns the network's input of a clip at its frame rate, shape (T, C).
     window : int
         Frames of a window; shorter clips cannot be used.
     frame_rate : float
-        Frames per second of what `see` returns.
+        Frames per second of the input.
     needs_emotion : bool
-        Whether clips without a label cannot be used.
+        Whether clips without a label are unusable.
     show : callable, optional
-        Told how many clips are read, of how many.
+        Called with the clips read and all clips.
     """
     ordered = sorted(sources, key=lambda source: source.name)
     used: list[ClipSource] = []
@@ -111,16 +111,16 @@ def read_training_clips(
         try:
             if needs_emotion and not source.emotion:
                 raise InputError(
-                    "nothing says which emotion it shows",
+                    "its emotion is not stated",
                     remedy="Name it in segments.csv with its emotion",
                 )
-            seen = long_enough(see(source.read()), window, frame_rate)
+            clip = long_enough(read_input(source.read()), window, frame_rate)
         except InputError as error:
             where = error.where or source.name
             skipped.append(InputError(error.what, where=where, remedy=error.remedy))
         else:
             used.append(source)
-            frames.append(seen)
+            frames.append(clip)
         if show is not None:
             show(number, len(ordered))
     return TrainingClips(sources=tuple(used), frames=tuple(frames), skipped=tuple(skipped))

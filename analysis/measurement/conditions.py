@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators.feature_networks import Network, command_for
-from analysis.measurement.clip_scores import pose_settings
 from analysis.measurement.feature_scores import (
     FeatureScores,
     feature_scores,
@@ -17,7 +16,12 @@ from analysis.measurement.feature_scores import (
 )
 from analysis.measurement.measured_clips import Setup
 from analysis.measurement.scores import ClipScore, ConditionScore, clip_means, whole_condition
-from analysis.measurement.segment_scores import ClipFindings, SegmentFiles, SegmentScores
+from analysis.measurement.segment_scores import (
+    ClipMeasurements,
+    SegmentFiles,
+    SegmentScores,
+    pose_settings,
+)
 from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.kinematics import Counts, speed_distance
 from analysis.metrics.result import Metric, MetricResult
@@ -27,13 +31,17 @@ _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 
 
-def recorded_conditions(conditions: Iterable[str], found: Sequence[SegmentFiles]) -> frozenset[str]:
+def recorded_conditions(
+    conditions: Iterable[str], segments: Sequence[SegmentFiles]
+) -> frozenset[str]:
     """Return the conditions that are recorded motion themselves."""
     return frozenset(
         condition
         for condition in conditions
         if all(
-            files.clips[condition] == files.recorded for files in found if condition in files.clips
+            files.clips[condition] == files.recorded
+            for files in segments
+            if condition in files.clips
         )
     )
 
@@ -48,16 +56,16 @@ def network_scores(
     """Return the scores of one network."""
     by_condition = {
         condition: {
-            one.segment: one.clips[condition].features[network.name]
-            for one in measured
-            if condition in one.clips
+            segment.segment: segment.clips[condition].features[network.name]
+            for segment in measured
+            if condition in segment.clips
         }
         for condition in conditions
     }
     recorded = {
-        one.segment: one.recorded.features[network.name]
-        for one in measured
-        if one.recorded is not None
+        segment.segment: segment.recorded.features[network.name]
+        for segment in measured
+        if segment.recorded is not None
     }
     return feature_scores(
         network,
@@ -73,50 +81,53 @@ def condition_scores(
     scores: Sequence[ClipScore],
     measured: Sequence[SegmentScores],
     setup: Setup,
-    seen: Sequence[FeatureScores],
+    by_network: Sequence[FeatureScores],
     recordings: Collection[str],
 ) -> Iterator[ConditionScore]:
-    """Yield all scores of each condition: means over clips, distances, those of networks."""
-    given = {network.name.partition(", ")[0] for network in setup.networks}
+    """Yield all scores of each condition: means over clips, distances, scores of networks."""
+    available = {network.name.partition(", ")[0] for network in setup.networks}
     recorded_speeds = [
-        one.recorded.speeds
-        for one in measured
-        if one.recorded is not None and one.recorded.speeds is not None
+        segment.recorded.speeds
+        for segment in measured
+        if segment.recorded is not None and segment.recorded.speeds is not None
     ]
     for condition in conditions:
-        clips = [one.clips[condition] for one in measured if condition in one.clips]
+        clips = [segment.clips[condition] for segment in measured if condition in segment.clips]
         is_recorded = condition in recordings
         yield from clip_means(condition, [s for s in scores if s.condition == condition])
         yield from distances(condition, clips, [] if is_recorded else recorded_speeds, setup)
-        for one in seen:
-            yield from (score for score in one.conditions if score.condition == condition)
+        for network in by_network:
+            yield from (score for score in network.conditions if score.condition == condition)
         for name in setup.preset.networks:
-            if name not in given:
+            if name not in available:
                 yield from scores_without_network(
                     name, command_for(name), condition, len(clips), recorded=is_recorded
                 )
 
 
 def distances(
-    condition: str, clips: Sequence[ClipFindings], recorded_speeds: Sequence[Counts], setup: Setup
+    condition: str,
+    clips: Sequence[ClipMeasurements],
+    recorded_speeds: Sequence[Counts],
+    setup: Setup,
 ) -> Iterator[ConditionScore]:
     """Yield the distances of a condition that the preset asks for.
 
     Parameters
     ----------
-    condition, clips : str, sequence of ClipFindings
-        Whose, and all its clips.
+    condition, clips : str, sequence of ClipMeasurements
+        The condition and all its clips.
     recorded_speeds : sequence of ndarray
-        Of the recordings; none for the recordings themselves.
+        Of the recordings; empty for the recordings themselves.
     setup : Setup
         How the clips were measured.
     """
     bodies = [clip.upper_body for clip in clips if clip.upper_body is not None]
     if bodies:
-        yield whole_condition(condition, _of_bodies(bodies, setup), len(bodies))
+        yield whole_condition(condition, _pair_distance(bodies, setup), len(bodies))
     if setup.preset.expression_distance and clips:
         faces = [clip.face for clip in clips if clip.face is not None]
-        yield whole_condition(condition, _of_faces(faces, setup), len(clips))
+        yield whole_condition(condition, _expression_distance(faces, setup), len(clips))
     speeds = [clip.speeds for clip in clips if clip.speeds is not None]
     if speeds and recorded_speeds:
         result = speed_distance(
@@ -125,7 +136,7 @@ def distances(
         yield whole_condition(condition, result, len(speeds))
 
 
-def _of_bodies(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
+def _pair_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
     return mean_pair_distance(
         motion_features([clip.astype(np.float64) for clip in clips]),
         settings=pose_settings(setup.frame_rate)
@@ -133,7 +144,7 @@ def _of_bodies(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResu
     )
 
 
-def _of_faces(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
+def _expression_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
     kinds = {clip.shape[1] for clip in clips}
     reason = ""
     if "face" in setup.motion.frozen:

@@ -40,12 +40,12 @@ Clips = Mapping[str, ClipFeatures]
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureScores:
-    """What one network says about all conditions.
+    """The scores of all conditions in one network's features.
 
     Attributes
     ----------
     clips : tuple of ClipScore
-        Of each clip, whether its emotion was named.
+        Whether the emotion of each clip was named.
     conditions : tuple of ConditionScore
         By condition.
     confusions : tuple of EmotionConfusion
@@ -70,15 +70,15 @@ def feature_scores(
     Parameters
     ----------
     network : Network
-        Whose features they are.
+        The network.
     conditions : mapping of condition to mapping of segment to ClipFeatures
         All clips.
     recorded : mapping of segment to ClipFeatures
-        Of recorded motion; empty where there is none, which leaves out the distances.
+        Of recorded motion; empty for no distances.
     recordings : frozenset of str
         Conditions that are recorded motion themselves; they get no distance from themselves.
     emotions : mapping of segment to str, optional
-        Which emotion each segment is spoken with.
+        The emotion of each segment's speech.
     """
     samples = {condition: _sample(clips) for condition, clips in conditions.items()}
     reference = _sample(recorded)
@@ -101,8 +101,8 @@ def feature_scores(
             )
         )
         if network.labels:
-            own, confusion = _emotions(network, condition, clips, emotions or {})
-            by_clip += own
+            named, confusion = _emotions(network, condition, clips, emotions or {})
+            by_clip += named
             confusions.append(confusion)
             results.append(
                 emotion_accuracy(
@@ -111,7 +111,7 @@ def feature_scores(
                     settings=network.settings,
                 )
             )
-        left_out = [found.reason for found in clips.values() if found.reason]
+        left_out = [clip.reason for clip in clips.values() if clip.reason]
         for result in results:
             score = whole_condition(condition, result, len(clips))
             by_condition.append(_with_left_out(score, left_out))
@@ -123,16 +123,16 @@ def feature_scores(
 def scores_without_network(
     name: str, command: str, condition: str, clips: int, *, recorded: bool
 ) -> Iterator[ConditionScore]:
-    """Yield that the scores of a network are missing, and which command trains one.
+    """Yield the scores of a network that is missing, with the command that trains it.
 
     Parameters
     ----------
     name : str
         The network's, as in `analysis.evaluators.network_names`.
     command : str
-        What makes one.
+        Trains one.
     condition, clips : str, int
-        Whose scores, and how many clips it has.
+        The condition, and how many clips it has.
     recorded : bool
         Whether these are recorded motion, which has no distance from itself.
     """
@@ -160,11 +160,11 @@ def scores_without_network(
 def _sample(clips: Clips) -> Embeddings:
     """Return all windows of all clips, in the order of the segments."""
     usable = [(segment, clips[segment]) for segment in sorted(clips) if not clips[segment].reason]
-    usable = [(segment, found) for segment, found in usable if found.features.size]
+    usable = [(segment, clip) for segment, clip in usable if clip.features.size]
     if not usable:
         return Embeddings(values=np.zeros((0, 1)), clips=np.zeros(0, np.int64))
-    values = np.vstack([found.features for _, found in usable]).astype(np.float64)
-    return embeddings(values, [name for name, found in usable for _ in found.features])
+    values = np.vstack([clip.features for _, clip in usable]).astype(np.float64)
+    return embeddings(values, [segment for segment, clip in usable for _ in clip.features])
 
 
 def _shared_count(counts: Sequence[int]) -> int:
@@ -178,16 +178,16 @@ def _distances(
 ) -> Iterator[MetricResult]:
     """Yield Fréchet distance, FGD∞ and kernel distance from recorded motion."""
     distance = names.distance_of(network.name)
-    wanted = [distance, names.extrapolated(distance), names.kernel_of(network.name)]
+    metrics = [distance, names.extrapolated(distance), names.kernel_of(network.name)]
     if network.rule:
-        wanted.append(names.as_published(distance))
+        metrics.append(names.as_published(distance))
     reason = ""
     if not len(reference):
         reason = "there is no recorded motion to compare with"
     elif not len(generated):
         reason = "the network can look at none of the clips"
     if reason:
-        for name in wanted:
+        for name in metrics:
             yield _missing(name, reason, network)
         return
     count = min(shared, len(generated), len(reference))
@@ -202,8 +202,8 @@ def _distances(
         settings = dict(network.settings) | {
             "samples": f"{count} windows of recorded motion and of every condition"
         }
-        one, other = drawn(generated, count), drawn(reference, count)
-        result = frechet(one, other, name=distance, settings=settings)
+        samples = drawn(generated, count), drawn(reference, count)
+        result = frechet(*samples, name=distance, settings=settings)
         yield replace(result, settings={**result.settings, **settings})
     yield frechet_extrapolated(
         generated, reference, name=names.extrapolated(distance), settings=network.settings
@@ -250,10 +250,10 @@ def _emotions(
     metric = Metric(f"spoken emotion named ({network.name})", better="higher")
     spoken, named, scores = [], [], []
     for segment in sorted(clips):
-        place, emotion = clips[segment].named, emotions.get(segment, "")
-        if place is None or emotion not in network.labels:
+        index, emotion = clips[segment].named, emotions.get(segment, "")
+        if index is None or emotion not in network.labels:
             continue
-        answer = network.labels[place]
+        answer = network.labels[index]
         spoken.append(emotion)
         named.append(answer)
         result = metric.score(
@@ -270,7 +270,7 @@ def _emotions(
 
 
 def _with_left_out(score: ConditionScore, left_out: Sequence[str]) -> ConditionScore:
-    """Return the score with how many clips it lacks, and why."""
+    """Return the score with the number of clips left out, and why."""
     if not left_out:
         return score
     why = counted(left_out, score.clips)

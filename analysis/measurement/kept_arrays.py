@@ -1,8 +1,8 @@
-"""Arrays kept in a folder between runs, found again by what they were computed from.
+"""Arrays kept in a folder between runs, by what they were computed from.
 
-A file's name tells the version of the code, the settings and the content that its array belongs to.
-Several runs may share a folder: files appear in one step, and one that a second run removes or
-damages is computed again.
+A file's name gives the version of the code, the settings and the content of the source. Several
+runs may share a folder: files appear in one step, and an array that another run removes or damages
+is computed again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from motion.files import replacing, sha256_of
 
 Array = NDArray[np.float32]
 
-_ENDING: Final = ".npy"
+_EXTENSION: Final = ".npy"
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,11 @@ class Kind:
     Attributes
     ----------
     name : str
-        What the arrays are, in letters; kinds share a folder without meeting.
+        Letters; the start of their file names.
     version : str
-        Raised whenever the code computes other values of the same file.
+        Raised whenever the code computes different values from the same file.
     shape : tuple of int or None
-        What each array has; None for any length.
+        Of each array; None for any length.
     """
 
     name: str
@@ -46,17 +46,17 @@ class Kind:
 
 
 class KeptArrays:
-    """Arrays of files, computed once and kept.
+    """Arrays computed from files, once, and kept.
 
     Parameters
     ----------
     folder : Path or None
-        Made when the first array is kept; None keeps nothing.
+        Created with the first array; None keeps nothing.
 
     Attributes
     ----------
     used : set of Path
-        Where all arrays lie that were asked for.
+        Paths of all arrays that were requested.
     """
 
     def __init__(self, folder: Path | None) -> None:
@@ -64,18 +64,18 @@ class KeptArrays:
         self.used: set[Path] = set()
 
     def array(self, kind: Kind, source: Path, settings: str, compute: Callable[[], Array]) -> Array:
-        """Return the array of a file, which is computed unless it is kept.
+        """Return an array of a file, computed unless it is kept.
 
         Parameters
         ----------
         kind : Kind
-            Which array.
+            Of the array.
         source : Path
             The file.
         settings : str
-            All that it depends on besides.
+            Everything else that it depends on.
         compute : callable
-            Gives it.
+            Computes it.
 
         Raises
         ------
@@ -85,51 +85,51 @@ class KeptArrays:
         if self._folder is None:
             return compute()
         content = _content(source)
-        place = self._folder / "-".join(
-            (kind.name, _short(kind.version), _short(settings), content + _ENDING)
+        path = self._folder / "-".join(
+            (kind.name, _short(kind.version), _short(settings), content + _EXTENSION)
         )
-        self.used.add(place)
-        found = _read(place, kind)
-        if found is None:
-            found = compute()
+        self.used.add(path)
+        array = _read(path, kind)
+        if array is None:
+            array = compute()
             # A folder that cannot be written keeps nothing.
-            with suppress(OSError), replacing(place) as draft, draft.open("wb") as file:
-                np.save(file, found)
-        return found
+            with suppress(OSError), replacing(path) as draft, draft.open("wb") as file:
+                np.save(file, array)
+        return array
 
 
 def forget_unused(used: Collection[Path]) -> None:
-    """Remove what is kept under the settings of `used` but not in it, and of other versions."""
-    parts = [tuple(place.name.split("-")) for place in used]
+    """Remove unused arrays with the settings of `used` ones, and arrays of other versions."""
+    parts = [tuple(path.name.split("-")) for path in used]
     kinds = {kind for kind, *_ in parts}
     versions = {part[:2] for part in parts}
     settings = {part[:3] for part in parts}
-    for folder in {place.parent for place in used}:
-        for path in folder.glob(f"*-*-*-*{_ENDING}"):
-            found = tuple(path.name.split("-"))
-            outdated = found[0] in kinds and found[:2] not in versions
-            if outdated or (found[:3] in settings and path not in used):
+    for folder in {path.parent for path in used}:
+        for path in folder.glob(f"*-*-*-*{_EXTENSION}"):
+            part = tuple(path.name.split("-"))
+            is_outdated = part[0] in kinds and part[:2] not in versions
+            if is_outdated or (part[:3] in settings and path not in used):
                 path.unlink(missing_ok=True)
 
 
-def _read(place: Path, kind: Kind) -> Array | None:
-    """Return what is kept at `place`; None where nothing whole of the kind's shape is."""
+def _read(path: Path, kind: Kind) -> Array | None:
+    """Return the array at `path`; None if it is missing, damaged or of another shape."""
     try:
-        kept = np.load(place, allow_pickle=False)
+        array = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError):
         return None
     fits = (
-        kept.dtype == np.float32
-        and kept.ndim == len(kind.shape)
-        and all(want in (None, have) for want, have in zip(kind.shape, kept.shape, strict=True))
+        array.dtype == np.float32
+        and array.ndim == len(kind.shape)
+        and all(size in (None, n) for size, n in zip(kind.shape, array.shape, strict=True))
     )
-    return np.asarray(kept) if fits else None
+    return np.asarray(array) if fits else None
 
 
 def _content(source: Path) -> str:
     try:
-        found = source.stat()
-        return _content_at(source, found.st_mtime_ns, found.st_size)
+        status = source.stat()
+        return _content_hash(source, status.st_mtime_ns, status.st_size)
     except OSError as error:
         raise InputError(
             "the file cannot be read", where=source, remedy="Check the path"
@@ -137,8 +137,8 @@ def _content(source: Path) -> str:
 
 
 @lru_cache(maxsize=8)
-def _content_at(source: Path, changed: int, size: int) -> str:
-    """Return the hash of a file's content; all kinds of arrays of a clip ask for it in turn."""
+def _content_hash(source: Path, modified: int, size: int) -> str:
+    """Return the hash of a file's content, read once for all kinds of arrays of a clip."""
     return sha256_of(source)[:32]
 
 

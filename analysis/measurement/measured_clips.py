@@ -1,4 +1,4 @@
-"""What metrics look at in one motion file, and how it is read."""
+"""Reading motion files, and the data of a clip from which metrics are computed."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from motion.skeleton import JOINT_COUNT, joint_index
 FloatArray = NDArray[np.float64]
 Array = NDArray[np.float32]
 Excerpt = tuple[Path, float, float]
-"""A recording, and where in it an excerpt starts and ends, in seconds; infinity for its end."""
+"""A recording, and the start and end of an excerpt in seconds; infinity for its end."""
 
 _Source = TypeVar("_Source")
-_Found = TypeVar("_Found")
+_Data = TypeVar("_Data")
 
 JOINTS: Final = Kind("joints", "1", (None, JOINT_COUNT + 1, 3))
 FEATURES: Final = Kind("features", "1", (None, None))
@@ -50,7 +50,7 @@ FACE_RATE: Final = 15.0
 
 @dataclass(frozen=True, kw_only=True)
 class LandmarkBody:
-    """Whose face landmarks are on.
+    """The body of the face landmarks.
 
     Attributes
     ----------
@@ -71,12 +71,12 @@ class SeenMotion:
     Attributes
     ----------
     frozen : tuple of str
-        Channels that the study holds still.
+        Channels that the study keeps still.
     own_files : bool
-        Whether files are a study's own and read as they stand; files from elsewhere are of any
-        format and put into the study's world.
+        Whether files are a study's own and read as they are; other files may have any format and
+        are brought into the study's world.
     file_rate : float or None
-        Frames per second of all files, in place of their own.
+        Frames per second of all files, in place of the stated rate.
     """
 
     frozen: tuple[str, ...] = ()
@@ -84,7 +84,7 @@ class SeenMotion:
     file_rate: float | None = None
 
     def read(self, path: Path) -> MotionClip:
-        """Return the clip in `path`, with what is held still held still.
+        """Return the clip in `path`, with its frozen channels still.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class SeenMotion:
         return freeze(read(path, frame_rate=self.file_rate), self.frozen)
 
     def __str__(self) -> str:
-        """Return a text that differs where clips may be read otherwise."""
+        """Return a text that differs if clips may be read differently."""
         return f"{sorted(self.frozen)} {self.own_files} {self.file_rate!r}"
 
 
@@ -112,15 +112,15 @@ class Setup:
     preset : Preset
         Which metrics.
     spread : RecordedSpread or None
-        Of all recordings, once it is known.
+        Of all recordings; None until it is known.
     kept : Path or None
-        Where arrays are kept between runs.
+        Folder that keeps arrays between runs.
     face : LandmarkBody or None
-        Whose face landmarks are on; without it there are none.
+        The body of the face landmarks; None for no landmarks.
     networks : tuple of Network
-        What looks at every clip.
+        The feature networks.
     penetrable : Path or None
-        The body whose arms are looked for inside it.
+        The body for self-penetration.
     """
 
     frame_rate: float
@@ -145,7 +145,7 @@ class Landmarks:
     Attributes
     ----------
     positions : ndarray, shape (T, L, 3), or None
-        Metres, while the head is held still; None with a `reason`, and where nobody asks for them.
+        In metres, with the head held still; None with a `reason`, and if not asked for.
     reason : str
         Why there are none.
     """
@@ -156,23 +156,23 @@ class Landmarks:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredClip:
-    """What metrics look at in one clip.
+    """The data of one clip from which metrics are computed.
 
     Attributes
     ----------
     joints : JointMotion
-        Where the joints are.
+        Joint positions.
     rotations : ndarray, shape (T, G, 3), or None
-        Axis-angle of `analysis.metrics.joint_motion.GESTURE_JOINTS`, where a preset needs them.
+        Axis-angle of `analysis.metrics.joint_motion.GESTURE_JOINTS`, if a preset needs them.
     landmarks : Landmarks
         At `Setup.face_rate`.
     face : ndarray, shape (U, 52) or (U, 100), float32, or None
-        ARKit weights, else SMPL-X coefficients, at `Setup.face_rate`; None where the clip has
-        neither and where no preset needs them.
+        ARKit weights, else SMPL-X coefficients, at `Setup.face_rate`; None if the clip has
+        neither or no preset needs them.
     features : mapping of str to ClipFeatures
-        What each network says, by its name.
+        The features of each network, by its name.
     depths : ndarray, shape (n,), float32, or None
-        How deep the arms are in the body, in metres, where that is asked for.
+        How deep the arms are in the body, in metres, if asked for.
     """
 
     joints: JointMotion
@@ -184,32 +184,32 @@ class MeasuredClip:
 
 
 class Reader:
-    """Reads files of a run, and remembers which could not be read.
+    """Reads the files of a run and lists those that cannot be used.
 
     Attributes
     ----------
     skipped : list of SkippedFile
         Files that could not be used.
     kept : KeptArrays
-        What was computed of files.
+        The arrays computed from files.
     """
 
     def __init__(self, setup: Setup) -> None:
-        self._bench = setup
+        self._setup = setup
         self._last: tuple[Path, MotionClip] | None = None
         self.skipped: list[SkippedFile] = []
         self.kept = KeptArrays(setup.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
-        """Return what metrics look at in the motion file `path`; None where it is unusable."""
-        return self.or_skipped(self._measured, path)
+        """Return the data of a motion file; None if it is unusable."""
+        return self.read_or_skip(self._measured, path)
 
     def onsets(self, speech: Excerpt) -> FloatArray | None:
-        """Return when sounds begin in an excerpt, in seconds; None where it is unusable."""
-        return self.or_skipped(self._onsets, speech)
+        """Return the onsets of an excerpt in seconds; None if it is unusable."""
+        return self.read_or_skip(self._onsets, speech)
 
-    def or_skipped(self, read: Callable[[_Source], _Found], source: _Source) -> _Found | None:
-        """Return what `read` reads, or None, where the file is then skipped."""
+    def read_or_skip(self, read: Callable[[_Source], _Data], source: _Source) -> _Data | None:
+        """Return what `read` reads; if it cannot, list the file as skipped and return None."""
         try:
             return read(source)
         except InputError as error:
@@ -219,27 +219,27 @@ class Reader:
     def _onsets(self, speech: Excerpt) -> FloatArray:
         recording, start, end = speech
 
-        def heard() -> Array:
+        def compute() -> Array:
             audio = read_audio(recording)
             excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
             return speech_onsets(excerpt).astype(np.float32)
 
-        found = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", heard)
-        return found.astype(np.float64)
+        onsets = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
+        return onsets.astype(np.float64)
 
     def _measured(self, path: Path) -> MeasuredClip:
-        setup, needs = self._bench, self._bench.preset
+        setup, preset = self._setup, self._setup.preset
         rate, motion = setup.frame_rate, setup.motion
         joints = self._kept(JOINTS, path, f"{rate!r} {motion}", lambda c: packed_joints(c, rate))
         rotations = landmarks = face = depths = None
-        if needs.needs_rotations:
+        if preset.needs_rotations:
             poses = resample(self._read(path), rate).poses
             rotations = poses[:, [joint_index(name) for name in GESTURE_JOINTS]]
-        if needs.needs_landmarks:
+        if preset.needs_landmarks:
             landmarks = self._landmarks(path)
-        if needs.expression_distance:
-            seen = resample(self._read(path), setup.face_rate)
-            face = seen.arkit if seen.arkit is not None else seen.expressions
+        if preset.expression_distance:
+            clip = resample(self._read(path), setup.face_rate)
+            face = clip.arkit if clip.arkit is not None else clip.expressions
         features = {network.name: self._features(network, path) for network in setup.networks}
         if setup.penetrable is not None:
             body = setup.penetrable
@@ -259,9 +259,9 @@ class Reader:
         )
 
     def _read(self, path: Path) -> MotionClip:
-        """Return the clip in `path`, which is read once for all that look at it in turn."""
+        """Return the clip in `path`, read once for consecutive uses."""
         if self._last is None or self._last[0] != path:
-            self._last = path, self._bench.motion.read(path)
+            self._last = path, self._setup.motion.read(path)
         return self._last[1]
 
     def _kept(
@@ -270,14 +270,14 @@ class Reader:
         return self.kept.array(kind, path, settings, lambda: compute(self._read(path)))
 
     def _features(self, network: Network, path: Path) -> ClipFeatures:
-        motion = self._bench.motion
+        motion = self._setup.motion
         settings = f"{network.sha256} {motion}"
         return clip_features(
-            network, motion.frozen, lambda look: self._kept(FEATURES, path, settings, look)
+            network, motion.frozen, lambda compute: self._kept(FEATURES, path, settings, compute)
         )
 
     def _landmarks(self, path: Path) -> Landmarks:
-        setup, body = self._bench, self._bench.face
+        setup, body = self._setup, self._setup.face
         if body is None:
             return Landmarks(reason="no body is given whose face could have landmarks")
         if "face" in setup.motion.frozen:
@@ -285,7 +285,7 @@ class Reader:
         rate = setup.face_rate
         settings = f"{rate!r} {setup.motion} {file_sha256(body.path, body.expression_matrix)}"
         try:
-            found = self._kept(
+            positions = self._kept(
                 LANDMARKS,
                 path,
                 settings,
@@ -293,7 +293,7 @@ class Reader:
             )
         except InputError as error:
             return Landmarks(reason=error.what)
-        return Landmarks(positions=found.astype(np.float64))
+        return Landmarks(positions=positions.astype(np.float64))
 
 
 @lru_cache(maxsize=2)
@@ -315,7 +315,7 @@ def _landmarks_on(body: LandmarkBody) -> FaceLandmarks:
 
 @lru_cache(maxsize=8)
 def file_sha256(*files: Path | None) -> str:
-    """Return a hash of the content of all files that there are, once per process."""
+    """Return a hash of the content of the given files, computed once per process."""
     digest = hashlib.sha256()
     for file in files:
         digest.update(b"" if file is None else file.read_bytes())

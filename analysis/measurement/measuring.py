@@ -1,4 +1,4 @@
-"""Measuring all clips of all conditions, over what participants saw or a folder holds."""
+"""Measuring all clips of all conditions, of a study or of a folder."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def study_metrics(
     skip_unusable: bool = False,
     kept: Path | None = None,
     processes: int = 1,
-    on_progress: Show | None = None,
+    on_progress: Progress | None = None,
 ) -> StudyMetrics:
     """Measure the clips of every condition at one frame rate, on one body.
 
@@ -66,62 +66,62 @@ def study_metrics(
     clips : mapping of condition to mapping of segment to path
         Motion files.
     speech : mapping of segment to (recording, start, end)
-        What each segment says; a segment without speech gets no beat alignment.
+        The speech of each segment; without it there is no beat alignment.
     frozen : collection of str
-        Channels that the study holds still in its videos.
+        Channels that the study keeps still in its videos.
     recorded : mapping of segment to path, optional
         Recorded motion of the same speech, for metrics that compare with it.
     semantics : mapping of segment to path, optional
         Which gestures of the recordings carry meaning (`motion.formats.beat_tracks`).
     emotions : mapping of segment to str, optional
-        Which emotion each segment is spoken with, for gesture emotion accuracy.
+        The emotion of each segment's speech, for gesture emotion accuracy.
     evaluators : iterable of Path or PublishedFile
-        Feature networks that ``motionjury train evaluator`` has made, or published ones; all of
-        them are measured with, whatever the presets ask for.
+        Feature networks made by ``motionjury train evaluator``, or published ones; all of them are
+        used, whatever the presets ask for.
     face : LandmarkBody, optional
-        Whose face landmarks are on, for metrics that compare them with recorded ones.
+        The body of the face landmarks, for metrics that compare them with recorded ones.
     penetrable : Path, optional
-        A body whose arms are looked for inside it; without it there is no self-penetration.
+        The body for self-penetration; without it there is none.
     presets : iterable of str
         Names in `analysis.measurement.presets.PRESETS`.
     own_files : bool
-        Whether the motion files are a study's own, read as they stand; files from elsewhere are of
-        any format and put into the study's world.
+        Whether the motion files are a study's own and read as they are; other files may have any
+        format and are brought into the study's world.
     file_rate : float, optional
-        Frames per second of all motion files, in place of what they state.
+        Frames per second of all motion files, in place of the stated rate.
     skip_unusable : bool
-        Whether files that cannot be used are left out and named, rather than an error.
+        Whether unusable files are left out and listed instead of raising an error.
     kept : Path, optional
-        Where joint positions, features and the like are kept between runs; what is kept under the
-        settings of this run, but not used by it, is removed.
+        Folder that keeps joint positions, features and the like between runs. Arrays under the
+        settings of this run that it does not use are removed.
     processes : int
-        How many segments are measured at once.
+        How many segments are measured in parallel.
     on_progress : callable, optional
-        Called with steps done and all steps: a step is a segment, or a recording that is looked at
-        beforehand.
+        Called with the steps done and all steps; a step is a segment, or a recording that is
+        measured beforehand.
 
     Raises
     ------
     InputError
-        If a preset is unknown, a network cannot be used, or if a file cannot be used and is not
-        to be skipped.
+        If a preset is unknown, a network cannot be used, or a file cannot be used and is not
+        skipped.
     """
     preset = combined(presets)
-    given = networks(evaluators)
+    feature_networks = networks(evaluators)
     if penetrable is not None:
         penetrable_body(penetrable)
     recordings = dict(recorded or {})
     if not recordings:
         preset = preset.without_recordings()
     rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files, file_rate)
-    found = [
-        _segment(name, clips, recordings, speech, semantics or {}, usable)
-        for name in _segments(clips)
+    segments = [
+        _segment_files(name, clips, recordings, speech, semantics or {}, usable)
+        for name in sorted({segment for paths in clips.values() for segment in paths})
     ]
-    found = [files for files in found if files.clips]
+    segments = [files for files in segments if files.clips]
     if not skip_unusable and skipped:
         raise skipped[0].error()
-    if not found:
+    if not segments:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
     setup = Setup(
         frame_rate=common_frame_rate(rates),
@@ -130,41 +130,47 @@ def study_metrics(
         kept=kept,
         face=face,
     )
-    recorded_files = sorted({files.recorded for files in found if files.recorded is not None})
-    looked_at = recorded_files if preset.needs_recorded_spread else []
-    with Workers(processes, len(looked_at) + len(found), on_progress) as workers:
-        extents = workers.each(partial(recorded_extent, setup=setup), looked_at)
+    recorded_files = sorted({files.recorded for files in segments if files.recorded is not None})
+    if not preset.needs_recorded_spread:
+        recorded_files = []
+    with Workers(processes, len(recorded_files) + len(segments), on_progress) as workers:
+        extents = workers.map(partial(recorded_extent, setup=setup), recorded_files)
         setup = replace(
             setup,
             spread=recorded_spread(extent for extent in extents if extent is not None),
-            networks=given,
+            networks=feature_networks,
             penetrable=penetrable,
         )
-        measured = workers.each(partial(segment_scores, setup=setup), found)
-    skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
+        measured = workers.map(partial(segment_scores, setup=setup), segments)
+    skipped += list(dict.fromkeys(file for segment in measured for file in segment.skipped))
     if not skip_unusable and skipped:
         raise skipped[0].error()
-    forget_unused(frozenset[Path]().union(*(one.kept for one in measured)))
-    own = recorded_conditions(clips, found)
-    seen = [network_scores(network, clips, measured, own, emotions or {}) for network in given]
+    forget_unused(frozenset[Path]().union(*(segment.kept for segment in measured)))
+    recordings_shown = recorded_conditions(clips, segments)
+    by_network = [
+        network_scores(network, clips, measured, recordings_shown, emotions or {})
+        for network in feature_networks
+    ]
     scores = list(_clip_scores(measured, penetrable))
-    all_scores = [*scores, *(score for one in seen for score in one.clips)]
+    all_scores = [*scores, *(score for network in by_network for score in network.clips)]
     return StudyMetrics(
         frame_rate=setup.frame_rate,
         clips=tuple(
             score for condition in clips for score in all_scores if score.condition == condition
         ),
-        conditions=tuple(condition_scores(tuple(clips), scores, measured, setup, seen, own)),
+        conditions=tuple(
+            condition_scores(tuple(clips), scores, measured, setup, by_network, recordings_shown)
+        ),
         skipped=tuple(skipped),
-        remarks=tuple(_remarks(found, preset, bool(recordings))),
-        confusions=tuple(confusion for one in seen for confusion in one.confusions),
+        remarks=tuple(_remarks(segments, preset, bool(recordings))),
+        confusions=tuple(confusion for network in by_network for confusion in network.confusions),
     )
 
 
 def _frame_rates(
     files: Iterable[Mapping[str, Path]], own_files: bool, file_rate: float | None
 ) -> tuple[list[float], set[Path], list[SkippedFile]]:
-    """Return the frame rates that occur, the files that state one, and those that do not."""
+    """Return the frame rates that occur, the files that have one, and those that do not."""
     rates: set[float] = set()
     usable: set[Path] = set()
     skipped = []
@@ -182,11 +188,7 @@ def _frame_rates(
     return sorted(rates), usable, skipped
 
 
-def _segments(clips: Mapping[str, Mapping[str, Path]]) -> list[str]:
-    return sorted({segment for paths in clips.values() for segment in paths})
-
-
-def _segment(
+def _segment_files(
     name: str,
     clips: Mapping[str, Mapping[str, Path]],
     recordings: Mapping[str, Path],
@@ -208,28 +210,32 @@ def _segment(
     )
 
 
-def _remarks(found: Sequence[SegmentFiles], preset: Preset, with_recordings: bool) -> Iterator[str]:
-    """Yield which segments lack what a metric needs."""
-    mute = [files.segment for files in found if files.speech is None]
-    if preset.beats and mute:
-        yield f"no beat alignment without speech: {_some(mute, len(found))}"
-    alone = [files.segment for files in found if files.recorded is None]
-    if with_recordings and alone:
-        yield f"no comparison without a recording: {_some(alone, len(found))}"
-    elif alone:
+def _remarks(
+    segments: Sequence[SegmentFiles], preset: Preset, with_recordings: bool
+) -> Iterator[str]:
+    """Yield which segments lack speech or a recording."""
+    no_speech = [files.segment for files in segments if files.speech is None]
+    if preset.beats and no_speech:
+        yield f"no beat alignment without speech: {_named(no_speech, len(segments))}"
+    no_recording = [files.segment for files in segments if files.recorded is None]
+    if with_recordings and no_recording:
+        yield f"no comparison without a recording: {_named(no_recording, len(segments))}"
+    elif no_recording:
         yield "no recordings are given, so nothing is compared with them"
 
 
-def _some(segments: Sequence[str], count: int) -> str:
-    """Return how many segments are meant, and the first of them by name."""
-    named = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
-    return f"{len(segments)} of {count} segments ({named})"
+def _named(segments: Sequence[str], count: int) -> str:
+    """Return the number of segments and the first names."""
+    names = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
+    return f"{len(segments)} of {count} segments ({names})"
 
 
 def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> Iterator[ClipScore]:
     """Yield the scores of all clips, then their self-penetration."""
     clips = [
-        (condition, one.segment, clip) for one in measured for condition, clip in one.clips.items()
+        (condition, segment.segment, clip)
+        for segment in measured
+        for condition, clip in segment.clips.items()
     ]
     for condition, segment, clip in clips:
         for result in clip.scores:
@@ -242,27 +248,27 @@ def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> 
                     yield ClipScore(condition=condition, segment=segment, result=result)
 
 
-Show = Callable[[int, int], None]
-"""Told how many tasks are done, of how many."""
+Progress = Callable[[int, int], None]
+"""Called with the tasks done and all tasks."""
 
 _Task = TypeVar("_Task")
-_Found = TypeVar("_Found")
+_Result = TypeVar("_Result")
 
 
 class Workers:
-    """Does tasks in this process, or in several; results come in the order of the tasks.
+    """Maps a function over tasks in this process or in several; results keep their order.
 
     Parameters
     ----------
     processes : int
         How many.
     steps : int
-        All tasks that will be given.
+        The number of all tasks.
     on_progress : callable, optional
-        Told how many of them are done.
+        Called with the tasks done and all tasks.
     """
 
-    def __init__(self, processes: int, steps: int, on_progress: Show | None) -> None:
+    def __init__(self, processes: int, steps: int, on_progress: Progress | None) -> None:
         self._pool = None
         if processes > 1:
             context = multiprocessing.get_context("spawn")
@@ -279,11 +285,12 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def each(self, do: Callable[[_Task], _Found], tasks: Iterable[_Task]) -> list[_Found]:
-        """Return what `do` finds out about each of `tasks`."""
+    def map(self, function: Callable[[_Task], _Result], tasks: Iterable[_Task]) -> list[_Result]:
+        """Return the results of a function for all tasks."""
+        apply = map if self._pool is None else self._pool.map
         results = []
-        for found in map(do, tasks) if self._pool is None else self._pool.map(do, tasks):
-            results.append(found)
+        for result in apply(function, tasks):
+            results.append(result)
             self._done += 1
             if self._on_progress is not None:
                 self._on_progress(self._done, self._steps)
@@ -291,5 +298,5 @@ class Workers:
 
 
 def _one_thread_each() -> None:
-    """Leave each process one thread for matrix products: together they have all processors."""
+    """Give each process one thread for matrix products; together they use all processors."""
     threadpool_limits(1)

@@ -1,4 +1,4 @@
-"""How recorded motion is spread, against which generated motion is normalised."""
+"""Mean and spread of recorded motion, by which generated motion is normalised."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class RecordedSpread:
     scale : float
         Puts all recorded joints into a box of one metre diagonal.
     face_scale : float
-        Puts all recorded face landmarks into a box of one metre diagonal; NaN where no recording
+        Puts all recorded face landmarks into a box of one metre diagonal; NaN if no recording
         has a face.
     recordings : int
         How many there are.
@@ -95,16 +95,16 @@ class RecordedSpread:
 
 def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
     """Return the spread of recordings; None for no recording, or one of a single point."""
-    found = list(extents)
-    if not found:
+    extents = list(extents)
+    if not extents:
         return None
-    frames = sum(extent.frames for extent in found)
-    mean = sum(extent.total for extent in found) / frames
-    squares = sum(extent.squares for extent in found) / frames
+    frames = sum(extent.frames for extent in extents)
+    mean = sum(extent.total for extent in extents) / frames
+    squares = sum(extent.squares for extent in extents) / frames
     # Rotations are near 1, so that squares lose nothing that `_STILL` would see.
     deviation = np.sqrt(np.maximum(0, squares - mean**2))
     moves = deviation > _STILL
-    scale = _scale(extent.box for extent in found)
+    scale = _scale(extent.box for extent in extents)
     if math.isnan(scale):
         return None
     return RecordedSpread(
@@ -112,8 +112,8 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
         deviation=np.where(moves, deviation, 1.0),
         moving=np.asarray(moves.any(axis=1)),
         scale=scale,
-        face_scale=_scale(extent.face_box for extent in found if extent.face_box is not None),
-        recordings=len(found),
+        face_scale=_scale(extent.face_box for extent in extents if extent.face_box is not None),
+        recordings=len(extents),
     )
 
 

@@ -97,13 +97,13 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
         ],
         "emotions": [
             {
-                "condition": found.condition,
-                "network": found.network,
-                "spoken": list(found.spoken),
-                "named": list(found.named),
-                "counts": [list(row) for row in found.counts],
+                "condition": confusion.condition,
+                "network": confusion.network,
+                "spoken": list(confusion.spoken),
+                "named": list(confusion.named),
+                "counts": [list(row) for row in confusion.counts],
             }
-            for found in metrics.confusions
+            for confusion in metrics.confusions
         ],
         "skipped": [
             {

@@ -30,11 +30,11 @@ class SkippedFile:
 
     @classmethod
     def because(cls, error: InputError) -> SkippedFile:
-        """Return what `error` says."""
+        """Return the file that an error is about."""
         return cls(what=error.what, where=error.where, remedy=error.remedy)
 
     def error(self) -> InputError:
-        """Return the error that it was."""
+        """Return the error."""
         return InputError(self.what, where=self.where, remedy=self.remedy)
 
 
@@ -54,25 +54,25 @@ class ConditionScore:
     Attributes
     ----------
     condition, name, unit : str
-        What was measured, on what.
+        The condition, the metric and its unit.
     value : float
         Mean over the clips that have a score, or the score of the whole condition; NaN for none.
     spread : float
         Standard deviation over those clips; NaN for fewer than two and for a score of the whole
         condition.
     scored, clips : int
-        Clips that have a score, and clips there are.
+        Clips with a score, and all clips.
     settings : mapping of str to str
         As in `MetricResult`.
     reason : str
-        Why clips have no score; empty where all have one.
+        Why clips have no score; empty if all have one.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores speak for a condition; `analysis.report.sections.metrics` has what each paper
+        Which scores are better; `analysis.report.sections.metrics` has what each paper
         says.
     interval : (float, float) or None
         95% interval of a score of the whole condition; `settings` say how it was made.
     remark : str
-        What a reader must know before trusting `value`.
+        A caution about `value`.
     """
 
     condition: str
@@ -104,9 +104,9 @@ class StudyMetrics:
     skipped : tuple of SkippedFile
         Files that could not be used.
     remarks : tuple of str
-        What there was no speech or recording for, so that metrics are missing.
+        Segments without speech or recording, so that metrics are missing.
     confusions : tuple of EmotionConfusion
-        By emotion network, then condition: which emotion gestures were taken for.
+        By emotion network, then condition: the emotions named for gestures.
     """
 
     frame_rate: float
@@ -118,7 +118,7 @@ class StudyMetrics:
 
 
 _REASONS: Final = 3
-"""Different reasons that are named; clips of different lengths have one each."""
+"""Different reasons that are named; clips of different lengths may have one each."""
 
 
 def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:
@@ -161,7 +161,7 @@ def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[Conditio
 
 
 def counted(reasons: Sequence[str], clips: int) -> str:
-    """Return each reason once, with how many of all clips it holds for; of many, the first."""
+    """Return each reason once, with its number of clips; of many reasons, the first ones."""
     different = list(dict.fromkeys(reasons))
     named = [
         f"{reason} ({reasons.count(reason)} of {clips} clips)" for reason in different[:_REASONS]

@@ -1,31 +1,54 @@
-"""All clips of one segment: recording and speech are looked at once for all conditions."""
+"""All metrics of the clips of one segment; its recording and speech are read once."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.feature_networks import ClipFeatures
-from analysis.measurement.clip_scores import clip_metrics
 from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Reader, Setup
-from analysis.measurement.recorded_spread import ClipExtent
+from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.measurement.scores import SkippedFile
-from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, select
-from analysis.metrics.kinematics import Counts, speed_counts
+from analysis.metrics.beat_alignment import beat_alignment
+from analysis.metrics.correct_motion import (
+    CorrectSettings,
+    percent_correct_motion,
+    semantic_recall,
+)
+from analysis.metrics.diversity import l1_deviation
+from analysis.metrics.joint_motion import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
+from analysis.metrics.kinematics import (
+    FEET,
+    Counts,
+    foot_sliding,
+    mean_derivative,
+    speed_counts,
+)
+from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.result import MetricResult
-from motion.formats.beat_tracks import read_semantic_scores
+from motion.audio_analysis import DETECTOR
+from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 
+FloatArray = NDArray[np.float64]
 Array = NDArray[np.float32]
+
+_FACE_SETTINGS: Final = {
+    "positions": "on the mean shape of one body, the head held still",
+    "box": "that of the recordings' landmarks",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentFiles:
-    """What there is of one segment.
+    """The files of one segment.
 
     Attributes
     ----------
@@ -34,11 +57,11 @@ class SegmentFiles:
     clips : mapping of condition to path
         Motion files.
     recorded : Path or None
-        The recorded motion of the same speech.
+        Recorded motion of the same speech.
     speech : Excerpt or None
-        What is said.
+        The speech.
     semantics : Path or None
-        Which of the recording's gestures carry meaning (`motion.formats.beat_tracks`).
+        The recording's gestures that carry meaning (`motion.formats.beat_tracks`).
     """
 
     segment: str
@@ -49,23 +72,23 @@ class SegmentFiles:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ClipFindings:
-    """What was found out about one clip that could be read.
+class ClipMeasurements:
+    """The measurements of one clip.
 
     Attributes
     ----------
     scores : tuple of MetricResult
-        Every metric of the clip alone, or beside its recording.
+        Every metric of the clip, alone or compared with its recording.
     upper_body : ndarray, shape (T, 8, 3), float32, or None
-        Positions for distances between clips, where a preset asks for them.
+        Positions for distances between clips, if a preset asks for them.
     face : ndarray, shape (T, 52) or (T, 100), float32, or None
-        The face for distances between clips, where a preset asks for them and the clip has one.
+        The face for distances between clips, if a preset asks for them and the clip has one.
     speeds : ndarray, shape (8, 80), int, or None
-        How often each speed occurs (`analysis.metrics.kinematics`), where that is asked for.
+        How often each speed occurs (`analysis.metrics.kinematics`), if asked for.
     features : mapping of str to ClipFeatures
-        What each network says, by its name.
+        The features of each network, by its name.
     depths : ndarray, shape (n,), float32, or None
-        How deep the arms are in the body, where that is asked for.
+        How deep the arms are in the body, if asked for.
     """
 
     scores: tuple[MetricResult, ...] = ()
@@ -78,60 +101,65 @@ class ClipFindings:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SegmentScores:
-    """What was found out about one segment.
+    """The measurements of one segment.
 
     Attributes
     ----------
     segment : str
         Its name.
-    clips : mapping of condition to ClipFindings
+    clips : mapping of condition to ClipMeasurements
         Every clip that could be read.
-    recorded : ClipFindings or None
-        The same of the recording, without scores.
+    recorded : ClipMeasurements or None
+        The recording, without scores.
     skipped : tuple of SkippedFile
         Files that could not be used.
     kept : frozenset of Path
-        What this segment uses of the arrays that are kept between runs.
+        The kept arrays that this segment uses.
     """
 
     segment: str
-    clips: Mapping[str, ClipFindings]
-    recorded: ClipFindings | None
+    clips: Mapping[str, ClipMeasurements]
+    recorded: ClipMeasurements | None
     skipped: tuple[SkippedFile, ...]
     kept: frozenset[Path]
 
 
 def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
-    """Measure all clips of one segment; a file that cannot be used is named, never an error."""
+    """Measure all clips of one segment; unusable files are listed instead of raising an error."""
     reader, preset = Reader(setup), setup.preset
     onsets = reader.onsets(files.speech) if preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
     semantics = None
     if preset.correct and files.semantics is not None:
-        semantics = reader.or_skipped(read_semantic_scores, files.semantics)
+        semantics = reader.read_or_skip(read_semantic_scores, files.semantics)
     clips = {}
     for condition, path in files.clips.items():
         is_recorded = path == files.recorded
         clip = recorded if is_recorded else reader.clip(path)
         if clip is not None:
-            beside = None if is_recorded else recorded
-            scores = clip_metrics(clip, setup, onsets=onsets, recorded=beside, semantics=semantics)
-            clips[condition] = _findings(clip, setup, tuple(scores))
+            scores = _clip_metrics(
+                clip,
+                setup,
+                onsets=onsets,
+                recorded=None if is_recorded else recorded,
+                semantics=semantics,
+            )
+            clips[condition] = _measurements(clip, setup, tuple(scores))
     return SegmentScores(
         segment=files.segment,
         clips=clips,
-        recorded=None if recorded is None else _findings(recorded, setup),
+        recorded=None if recorded is None else _measurements(recorded, setup),
         skipped=tuple(reader.skipped),
         kept=frozenset(reader.kept.used),
     )
 
 
-def _findings(
+def _measurements(
     clip: MeasuredClip, setup: Setup, scores: tuple[MetricResult, ...] = ()
-) -> ClipFindings:
+) -> ClipMeasurements:
     upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
     preset = setup.preset
-    return ClipFindings(
+    return ClipMeasurements(
         scores=scores,
         upper_body=upper.astype(np.float32) if preset.pair_distance else None,
         face=clip.face,
@@ -142,10 +170,179 @@ def _findings(
 
 
 def recorded_extent(path: Path, setup: Setup) -> ClipExtent | None:
-    """Return what one recording adds to the spread of all; None where it cannot be read."""
+    """Return what one recording adds to the spread of all; None if it cannot be read."""
     clip = Reader(setup).clip(path)
     if clip is None or clip.rotations is None:
         return None
     return ClipExtent.of(
         clip.rotations, select(clip.joints.relative, TED_JOINTS), clip.landmarks.positions
     )
+
+
+def _clip_metrics(
+    clip: MeasuredClip,
+    setup: Setup,
+    *,
+    onsets: FloatArray | None = None,
+    recorded: MeasuredClip | None = None,
+    semantics: tuple[SemanticSpan, ...] | None = None,
+) -> Iterator[MetricResult]:
+    """Yield every metric of the preset for which there is material.
+
+    Parameters
+    ----------
+    clip : MeasuredClip
+        The clip that is measured.
+    setup : Setup
+        How it is measured; without the spread of all recordings nothing is normalised by it.
+    onsets : ndarray or None
+        Onsets of the speech in seconds; None for no beat alignment.
+    recorded : MeasuredClip or None
+        The recording of the same speech; None for no errors.
+    semantics : tuple of SemanticSpan or None
+        The gestures that carry meaning; None for no semantic recall.
+    """
+    positions, frame_rate, preset = clip.joints.relative, setup.frame_rate, setup.preset
+    if onsets is not None:
+        yield from _beats(positions, onsets, setup)
+    for settings in preset.derivatives:
+        measured = select(positions, settings.joints)
+        yield mean_derivative(measured, frame_rate=frame_rate, settings=settings)
+    if preset.mean_pose_deviation:
+        yield l1_deviation(select(positions, UPPER_BODY_JOINTS), settings=pose_settings(frame_rate))
+    if preset.foot_sliding:
+        world = positions + clip.joints.pelvis[:, None]
+        yield foot_sliding(select(world, FEET), frame_rate=frame_rate)
+    if recorded is not None:
+        yield from _correct(clip, recorded, setup, semantics)
+        for norm in preset.velocity_errors:
+            yield velocity_error(
+                select(positions, UPPER_BODY_JOINTS),
+                select(recorded.joints.relative, UPPER_BODY_JOINTS),
+                frame_rate=frame_rate,
+                norm=norm,
+                settings=pose_settings(frame_rate),
+            )
+        yield from _joint_errors(positions, recorded.joints.relative, setup)
+        yield from _landmark_errors(clip, recorded, setup)
+
+
+def pose_settings(frame_rate: float) -> dict[str, str]:
+    """Return the settings of upper-body positions in words."""
+    return {
+        "joints": ", ".join(UPPER_BODY_JOINTS),
+        "frame rate": f"{frame_rate:g} fps",
+        "positions": "relative to the pelvis, default body, metres",
+    }
+
+
+def _beats(positions: FloatArray, onsets: FloatArray, setup: Setup) -> Iterator[MetricResult]:
+    for settings in setup.preset.beats:
+        alignment = beat_alignment(
+            select(positions, settings.joints),
+            onsets,
+            frame_rate=setup.frame_rate,
+            settings=settings,
+            detector=DETECTOR,
+        )
+        yield from (
+            alignment.above_chance,
+            alignment.score,
+            alignment.opposite,
+            alignment.chance,
+            alignment.motion_beats,
+        )
+
+
+def _correct(
+    clip: MeasuredClip,
+    recorded: MeasuredClip,
+    setup: Setup,
+    semantics: tuple[SemanticSpan, ...] | None,
+) -> Iterator[MetricResult]:
+    for settings in setup.preset.correct:
+        generated, reference = (
+            _represented(side, settings, setup.spread) for side in (clip, recorded)
+        )
+        if generated is None or reference is None:
+            continue
+        results = [percent_correct_motion(generated, reference, settings=settings)]
+        if semantics is not None:
+            frames = max(len(generated), len(reference))
+            weights = semantic_weights(semantics, frames, setup.frame_rate)
+            results.append(semantic_recall(generated, reference, weights, settings=settings))
+        is_rotation = settings.representation != "positions"
+        measured = {
+            "joints": ", ".join(GESTURE_JOINTS if is_rotation else UPPER_BODY_JOINTS),
+            "frame rate": f"{setup.frame_rate:g} fps",
+        }
+        for result in results:
+            yield replace(result, settings={**result.settings, **measured})
+
+
+def _represented(
+    clip: MeasuredClip, settings: CorrectSettings, spread: RecordedSpread | None
+) -> FloatArray | None:
+    """Return the motion in the representation of `settings`; None if it is unknown."""
+    if settings.representation == "positions":
+        return select(clip.joints.relative, UPPER_BODY_JOINTS)
+    if clip.rotations is None:
+        return None
+    if settings.representation == "normalised rotations":
+        return None if spread is None else spread.normalised(clip.rotations)
+    rotations = Rotation.from_rotvec(clip.rotations.reshape(-1, 3))
+    # At a gimbal lock the third angle is taken as 0, which is one of the right answers.
+    angles = rotations.as_euler("XYZ", degrees=True, suppress_warnings=True)
+    return np.asarray(angles.reshape(clip.rotations.shape))
+
+
+def _joint_errors(
+    generated: FloatArray, recorded: FloatArray, setup: Setup
+) -> Iterator[MetricResult]:
+    if setup.spread is None or not setup.preset.joint_errors:
+        return
+    rate = min(setup.frame_rate, S2UE_FRAME_RATE)
+    generated, recorded = (
+        _at_lower_rate(select(points, TED_JOINTS), setup.frame_rate, rate)
+        for points in (generated, recorded)
+    )
+    for settings in setup.preset.joint_errors:
+        yield point_error(
+            generated, recorded, frame_rate=rate, settings=settings, scale=setup.spread.scale
+        )
+
+
+def _landmark_errors(
+    clip: MeasuredClip, recorded: MeasuredClip, setup: Setup
+) -> Iterator[MetricResult]:
+    reason = clip.landmarks.reason or recorded.landmarks.reason
+    scale = math.nan if setup.spread is None else setup.spread.face_scale
+    if not reason and math.isnan(scale):
+        reason = "no recording has a face that moves"
+    no_points = np.zeros((1, 0, 3))
+    generated, reference = (
+        no_points if reason or side.landmarks.positions is None else side.landmarks.positions
+        for side in (clip, recorded)
+    )
+    for settings in setup.preset.landmark_errors:
+        result = point_error(
+            generated,
+            reference,
+            frame_rate=setup.face_rate,
+            settings=settings,
+            scale=scale,
+            missing=reason,
+        )
+        yield replace(result, settings={**result.settings, **_FACE_SETTINGS})
+
+
+def _at_lower_rate(points: FloatArray, frame_rate: float, lower: float) -> FloatArray:
+    """Return points at a lower frame rate, linearly interpolated."""
+    if lower == frame_rate:
+        return points
+    time = np.arange(max(1, round(len(points) * lower / frame_rate))) * frame_rate / lower
+    time = np.minimum(time, len(points) - 1)
+    before = time.astype(int)
+    after = np.minimum(before + 1, len(points) - 1)
+    share = (time - before)[:, None, None]
+    return np.asarray((1 - share) * points[before] + share * points[after])

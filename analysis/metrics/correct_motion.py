@@ -1,11 +1,11 @@
-"""Percent of correct motion (PCM): how many joints are near their recorded place.
+"""Percent of correct motion (PCM): the share of joints near their recorded position.
 
-One name stands for different thresholds in different units (Chen et al. 2024, DiffSHEG, on
+Papers use one name for different thresholds in different units (Chen et al. 2024, DiffSHEG, on
 normalised rotations; Liu et al. 2022, BEAT, on Euler angles; Liu et al. 2024, EMAGE, on positions),
 so each preset fixes both.
 
-Semantic-relevant gesture recall (SRGR) counts the same where gestures carry meaning. Published code
-multiplies by a constant (1 / 0.165) in place of the mean weight, so that its values depend on the
+Semantic-relevant gesture recall (SRGR) is the same, weighted by how much gestures mean. Published
+code multiplies by a constant (1 / 0.165) in place of the mean weight, so its values depend on the
 excerpt and may exceed 1. Here the weighted mean is divided by the sum of the weights.
 """
 
@@ -40,15 +40,15 @@ class CorrectSettings:
     name : str
         Names the preset.
     representation : {'positions', 'normalised rotations', 'euler angles'}
-        What a joint's three channels are.
+        The three channels of a joint.
     distance : {'Euclidean', 'sum of absolute differences'}
         Over the three channels of a joint.
     threshold : float
-        A joint is correct where the distance is below this.
+        A joint is correct if its distance is below this.
     unit : str
         Unit of the threshold.
     source : str
-        Where the choices come from.
+        Source of these choices.
     """
 
     name: str
@@ -101,16 +101,16 @@ def correct_joints(
 ) -> NDArray[np.bool_]:
     """Return which joints are correct, shape (T, J), of motions of shape (T, J, 3).
 
-    Euler angles are compared the short way round.
+    Differences of Euler angles are wrapped to ±180°.
     """
     difference = generated - recorded
     if settings.representation == "euler angles":
         difference = (difference + 180) % 360 - 180
     if settings.distance == "Euclidean":
-        apart = np.linalg.norm(difference, axis=2)
+        distance = np.linalg.norm(difference, axis=2)
     else:
-        apart = np.abs(difference).sum(axis=2)
-    return np.asarray(apart < settings.threshold)
+        distance = np.abs(difference).sum(axis=2)
+    return np.asarray(distance < settings.threshold)
 
 
 def percent_correct_motion(
@@ -128,7 +128,7 @@ def percent_correct_motion(
     Returns
     -------
     MetricResult
-        In [0, 1], 1 for the recording itself. NaN where the clips do not pair, and for no joint.
+        In [0, 1], 1 for the recording itself. NaN if the clips cannot be paired or have no joint.
     """
     return _correct_share("percent of correct motion", generated, recorded, None, settings)
 
@@ -147,14 +147,14 @@ def semantic_recall(
     generated, recorded : ndarray, shape (T, J, 3)
         In the representation of `settings`, at one frame rate.
     weights : ndarray, shape (T,)
-        Semantic score of each frame, at least 0; of the longer clip where they differ.
+        Semantic score of each frame, at least 0; of the longer clip if they differ.
     settings : CorrectSettings
         Usually one of the presets.
 
     Returns
     -------
     MetricResult
-        In [0, 1]. NaN where the clips do not pair or no frame has a weight.
+        In [0, 1]. NaN if the clips cannot be paired or no frame has a weight.
 
     Raises
     ------
@@ -179,16 +179,17 @@ def _correct_share(
 ) -> MetricResult:
     metric = Metric(f"{name} ({settings.name})", better="higher")
     described = settings.described()
-    one, other, reason = paired(generated, recorded)
-    used = np.ones(len(one)) if weights is None else weights[: len(one)]
+    generated, recorded, reason = paired(generated, recorded)
+    frames, joints = generated.shape[:2]
+    used = np.ones(frames) if weights is None else weights[:frames]
     if weights is not None:
         described["weights"] = "semantic scores, divided by their sum"
-    if not reason and not one.shape[1]:
+    if not reason and not joints:
         reason = "no joint moves in the recordings"
     if not reason and not used.sum() > 0:
         reason = "no frame has a semantic score above 0"
     if reason:
         return metric.missing(reason, described)
-    wrong = 1 - correct_joints(one, other, settings).mean(axis=1)
+    wrong = 1 - correct_joints(generated, recorded, settings).mean(axis=1)
     value = max(0.0, 1 - float(wrong @ used / used.sum()))  # rounding never leaves [0, 1]
-    return metric.score(value, int(np.count_nonzero(used)) * one.shape[1], described)
+    return metric.score(value, int(np.count_nonzero(used)) * joints, described)

@@ -64,10 +64,10 @@ def emotion_confusion(
         Whose clips, and the hash of which network.
     """
     counts = np.zeros((len(labels), len(labels)), int)
-    place = {label: number for number, label in enumerate(labels)}
+    index = {label: number for number, label in enumerate(labels)}
     for truth, answer in zip(spoken, named, strict=True):
-        if truth in place:
-            counts[place[truth], place[answer]] += 1
+        if truth in index:
+            counts[index[truth], index[answer]] += 1
     there = [row for row in range(len(labels)) if counts[row].any()]
     return EmotionConfusion(
         condition=condition,
@@ -122,7 +122,7 @@ def emotion_accuracy(
             for hits, count in zip(right, clips, strict=True)
         ]
     )
-    reach = np.linalg.norm(shares[:, None] - limits, axis=0) / len(clips)
+    margins = np.linalg.norm(shares[:, None] - limits, axis=0) / len(clips)
     described["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
-    interval = (max(0.0, value - float(reach[0])), min(1.0, value + float(reach[1])))
+    interval = (max(0.0, value - float(margins[0])), min(1.0, value + float(margins[1])))
     return metric.score(value, int(clips.sum()), described, interval=interval)

@@ -6,8 +6,8 @@ where samples are fewer than dimensions. The last trace is the sum of the singul
 ``A Bᵀ`` for any ``AᵀA = Σ₁``, ``BᵀB = Σ₂``: the centred samples themselves where they are fewer
 than dimensions, symmetric square roots otherwise.
 
-Published code takes a matrix square root of the product all the same, and papers' numbers hold
-whatever comes of that: `published_distance` gives it, to stand beside ours.
+Published code takes a matrix square root of the product nevertheless, and papers report its result:
+`published_distance` computes it for comparison.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ DRAWS: Final = 4
 """Draws per size, whose mean enters the line."""
 
 
-def frechet_of_samples(one: FloatArray, other: FloatArray) -> float:
+def frechet_of_samples(x: FloatArray, y: FloatArray) -> float:
     """Return the Fréchet distance of the normal distributions fitted to two samples.
 
     Parameters
     ----------
-    one, other : ndarray, shape (n, d), (m, d)
+    x, y : ndarray, shape (n, d), (m, d)
         At least two rows each; covariances divide by n - 1 and m - 1.
 
     Returns
@@ -64,8 +64,8 @@ def frechet_of_samples(one: FloatArray, other: FloatArray) -> float:
     float
         In squared units of the embeddings, at least 0.
     """
-    means = one.mean(axis=0), other.mean(axis=0)
-    factors = _sample_factor(one - means[0]), _sample_factor(other - means[1])
+    means = x.mean(axis=0), y.mean(axis=0)
+    factors = _sample_factor(x - means[0]), _sample_factor(y - means[1])
     return _distance(means[0] - means[1], *factors)
 
 
@@ -95,27 +95,26 @@ def frechet(
     Returns
     -------
     MetricResult
-        The interval says how precise the score is at this sample size: the score ± 1.96 times its
-        standard deviation when whole clips are drawn again. It does not take away the bias, which
-        the remark puts into a number where n < 2 d. NaN for fewer than two samples.
+        Its interval is the score ± 1.96 bootstrap standard errors over clips. It does not correct
+        the bias, which the remark estimates for n < 2 d. NaN for fewer than two samples.
     """
     check_dimensions(generated, reference)
-    one, other = of_equal_size(generated, reference)
-    count, dimensions = one.values.shape
+    x, y = of_equal_size(generated, reference)
+    count, dimensions = x.values.shape
     metric = Metric(name, better="lower")
     described = _described(generated, reference, settings) | {
         "covariance": "unbiased, not regularised"
     }
     if count < 2:
         return metric.missing("a covariance needs two samples", described)
-    value = frechet_of_samples(one.values, other.values)
+    value = frechet_of_samples(x.values, y.values)
     interval = None
     if resamples is None:
         resamples = RESAMPLES if count <= MANY else RESAMPLES_OF_MANY
-    if resamples and min(_clip_count(one), _clip_count(other)) >= FEWEST_CLIPS:
+    if resamples and min(len(np.unique(sample.clips)) for sample in (x, y)) >= FEWEST_CLIPS:
         described["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
-        reach = 1.96 * _spread(one, other, resamples)
-        interval = (max(0.0, value - reach), value + reach)
+        margin_of_error = 1.96 * _bootstrap_error(x, y, resamples)
+        interval = (max(0.0, value - margin_of_error), value + margin_of_error)
     return metric.score(
         value, count, described, interval=interval, remark=_remark(count, dimensions)
     )
@@ -150,8 +149,8 @@ def frechet_extrapolated(
         the dimensions: half of them must still be twice the dimensions.
     """
     check_dimensions(generated, reference)
-    one, other = of_equal_size(generated, reference)
-    count, dimensions = one.values.shape
+    x, y = of_equal_size(generated, reference)
+    count, dimensions = x.values.shape
     metric = Metric(name, better="lower")
     described = _described(generated, reference, settings) | {
         "extrapolation": f"straight line over 1/n through {SIZES} sizes from n/2 to n, "
@@ -160,23 +159,23 @@ def frechet_extrapolated(
     if count < 2 * FEWEST_PER_DIMENSION * dimensions:
         reason = f"{count} samples are fewer than 4 x {dimensions} dimensions: no line to extend"
         return metric.missing(reason, described)
-    return metric.score(_at_infinity(one, other), count, described)
+    return metric.score(_extrapolated(x, y), count, described)
 
 
-def _at_infinity(one: Embeddings, other: Embeddings) -> float:
+def _extrapolated(x: Embeddings, y: Embeddings) -> float:
     chance = np.random.default_rng(SEED)
-    count = len(one)
+    count = len(x)
     sizes = np.round(1 / np.linspace(1 / count, 2 / count, SIZES)).astype(int)
     distances = []
     for size in sizes:
-        drawn = [
+        draws = [
             frechet_of_samples(
-                one.values[chance.choice(count, size, replace=False)],
-                other.values[chance.choice(count, size, replace=False)],
+                x.values[chance.choice(count, size, replace=False)],
+                y.values[chance.choice(count, size, replace=False)],
             )
             for _ in range(1 if size == count else DRAWS)
         ]
-        distances.append(np.mean(drawn))
+        distances.append(np.mean(draws))
     line = np.polynomial.Polynomial.fit(1 / sizes, distances, deg=1)
     return float(line(0.0))
 
@@ -192,7 +191,7 @@ def _described(
 
 
 def _remark(count: int, dimensions: int) -> str:
-    """Return a warning where a sample is too small for its dimensions."""
+    """Return a warning if a sample is too small for its dimensions."""
     if count >= FEWEST_PER_DIMENSION * dimensions:
         return ""
     return (
@@ -210,30 +209,26 @@ def _bias(count: int, dimensions: int) -> float:
     """
     if count >= dimensions:
         return dimensions * (dimensions + 5) / (2 * count)
-    one, other = np.random.default_rng(SEED).standard_normal((2, count, dimensions))
-    return frechet_of_samples(one, other)
+    x, y = np.random.default_rng(SEED).standard_normal((2, count, dimensions))
+    return frechet_of_samples(x, y)
 
 
-def _clip_count(sample: Embeddings) -> int:
-    return len(np.unique(sample.clips))
-
-
-def _spread(one: Embeddings, other: Embeddings, resamples: int) -> float:
+def _bootstrap_error(x: Embeddings, y: Embeddings, resamples: int) -> float:
     """Return the standard deviation of the distance over bootstrap samples of clips."""
     draws = zip(
-        resampled_clips(one, resamples, SEED),
-        resampled_clips(other, resamples, SEED + 1),
+        resampled_clips(x, resamples, SEED),
+        resampled_clips(y, resamples, SEED + 1),
         strict=True,
     )
-    scores = [frechet_of_samples(one.values[rows], other.values[others]) for rows, others in draws]
+    scores = [frechet_of_samples(x.values[rows], y.values[others]) for rows, others in draws]
     return float(np.std(scores, ddof=1))
 
 
 def _distance(shift: FloatArray, factor1: FloatArray, factor2: FloatArray) -> float:
     """Return the distance of normals with covariances FᵀF, from factors F of shape (k, d)."""
     cross = np.linalg.svd(factor1 @ factor2.T, compute_uv=False).sum()
-    apart = shift @ shift + np.sum(factor1**2) + np.sum(factor2**2) - 2 * cross
-    return max(0.0, float(apart))
+    distance = shift @ shift + np.sum(factor1**2) + np.sum(factor2**2) - 2 * cross
+    return max(0.0, float(distance))
 
 
 def _sample_factor(centred: FloatArray) -> FloatArray:
@@ -258,16 +253,16 @@ RULES: Final[dict[Rule, str]] = {
     "offset": "1e-6 on the diagonals of both covariances, inside the matrix square root alone; "
     "imaginary parts are dropped unseen",
 }
-"""What each rule does, in words."""
+"""The rules in words."""
 
 FAILED: Final = 1e10
-"""What the rule of pytorch-fid says in place of a distance."""
+"""The result of pytorch-fid's rule in place of a distance."""
 
 _OFFSET: Final = 1e-6
 _IMAGINARY: Final = 1e-3
 
 
-def published_distance(one: FloatArray, other: FloatArray, rule: Rule) -> float:
+def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
     """Return the Fréchet distance of two samples by a published rule.
 
     Where a sample has no more rows than columns the product is singular, and its root depends on
@@ -275,13 +270,13 @@ def published_distance(one: FloatArray, other: FloatArray, rule: Rule) -> float:
 
     Parameters
     ----------
-    one, other : ndarray, shape (n, d), (m, d)
+    x, y : ndarray, shape (n, d), (m, d)
         At least two rows each.
     rule : {'pytorch-fid', 'offset'}
         Which; see `RULES`.
     """
-    shift = one.mean(axis=0) - other.mean(axis=0)
-    first, second = (np.atleast_2d(np.cov(sample, rowvar=False)) for sample in (one, other))
+    shift = x.mean(axis=0) - y.mean(axis=0)
+    first, second = (np.atleast_2d(np.cov(sample, rowvar=False)) for sample in (x, y))
     offset = _OFFSET * np.eye(len(first))
     root = _matrix_root(
         (first + offset) @ (second + offset) if rule == "offset" else first @ second

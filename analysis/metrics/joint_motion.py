@@ -109,8 +109,8 @@ def joint_motion(clip: MotionClip, frame_rate: float) -> JointMotion:
 
 def packed_joints(clip: MotionClip, frame_rate: float) -> NDArray[np.float32]:
     """Return a `joint_motion` as one array, shape (T, 56, 3): the pelvis comes last."""
-    seen = stand_on_ground(resample(clip, frame_rate), REST_JOINTS)
-    relative = forward_kinematics(seen.poses, np.zeros_like(seen.trans), REST_JOINTS)[0]
+    grounded = stand_on_ground(resample(clip, frame_rate), REST_JOINTS)
+    relative = forward_kinematics(grounded.poses, np.zeros_like(grounded.trans), REST_JOINTS)[0]
     relative -= relative[:, :1]
-    pelvis = REST_JOINTS[0] + seen.trans
+    pelvis = REST_JOINTS[0] + grounded.trans
     return np.concatenate([relative, pelvis[:, None]], axis=1).astype(np.float32)

@@ -1,7 +1,7 @@
 """Kernel distance of embeddings (KID): unbiased at any sample size, so it may be below 0.
 
 The squared maximum mean discrepancy with the kernel ``k(x, y) = (x·y / d + 1)³`` (Bińkowski et al.
-2018, "Demystifying MMD GANs"). It stands beside every Fréchet distance of few samples.
+2018, "Demystifying MMD GANs"). It accompanies every Fréchet distance of few samples.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class _Side:
 
     @property
     def left(self) -> FloatArray:
-        """Rows that are left when each clip in turn is left out."""
+        """Remaining rows when each clip in turn is left out."""
         return np.asarray(self.rows.sum() - self.rows)
 
     @property
@@ -128,15 +128,15 @@ class _Side:
         return float((clips - 1) / clips * np.sum((without - without.mean()) ** 2))
 
 
-def _kernel_sums(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _kernel_sums(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the sums of the kernel matrix over its columns and over its rows."""
-    rows, columns = np.zeros(len(one)), np.zeros(len(other))
-    for start in range(0, len(one), _BLOCK):
-        kernel = _kernel(one[start : start + _BLOCK], other)
+    rows, columns = np.zeros(len(x)), np.zeros(len(y))
+    for start in range(0, len(x), _BLOCK):
+        kernel = _kernel(x[start : start + _BLOCK], y)
         rows[start : start + _BLOCK] = kernel.sum(axis=1)
         columns += kernel.sum(axis=0)
     return rows, columns
 
 
-def _kernel(one: FloatArray, other: FloatArray) -> FloatArray:
-    return np.asarray((one @ other.T / one.shape[1] + 1) ** 3)
+def _kernel(x: FloatArray, y: FloatArray) -> FloatArray:
+    return np.asarray((x @ y.T / x.shape[1] + 1) ** 3)

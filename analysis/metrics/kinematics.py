@@ -179,9 +179,9 @@ def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
         Frames by joint and speed, in bins of `BIN`; the last holds all that is faster.
     """
     speed = np.linalg.norm(np.diff(positions, axis=0), axis=2) * frame_rate
-    place = np.minimum((speed / BIN).astype(np.int64), _BINS - 1)
+    bins = np.minimum((speed / BIN).astype(np.int64), _BINS - 1)
     joints = positions.shape[1]
-    flat = (place + _BINS * np.arange(joints)).reshape(-1)
+    flat = (bins + _BINS * np.arange(joints)).reshape(-1)
     return np.bincount(flat, minlength=joints * _BINS).reshape(joints, _BINS)
 
 
@@ -216,14 +216,14 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
     interval = None
     if min(len(generated), len(recorded)) >= FEWEST_CLIPS:
         described["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
-        reach = 1.96 * _spread(generated, recorded)
-        interval = (max(0.0, value - reach), min(1.0, value + reach))
+        margin_of_error = 1.96 * _spread(generated, recorded)
+        interval = (max(0.0, value - margin_of_error), min(1.0, value + margin_of_error))
     return metric.score(value, int(generated[:, 0].sum()), described, interval=interval)
 
 
-def _hellinger(one: FloatArray | Counts, other: FloatArray | Counts) -> FloatArray:
+def _hellinger(x: FloatArray | Counts, y: FloatArray | Counts) -> FloatArray:
     """Return the distances of histograms of shape (..., J, bins), mean over joints."""
-    shares = [counts / counts.sum(axis=-1, keepdims=True) for counts in (one, other)]
+    shares = [counts / counts.sum(axis=-1, keepdims=True) for counts in (x, y)]
     common = np.sqrt(shares[0] * shares[1]).sum(axis=-1)
     return np.asarray(np.sqrt(np.maximum(0, 1 - common)).mean(axis=-1))
 

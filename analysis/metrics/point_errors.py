@@ -23,10 +23,10 @@ FloatArray = NDArray[np.float64]
 Norm = Literal["L1", "L2"]
 
 LEAST_OVERLAP: Final = 0.9
-"""A clip shorter than this share of the other is not the same segment."""
+"""A clip shorter than this share of the other one is not the same segment."""
 
 SEED_FRAMES: Final = 4
-"""Frames that S2UE and its predecessors give their generators to begin with, at 15 fps."""
+"""Seed frames of the generators of S2UE and its predecessors, at 15 fps."""
 
 S2UE_FRAME_RATE: Final = 15.0
 
@@ -40,11 +40,11 @@ class PointSettings:
     name, unit : str
         Of the metric.
     points : str
-        What the points are.
+        The points in words.
     order : int
-        Which derivative is compared: 0 for places, 2 for accelerations.
+        Derivative that is compared: 0 for positions, 2 for accelerations.
     too_short : str
-        Why there is no error of a clip with too few frames.
+        Why a clip with too few frames has no error.
     """
 
     name: str
@@ -83,7 +83,7 @@ MACE_LANDMARKS: Final = _acceleration("MAcE-LM", _LANDMARKS)
 
 
 def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, FloatArray, str]:
-    """Return two clips cut to the shorter one, and why they do not pair, if they do not.
+    """Return two clips cut to the shorter one, and why they cannot be paired if they cannot.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
     generated, recorded : ndarray
         Cut to equally many frames.
     reason : str
-        Empty where they pair.
+        Empty if they can be paired.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
 
 
 def box_scale(clips: Iterable[FloatArray]) -> float:
-    """Return the factor that puts all points of all clips into a box of one metre diagonal.
+    """Return the factor that scales all points of all clips into a box with a diagonal of 1 m.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def box_scale(clips: Iterable[FloatArray]) -> float:
     Raises
     ------
     ValueError
-        If there is no clip, or all points are one.
+        If there is no clip, or all points coincide.
     """
     corners = [
         corner
@@ -136,7 +136,7 @@ def box_scale(clips: Iterable[FloatArray]) -> float:
         raise ValueError("no clip to put into a box")
     diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
     if not diagonal > 0:
-        raise ValueError("all points are one")
+        raise ValueError("all points coincide")
     return 1 / diagonal
 
 
@@ -162,23 +162,23 @@ def point_error(
     scale : float
         Factor that all points are multiplied by; see `box_scale`.
     missing : str
-        Why there are no points, where there are none.
+        Why there are no points; '' if there are some.
 
     Returns
     -------
     MetricResult
         In mm, or in mm/s² (second differences times the frame rate squared); 0 for the recording
-        itself. NaN where the clips do not pair or too few frames are left.
+        itself. NaN if the clips cannot be paired or too few frames are left.
     """
     metric = Metric(settings.name, settings.unit, "lower")
     described = settings.described(frame_rate, scale)
-    one, other, reason = paired(generated, recorded)
-    apart = np.diff((one - other)[SEED_FRAMES:], n=settings.order, axis=0)
-    reason = missing or reason or ("" if apart.size else settings.too_short)
+    generated, recorded, reason = paired(generated, recorded)
+    difference = np.diff((generated - recorded)[SEED_FRAMES:], n=settings.order, axis=0)
+    reason = missing or reason or ("" if difference.size else settings.too_short)
     if reason:
         return metric.missing(reason, described)
-    value = 1000 * scale * frame_rate**settings.order * float(np.abs(apart).mean())
-    return metric.score(value, apart.shape[0] * apart.shape[1], described)
+    value = 1000 * scale * frame_rate**settings.order * float(np.abs(difference).mean())
+    return metric.score(value, difference.shape[0] * difference.shape[1], described)
 
 
 def velocity_error(
@@ -206,7 +206,7 @@ def velocity_error(
     Returns
     -------
     MetricResult
-        In m/s; 0 for the recording itself. NaN where the clips do not pair, and for one frame.
+        In m/s; 0 for the recording itself. NaN if the clips cannot be paired, and for one frame.
     """
     metric = Metric(f"velocity error ({norm})", "m/s", "lower")
     averaged = "components" if norm == "L1" else "vectors"
@@ -214,9 +214,9 @@ def velocity_error(
         "frame rate": f"{frame_rate:g} fps",
         "mean over": f"frames, joints and {averaged}",
     }
-    one, other, reason = paired(generated, recorded)
-    if reason or len(one) < 2:
+    generated, recorded, reason = paired(generated, recorded)
+    if reason or len(generated) < 2:
         return metric.missing(reason or "a velocity needs two frames", described)
-    apart = np.diff(one - other, axis=0) * frame_rate
-    size = np.abs(apart) if norm == "L1" else np.linalg.norm(apart, axis=2)
-    return metric.score(float(size.mean()), apart.shape[0] * apart.shape[1], described)
+    difference = np.diff(generated - recorded, axis=0) * frame_rate
+    size = np.abs(difference) if norm == "L1" else np.linalg.norm(difference, axis=2)
+    return metric.score(float(size.mean()), difference.shape[0] * difference.shape[1], described)

@@ -81,28 +81,28 @@ def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Emb
         )
     numbered: Clips = np.arange(len(array))
     if clips is not None:
-        place = {name: number for number, name in enumerate(dict.fromkeys(clips))}
-        numbered = np.array([place[name] for name in clips], np.int64).reshape(-1)
+        numbers = {name: number for number, name in enumerate(dict.fromkeys(clips))}
+        numbered = np.array([numbers[name] for name in clips], np.int64).reshape(-1)
     return Embeddings(values=array, clips=numbered)
 
 
-def check_dimensions(one: Embeddings, other: Embeddings) -> None:
+def check_dimensions(x: Embeddings, y: Embeddings) -> None:
     """Raise `InputError` where two samples do not come from the same feature network."""
-    if one.values.shape[1] != other.values.shape[1]:
+    if x.values.shape[1] != y.values.shape[1]:
         raise InputError(
-            f"embeddings have {one.values.shape[1]} and {other.values.shape[1]} dimensions",
+            f"embeddings have {x.values.shape[1]} and {y.values.shape[1]} dimensions",
             remedy="Embed both conditions with the same feature network",
         )
 
 
-def of_equal_size(one: Embeddings, other: Embeddings) -> tuple[Embeddings, Embeddings]:
+def of_equal_size(x: Embeddings, y: Embeddings) -> tuple[Embeddings, Embeddings]:
     """Return both samples with as many rows as the smaller one, drawn without replacement.
 
     The bias of a Fréchet distance depends on both sizes, so that scores of unequal samples do not
     compare.
     """
-    count = min(len(one), len(other))
-    return drawn(one, count), drawn(other, count)
+    count = min(len(x), len(y))
+    return drawn(x, count), drawn(y, count)
 
 
 def drawn(sample: Embeddings, count: int) -> Embeddings:

@@ -85,7 +85,7 @@ class PenetrableBody:
 
     @classmethod
     def of(cls, body: BodyModel) -> PenetrableBody:
-        """Tell the parts of `body` apart, by the joint that moves each vertex most."""
+        """Tell the parts of `body` distances, by the joint that moves each vertex most."""
         joints = _main_joints(body)
         solids = tuple(np.flatnonzero(np.isin(joints, _indices(names))) for names in _SOLIDS)
         is_solid = np.zeros(len(joints), bool)
@@ -118,30 +118,30 @@ class PenetrableBody:
         """Return how deep the deepest vertex of a frame is, in metres."""
         placed = vertices.astype(np.float64)
         points = placed[self.moving]
-        points = points[self._may_be_inside(placed, points)]
+        points = points[self._within_bounds(placed, points)]
         if not len(points):
             return 0.0
-        apart = _distances(points, placed[self.faces])
-        deepest_first = np.argsort(-apart, kind="stable")
+        distances = _distances(points, placed[self.faces])
+        deepest_first = np.argsort(-distances, kind="stable")
         for start in range(0, len(points), _POINTS_AT_A_TIME):
             part = deepest_first[start : start + _POINTS_AT_A_TIME]
             inside = winding_numbers(points[part], placed, self.faces) > _INSIDE
             if inside.any():
-                return float(apart[part[inside][0]])
+                return float(distances[part[inside][0]])
         return 0.0
 
-    def _may_be_inside(self, placed: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+    def _within_bounds(self, placed: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
         """Return which points lie within the bounds of a solid in 26 directions."""
         along = points @ _DIRECTIONS.T
-        may = np.zeros(len(points), bool)
+        is_within = np.zeros(len(points), bool)
         for solid in self.solids:
-            reach = placed[solid] @ _DIRECTIONS.T
-            may |= ((along >= reach.min(axis=0)) & (along <= reach.max(axis=0))).all(axis=1)
-        return may
+            extent = placed[solid] @ _DIRECTIONS.T
+            is_within |= ((along >= extent.min(axis=0)) & (along <= extent.max(axis=0))).all(axis=1)
+        return is_within
 
 
 def sampled_frames(frames: int, frame_rate: float) -> Index:
-    """Return which frames of a clip are looked at: the middle one of each half second."""
+    """Return the sampled frames of a clip: the middle one of each half second."""
     count = max(1, math.floor(frames / frame_rate * SAMPLES_PER_SECOND))
     middles = (np.arange(count) + 0.5) * frame_rate / SAMPLES_PER_SECOND
     return np.minimum(middles.astype(np.int64), frames - 1)
@@ -167,26 +167,26 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
     corners, faces = np.unique(faces, return_inverse=True)
     # All products of a point with corners are matrix products; near the origin none cancels.
     centre = vertices[corners].mean(axis=0)
-    placed, seen = vertices[corners] - centre, points - centre
-    one, two, three = (placed[faces[:, corner]] for corner in range(3))
-    normals = np.cross(one, two) + np.cross(two, three) + np.cross(three, one)
-    volume = np.einsum("fx,fx->f", one, np.cross(two, three)) - seen @ normals.T
-    square = np.einsum("qx,qx->q", seen, seen)[:, None]
-    along = seen @ placed.T
+    placed, points = vertices[corners] - centre, points - centre
+    a, b, c = (placed[faces[:, corner]] for corner in range(3))
+    normals = np.cross(a, b) + np.cross(b, c) + np.cross(c, a)
+    volume = np.einsum("fx,fx->f", a, np.cross(b, c)) - points @ normals.T
+    square = np.einsum("qx,qx->q", points, points)[:, None]
+    along = points @ placed.T
     lengths = np.sqrt(np.maximum(square - 2 * along + np.einsum("vx,vx->v", placed, placed), 0))
     first, second, third = (faces[:, corner] for corner in range(3))
 
-    def product(a: Index, b: Index) -> FloatArray:
-        own = np.einsum("fx,fx->f", placed[a], placed[b])
-        return np.asarray(own - along[:, a] - along[:, b] + square)
+    def dot(start: Index, end: Index) -> FloatArray:
+        corners_dot = np.einsum("fx,fx->f", placed[start], placed[end])
+        return np.asarray(corners_dot - along[:, start] - along[:, end] + square)
 
-    across = (
+    denominator = (
         lengths[:, first] * lengths[:, second] * lengths[:, third]
-        + product(first, second) * lengths[:, third]
-        + product(second, third) * lengths[:, first]
-        + product(third, first) * lengths[:, second]
+        + dot(first, second) * lengths[:, third]
+        + dot(second, third) * lengths[:, first]
+        + dot(third, first) * lengths[:, second]
     )
-    return np.asarray(np.arctan2(volume, across).sum(axis=1) / (2 * np.pi))
+    return np.asarray(np.arctan2(volume, denominator).sum(axis=1) / (2 * np.pi))
 
 
 def self_penetration(depths: NDArray[np.float32], *, body: str) -> Iterator[MetricResult]:
@@ -197,12 +197,12 @@ def self_penetration(depths: NDArray[np.float32], *, body: str) -> Iterator[Metr
     depths : ndarray, shape (n,), n > 0
         In metres, by sampled frame; see `PenetrableBody.depths`.
     body : str
-        Which body the clip was put on.
+        The body of the clips.
 
     Yields
     ------
     MetricResult
-        The mean over frames of the deepest vertex' depth in mm, 0 where none is inside; and the
+        The mean over frames of the deepest vertex's depth in mm, 0 if none is inside; and the
         share of frames in which it is deeper than `TOLERANCE`.
     """
     values = np.asarray(depths, np.float64)
@@ -231,11 +231,11 @@ def _indices(names: Sequence[str]) -> list[int]:
 def _main_joints(body: BodyModel) -> Index:
     """Return the joint of the skeleton that moves each vertex most, shape (V,)."""
     weights = body.weights.toarray()
-    own = weights[:, :JOINT_COUNT].copy()
+    by_joint = weights[:, :JOINT_COUNT].copy()
     if body.twist_joints is not None:
         for number, (start, _) in enumerate(body.twist_joints.bones):
-            own[:, start] += weights[:, JOINT_COUNT + number]
-    return np.asarray(own.argmax(axis=1), np.int64)
+            by_joint[:, start] += weights[:, JOINT_COUNT + number]
+    return np.asarray(by_joint.argmax(axis=1), np.int64)
 
 
 def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
@@ -244,5 +244,5 @@ def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
     near = near.reshape(len(points), -1)
     repeated = np.repeat(points, near.shape[1], axis=0)
     closest = closest_point(triangles[near.reshape(-1)], repeated)  # type: ignore[no-untyped-call]
-    apart = np.linalg.norm(closest - repeated, axis=1).reshape(near.shape)
-    return np.asarray(apart.min(axis=1))
+    distances = np.linalg.norm(closest - repeated, axis=1).reshape(near.shape)
+    return np.asarray(distances.min(axis=1))

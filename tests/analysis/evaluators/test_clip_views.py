@@ -61,11 +61,11 @@ def test_a_face_in_other_terms_is_refused() -> None:
         ClipView(face="expressions").frames(replace(clip, expressions=None))
     assert face_of(clip) == "arkit"
     assert face_of(replace(clip, arkit=None)) == "expressions"
-    with pytest.raises(InputError, match="nothing of the face"):
+    with pytest.raises(InputError, match="no face"):
         face_of(random_clip(3, face=False))
 
 
 @pytest.mark.parametrize("channels", ["expression", "both", "landmarks"])
 def test_channels_of_a_face_need_to_know_of_which(channels: Channels) -> None:
-    with pytest.raises(InputError, match="of which face"):
+    with pytest.raises(InputError, match="face or landmarks"):
         view_of(channels, joints=GESTURE_JOINTS)

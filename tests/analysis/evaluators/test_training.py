@@ -85,7 +85,7 @@ def test_the_face_of_the_first_clip_decides_and_others_are_left_out(tmp_path: Pa
         (
             request("emotion", "body"),
             (replace(source("anger", 0), emotion=""),),
-            "nothing says which emotion",
+            "its emotion is not stated",
         ),
     ],
 )
