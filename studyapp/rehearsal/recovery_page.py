@@ -15,10 +15,10 @@ from motion.files import write_text
 from studyapp.rehearsal.recovered import Recovery
 from studyapp.rehearsal.recovery_words import (
     counts_in_words,
-    difference_in_words,
     exclusions_in_words,
     intervals_in_words,
     signs_in_words,
+    unanswered_in_words,
 )
 from studyapp.rehearsal.simulation.population import DESCRIPTIONS
 from studyapp.study.folder import StudyFolder
@@ -66,11 +66,7 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             anchor="differences",
             heading="Which is the better one",
             paragraphs=(signs_in_words(recovery),),
-            bullets=tuple(
-                difference_in_words(each)
-                for each in recovery.differences
-                if each.sign in ("undecided", "wrong")
-            ),
+            bullets=tuple(unanswered_in_words(recovery)),
             tables=(table("truth_of_differences", recovery.differences),),
         ),
         Section(

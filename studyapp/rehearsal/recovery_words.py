@@ -41,13 +41,7 @@ def summary(recovery: Recovery) -> Iterator[str]:
     """Yield the sentences that say in short what came of a rehearsal."""
     yield intervals_in_words(recovery)
     yield signs_in_words(recovery)
-    unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
-    # What is found with the wrong sign is worth more than what is not found.
-    unanswered.sort(key=lambda each: each.sign == "undecided")
-    for difference in unanswered[:TOLD]:
-        yield f"  {difference_in_words(difference)}"
-    if len(unanswered) > TOLD:
-        yield f"  … and {len(unanswered) - TOLD} more, which the page lists"
+    yield from (f"  {line}" for line in unanswered_in_words(recovery))
     yield from exclusions_in_words(recovery.kinds)
     yield counts_in_words(recovery)
 
@@ -72,6 +66,16 @@ def signs_in_words(recovery: Recovery) -> str:
         return "No two conditions could be compared."
     parts = [f"{signs.count(sign)} {SIGNS[sign]}" for sign in SIGNS if signs.count(sign)]
     return f"{count(len(signs), 'comparison')}: {listed(parts)}."
+
+
+def unanswered_in_words(recovery: Recovery) -> Iterator[str]:
+    """Say of a few comparisons why the better one was not found, and how many more there are."""
+    unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
+    # What is found with the wrong sign is worth more than what is not found.
+    unanswered.sort(key=lambda each: each.sign == "undecided")
+    yield from map(difference_in_words, unanswered[:TOLD])
+    if len(unanswered) > TOLD:
+        yield f"… and {len(unanswered) - TOLD} more, which the table on the page lists"
 
 
 def difference_in_words(difference: KnownDifference) -> str:

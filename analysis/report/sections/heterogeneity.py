@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section
+from analysis.report.content import Picture, Section, Table
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
@@ -94,8 +95,15 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
         pictures=tuple(
             picture for by in drawn for picture in _forest(by_kind[by], by, subject.mark)
         ),
-        tables=(table("heterogeneity-tests", all_effects),),
+        tables=(_tests(all_effects),),
     )
+
+
+def _tests(all_effects: Sequence[Effect]) -> Table:
+    """Return the tests that could be run; where none could, a folded table says why."""
+    tested = [effect for effect in all_effects if not math.isnan(effect.result.test.p_value)]
+    made = table("heterogeneity-tests", tested or all_effects, all_effects=all_effects)
+    return made if tested else replace(made, secondary="No test could be run")
 
 
 class Effect(NamedTuple):

@@ -194,7 +194,7 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
                 shown,
                 measure=wording.MEASURES[measure],
                 groups=groups,
-                names=lambda entry: " – ".join(map(wording.condition, entry.conditions)),
+                names=lambda entry: " against ".join(map(wording.condition, entry.conditions)),
                 formatted=wording.number_style(measure),
             ),
         ),

@@ -109,6 +109,21 @@ def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
     assert [row[2].text for row in section.tables[0].rows] == ["emotion", "segment"]
 
 
+@pytest.mark.parametrize(("participants", "folded"), [(8, ""), (1, "No test could be run")])
+def test_a_table_without_any_test_is_folded_away_and_says_why(
+    analyse: Analyse, participants: int, folded: str
+) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1, 0), participants=participants)
+    report = analyse("pairwise", table)
+
+    section = heterogeneity_section(report, subject_of(report))
+
+    assert section is not None
+    (tests,) = section.tables
+    assert tests.secondary == folded
+    assert bool(folded) == any("no test" in note for note in tests.notes)
+
+
 def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
     results = analyse("pairwise", table).results
