@@ -1,4 +1,4 @@
-"""One study session, with all that happened in it, in order."""
+"""One study session, with its events in order."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ from studyapp.study.settings.study import Study
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
-    """Something that happened.
+    """An event of a study session.
 
     Attributes
     ----------
     at : datetime
     what : str
-        As a sentence without a full stop; never what was answered.
+        As a sentence without a full stop; never an answer.
     trial : int or None
-        Position of the trial it belongs to.
+        Position of its trial.
     video : int or None
-        Number of the video of that trial which it is about.
+        Number of its video in that trial.
     trouble : bool
-        Whether something did not go as it should.
+        Whether something went wrong.
     """
 
     at: datetime
@@ -55,14 +55,14 @@ class Event:
 
 @dataclass(frozen=True, kw_only=True)
 class TrialLine:
-    """One trial in a line.
+    """A row of the table of trials.
 
     Attributes
     ----------
     watched : float
         Share of its videos that counts as watched, in [0, 1].
     outcome : str
-        What became of it; empty where it is still to come.
+        Empty for a trial that is still to come.
     """
 
     position: int
@@ -83,13 +83,13 @@ class OneStudySession:
     version : int
         Of the study.
     number : int or None
-        The place's number, from 0.
-    said : tuple of (str, str, str)
-        What they said about themselves: stage, question and answer.
+        Of the place, from 0.
+    form_answers : tuple of (str, str, str)
+        Answers about the participant: stage, question and answer.
     recruiter : tuple of (str, str)
-        The recruiter's names for them, with what each names; none where they came by themselves.
-    decided : sequence of ExclusionDecision
-        What researchers decided about them, the newest first.
+        The recruiter's names of participant, study and session; empty without a recruiter.
+    decisions : sequence of ExclusionDecision
+        Researchers' decisions about the participant, newest first.
     """
 
     progress: SessionProgress
@@ -97,15 +97,15 @@ class OneStudySession:
     number: int | None
     trials: tuple[TrialLine, ...]
     events: tuple[Event, ...]
-    said: tuple[tuple[str, str, str], ...]
+    form_answers: tuple[tuple[str, str, str], ...]
     recruiter: tuple[tuple[str, str], ...]
-    decided: Sequence[ExclusionDecision]
+    decisions: Sequence[ExclusionDecision]
 
 
 def one_study_session(
     database: Database, served: ServedStudy, number: int, now: datetime
 ) -> OneStudySession | None:
-    """Return the study session `number`, None where there is none."""
+    """Return the study session `number`, None if there is none."""
     query = (
         select(StudySession)
         .where(StudySession.id == number)
@@ -121,25 +121,28 @@ def one_study_session(
     )
     refused = select(RefusalLine).where(RefusalLine.study_session_id == number)
     with database.reading() as session:
-        found = session.scalars(query).first()
-        if found is None:
+        study_session = session.scalars(query).first()
+        if study_session is None:
             return None
-        (standing,) = progress_of_sessions(session, served, now, only=number)
-        events = [*_own_events(found), *map(_refused, session.scalars(refused))]
+        (progress,) = progress_of_sessions(session, served, now, only=number)
+        events = [*_own_events(study_session), *map(_refused, session.scalars(refused))]
         return OneStudySession(
-            progress=standing,
-            version=found.version.number,
-            number=found.number,
-            trials=tuple(_line(served.study, trial) for trial in found.trials),
+            progress=progress,
+            version=study_session.version.number,
+            number=study_session.number,
+            trials=tuple(_line(served.study, trial) for trial in study_session.trials),
             events=tuple(sorted(events, key=lambda event: event.at)),
-            said=tuple((each.stage, each.question, each.value) for each in found.form_answers),
-            recruiter=_recruiter(found),
-            decided=exclusion_decisions(session, number),
+            form_answers=tuple(
+                (answer.stage, answer.question, answer.value)
+                for answer in study_session.form_answers
+            ),
+            recruiter=_recruiter(study_session),
+            decisions=exclusion_decisions(session, number),
         )
 
 
 def contents_shown(database: Database, number: int, position: int) -> dict[int, Content]:
-    """Return what each video of a trial of the study session `number` shows, by its number."""
+    """Return the content of each video of a trial of the study session `number`, by its number."""
     query = (
         select(Video.number, TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
         .join(TrialStimulus.video)
@@ -147,19 +150,19 @@ def contents_shown(database: Database, number: int, position: int) -> dict[int, 
         .where(Trial.study_session_id == number, Trial.position == position)
         .order_by(Video.number, TrialStimulus.number)
     )
-    found: dict[int, Content] = {}
+    contents: dict[int, Content] = {}
     with database.reading() as session:
         for video, condition, segment, speech in session.execute(query):
-            shown = Stimulus(condition=condition, segment=segment, speech=speech)
-            found[video] = (*found.get(video, ()), shown)
-    return found
+            stimulus = Stimulus(condition=condition, segment=segment, speech=speech)
+            contents[video] = (*contents.get(video, ()), stimulus)
+    return contents
 
 
-def _recruiter(found: StudySession) -> tuple[tuple[str, str], ...]:
+def _recruiter(study_session: StudySession) -> tuple[tuple[str, str], ...]:
     names = {
-        "participant": found.recruiter_participant or "",
-        "study": found.recruiter_study,
-        "session": found.recruiter_session,
+        "participant": study_session.recruiter_participant or "",
+        "study": study_session.recruiter_study,
+        "session": study_session.recruiter_session,
     }
     return tuple((what, name) for what, name in names.items() if name)
 
@@ -186,21 +189,23 @@ def _outcome(study: Study, trial: Trial) -> str:
     return "failed" if is_failed(study, trial) else "passed"
 
 
-def _own_events(found: StudySession) -> Iterator[Event]:
+def _own_events(study_session: StudySession) -> Iterator[Event]:
     """Yield what happened, trial after trial."""
-    yield Event(at=found.consented_at, what="Agreed to take part")
-    yield from _form_events(found.form_answers)
-    if found.sound_checked_at is not None:
-        tries = f" after {found.sound_tries} wrong tries" if found.sound_tries else ""
-        yield Event(at=found.sound_checked_at, what=f"Heard the sound check{tries}")
-    if found.started_at is not None:
-        yield Event(at=found.started_at, what="Began the trials")
-    for trial in found.trials:
+    yield Event(at=study_session.consented_at, what="Agreed to take part")
+    yield from _form_events(study_session.form_answers)
+    if study_session.sound_checked_at is not None:
+        tries = (
+            f" after {study_session.sound_tries} wrong tries" if study_session.sound_tries else ""
+        )
+        yield Event(at=study_session.sound_checked_at, what=f"Heard the sound check{tries}")
+    if study_session.started_at is not None:
+        yield Event(at=study_session.started_at, what="Began the trials")
+    for trial in study_session.trials:
         yield from _trial_events(trial)
-    if found.completed_at is not None:
-        yield Event(at=found.completed_at, what="Finished, and got a completion code")
-    if found.withdrawn_at is not None:
-        yield Event(at=found.withdrawn_at, what="Withdrew", trouble=True)
+    if study_session.completed_at is not None:
+        yield Event(at=study_session.completed_at, what="Finished, and got a completion code")
+    if study_session.withdrawn_at is not None:
+        yield Event(at=study_session.withdrawn_at, what="Withdrew", trouble=True)
 
 
 def _form_events(answers: list[FormAnswer]) -> Iterator[Event]:

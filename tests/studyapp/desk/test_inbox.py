@@ -117,7 +117,7 @@ def test_nothing_and_more_than_the_rest_are_refused(inbox: Inbox, piece: bytes) 
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         *(
             ({"name": name}, "cannot be called")
@@ -136,11 +136,11 @@ def test_nothing_and_more_than_the_rest_are_refused(inbox: Inbox, piece: bytes) 
     ],
 )
 def test_what_can_never_be_brought_in_is_refused_at_once(
-    inbox: Inbox, folder: StudyFolder, changes: dict[str, object], said: str
+    inbox: Inbox, folder: StudyFolder, changes: dict[str, object], message: str
 ) -> None:
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         inbox.received(upload(**changes))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         inbox.append(upload(**changes), 0, b"x")
     assert files(folder) == []
 

@@ -98,7 +98,7 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "message"),
     [
         ({"name": "../elsewhere"}, "cannot be called"),
         ({"name": "research"}, "cannot be called"),
@@ -113,7 +113,7 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
     ],
 )
 def test_what_is_wrong_is_said_and_nothing_is_made(
-    lab: Lab, grace: ResearchBrowser, wrong: dict[str, str], said: str
+    lab: Lab, grace: ResearchBrowser, wrong: dict[str, str], message: str
 ) -> None:
     before = {each.name for each in lab.folder.iterdir()}
     fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en"))
@@ -121,6 +121,6 @@ def test_what_is_wrong_is_said_and_nothing_is_made(
     assert answer.status_code == 422
     problem = PageReader(answer.text).soup.select_one(".problem")
     assert problem is not None
-    assert said in problem.text.lower()
+    assert message in problem.text.lower()
     assert "Kept title" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before

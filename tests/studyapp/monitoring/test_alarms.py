@@ -26,8 +26,8 @@ from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 @dataclass
-class Told:
-    """What researchers of a study are told; as long as `works`, telling them succeeds."""
+class Outbox:
+    """The alarms that were sent for a study; sending succeeds as long as it `works`."""
 
     database: Database
     served: ServedStudy
@@ -40,7 +40,7 @@ class Told:
         return self.works
 
     def look(self) -> int:
-        """Look for alarms, as a server does again and again; return how many were told so far."""
+        """Raise alarms as a server does; return how many were sent so far."""
         raise_alarms(self.database, self.served, self.clock, self.send)
         return len(self.texts)
 
@@ -55,64 +55,64 @@ class Told:
 
 
 @pytest.fixture
-def told(opened: Database, served: ServedStudy, clock: SetClock) -> Told:
-    return Told(opened, served, clock)
+def outbox(opened: Database, served: ServedStudy, clock: SetClock) -> Outbox:
+    return Outbox(opened, served, clock)
 
 
-def test_a_full_study_is_told_once_whoever_looks(told: Told) -> None:
-    assert told.look() == 0
-    told.fill()
+def test_a_full_study_is_told_once_whoever_looks(outbox: Outbox) -> None:
+    assert outbox.look() == 0
+    outbox.fill()
 
-    assert [told.look() for _ in range(3)] == [1, 1, 1]
-    assert told.texts == ["The study 'Gestures and speech' is full: all 4 places are held."]
+    assert [outbox.look() for _ in range(3)] == [1, 1, 1]
+    assert outbox.texts == ["The study 'Gestures and speech' is full: all 4 places are held."]
 
 
-def test_what_could_not_be_sent_is_sent_later(told: Told) -> None:
-    told.fill()
-    told.works = False
-    told.look()
-    told.works = True
+def test_what_could_not_be_sent_is_sent_later(outbox: Outbox) -> None:
+    outbox.fill()
+    outbox.works = False
+    outbox.look()
+    outbox.works = True
 
-    assert (told.look(), told.look()) == (2, 2)
+    assert (outbox.look(), outbox.look()) == (2, 2)
 
 
 def test_an_open_study_that_nobody_finishes_is_told_once_for_each_standstill(
-    participant: Participant, told: Told
+    participant: Participant, outbox: Outbox
 ) -> None:
     seen = []
     for hours in (23, 1, 1):
-        told.clock.advance(hours=hours)
-        seen.append(told.look())
+        outbox.clock.advance(hours=hours)
+        seen.append(outbox.look())
     assert seen == [0, 1, 1]
-    assert "nobody has finished it for 24 hours" in told.texts[0]
+    assert "nobody has finished it for 24 hours" in outbox.texts[0]
 
     participant.take_all()
-    told.clock.advance(hours=25)
-    assert told.look() == 2
+    outbox.clock.advance(hours=25)
+    assert outbox.look() == 2
 
 
-def test_a_study_that_lets_nobody_in_does_not_stall(told: Told) -> None:
-    study = told.served.study.model_copy(update={"open": False})
-    told.served = replace(told.served, study=study)
-    told.clock.advance(hours=100)
+def test_a_study_that_lets_nobody_in_does_not_stall(outbox: Outbox) -> None:
+    study = outbox.served.study.model_copy(update={"open": False})
+    outbox.served = replace(outbox.served, study=study)
+    outbox.clock.advance(hours=100)
 
-    assert told.look() == 0
+    assert outbox.look() == 0
 
 
-def test_many_newcomers_from_one_address_within_an_hour_are_told_once(told: Told) -> None:
-    told.come("192.0.2.9", 5)
-    told.clock.advance(hours=1)
-    told.come("192.0.2.9", 9)
-    told.come("198.51.100.7", 5)
-    assert told.look() == 0
-    told.come("192.0.2.9", 1)
+def test_many_newcomers_from_one_address_within_an_hour_are_told_once(outbox: Outbox) -> None:
+    outbox.come("192.0.2.9", 5)
+    outbox.clock.advance(hours=1)
+    outbox.come("192.0.2.9", 9)
+    outbox.come("198.51.100.7", 5)
+    assert outbox.look() == 0
+    outbox.come("192.0.2.9", 1)
 
-    assert (told.look(), told.look()) == (1, 1)
-    assert told.texts == [
+    assert (outbox.look(), outbox.look()) == (1, 1)
+    assert outbox.texts == [
         "10 participants of the study 'Gestures and speech' came from one network address "
         "within an hour."
     ]
-    with told.database.reading() as session:
+    with outbox.database.reading() as session:
         (stored,) = session.scalars(select(Alarm))
     assert (stored.kind, stored.about) == ("one address", "2026-05-04")
 

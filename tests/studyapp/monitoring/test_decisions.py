@@ -55,7 +55,7 @@ def test_a_study_that_goes_well_needs_no_decision() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"open_to_newcomers": False}, "6 places are not done"),
         ({"videos": (video(unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
@@ -75,11 +75,11 @@ def test_a_study_that_goes_well_needs_no_decision() -> None:
     ],
 )
 def test_what_is_out_of_order_is_told_with_its_numbers_and_a_remedy(
-    change: dict[str, Any], said: str
+    change: dict[str, Any], message: str
 ) -> None:
     (found,) = decisions(**(QUIET | change))
 
-    assert said in found.what
+    assert message in found.what
     assert found.remedy
 
 

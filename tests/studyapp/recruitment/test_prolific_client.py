@@ -179,9 +179,9 @@ def test_an_answer_that_repeats_the_token_does_not_bring_it_into_the_error(
 
 
 def test_an_unusable_token_is_refused_without_being_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    for held, said in (("  ", "is not set"), ("two\nlines-of-token", "holds no token")):
+    for held, message in (("  ", "is not set"), ("two\nlines-of-token", "holds no token")):
         monkeypatch.setenv("PROLIFIC_TOKEN", held)
-        with pytest.raises(InputError, match=said) as refused:
+        with pytest.raises(InputError, match=message) as refused:
             prolific_token()
         assert "lines" not in str(refused.value)
 

@@ -22,21 +22,21 @@ def speaking(code: str) -> Flask:
 
 
 @pytest.mark.parametrize(
-    ("code", "said"),
+    ("code", "message"),
     [
         ("en", "Questions 1, 2 about B and 3 are not answered yet. Please wait."),
         ("de", "Die Fragen 1, 2 zu B und 3 sind noch nicht beantwortet. Please wait."),
         ("ja", "質問1、2（B）、3にまだ回答していません。Please wait."),
     ],
 )
-def test_a_refusal_is_said_whole_with_its_list(code: str, said: str) -> None:
+def test_a_refusal_is_said_whole_with_its_list(code: str, message: str) -> None:
     about = Message("{number} about {letter}", number=2, letter="B")
     refusal = UnacceptableError(
         "Questions {numbers} are not answered yet.", "Please wait.", numbers=(1, about, 3)
     )
 
     with speaking(code).test_request_context():
-        assert note_and_explain(refusal) == said
+        assert note_and_explain(refusal) == message
 
 
 def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.links import invite, join
 from tests.studyapp.web.conftest import Serve
@@ -98,17 +96,6 @@ def test_odd_addresses_give_no_file_and_no_failure(log_in: LogIn) -> None:
         assert "javascript" not in answer.text
         assert "root:" not in answer.text
         assert "from flask" not in answer.text
-
-
-def test_other_methods_do_nothing(log_in: LogIn) -> None:
-    owner = log_in("owner")
-
-    methods = ("PUT", "DELETE", "PATCH", "TRACE", "POST")
-    addresses = ("/research/", "/research/changes", "/research/study-sessions")
-    for method, address in product(methods, addresses):
-        assert owner.client.open(address, method=method).status_code in (403, 405)
-    assert owner.client.get("/research/log-out").status_code == 404
-    assert owner.client.get("/research/researchers/2/shut-out").status_code == 404
 
 
 def test_a_name_that_no_database_can_store_is_only_wrong(browser: ResearchBrowser) -> None:
