@@ -177,16 +177,16 @@ def forecast(
     if remaining == 0:
         return Forecast(at=None, reason="all places are done")
     if began is None:
-        return Forecast(at=None, reason="nobody has come yet")
+        return Forecast(at=None, reason="nobody has begun yet")
     for span in WINDOWS:
         since = max(now - span, began)
         recent = sum(moment > since for moment in finished)
         if recent >= MIN_COUNT and now > since:
             left = (now - since) * (remaining / recent)
             if left > LONGEST_FORECAST:
-                return Forecast(at=None, reason="at this rate it takes longer than a year")
+                return Forecast(at=None, reason="at this rate it will take more than a year")
             return Forecast(at=now + left)
-    return Forecast(at=None, reason="too few have finished lately to tell when it is done")
+    return Forecast(at=None, reason="too few have finished recently for a forecast")
 
 
 POINTS: Final = 200

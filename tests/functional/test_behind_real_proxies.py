@@ -165,7 +165,7 @@ def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> N
         assert "Secure" in cookie
         assert f"Path={PREFIX}/research" in cookie
         overview = client.get(urljoin(link[0], joined.headers["location"]))
-        assert "How the study goes" in overview.text
+        assert "Progress" in overview.text
         assert overview.headers["x-frame-options"] == "DENY"
     assert link[0].rpartition("/")[2] not in proxied.written()
 

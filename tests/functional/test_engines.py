@@ -148,7 +148,7 @@ def test_a_researcher_goes_the_whole_way(
     for field in ("password", "again"):
         seen.write(f"[name={field}]", PASSWORD)
     seen.click("main .primary")
-    seen.read("How the study goes")
+    seen.read("Progress")
     seen.click("header form button")
 
     seen.read("Log in as a researcher")
@@ -156,7 +156,7 @@ def test_a_researcher_goes_the_whole_way(
     seen.write("#password", PASSWORD)
     look_at(seen, f"{engine}-8-log-in")
     seen.click("main .primary")
-    seen.read("How the study goes")
+    seen.read("Progress")
 
     links = "return [...document.querySelectorAll('header nav a')].map(link => link.href)"
     pages = seen.run(links)

@@ -163,7 +163,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
 def join_and_log_in(page: Page, link: str) -> None:
     """Become the owner by the printed link, log out, and log in."""
     join(page, link)
-    expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Progress")
     follow(page.get_by_role("button", name="Log out"))
     page.get_by_label("Name").fill(NAME)
     page.get_by_label("Password").fill(PASSWORD)

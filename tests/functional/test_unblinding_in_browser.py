@@ -47,7 +47,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         figures = FiguresMeanwhile(site.folder, site.figures.database_url)
         attach(app, replace(site, figures=figures))
         join(page, link_for_owner(address, stored))
-        agreement = page.get_by_role("region", name="How far participants agree")
+        agreement = page.get_by_role("region", name="Agreement between participants")
         expect(agreement.or_(page.get_by_text("It is being computed")).first).to_be_visible()
         page.get_by_role("link", name="Results", exact=True).press("Enter")
         expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
@@ -61,7 +61,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         expect(page.locator("main")).to_contain_text("rule based against mismatched")
         look_at(page, "results")
         follow(page.get_by_role("link", name="Overview"))
-        expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
+        expect(page.get_by_role("heading", level=1)).to_have_text("Progress")
         while not agreement.count():
             page.reload()
         expect(agreement).to_contain_text("rhythm")

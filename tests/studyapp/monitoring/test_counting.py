@@ -87,11 +87,11 @@ def test_the_study_is_done_when_as_many_have_come_as_lately_or_since_it_began(
 @pytest.mark.parametrize(
     ("hours_ago", "remaining", "began_hours_ago", "reason"),
     [
-        ([], 5, None, "nobody has come yet"),
-        ([1, 2], 5, 3, "too few have finished lately"),
-        ([200, 201, 202], 5, 300, "too few have finished lately"),
+        ([], 5, None, "nobody has begun yet"),
+        ([1, 2], 5, 3, "too few have finished recently"),
+        ([200, 201, 202], 5, 300, "too few have finished recently"),
         ([1, 1, 1], 0, 3, "all places are done"),
-        ([100, 101, 102], 10_000, 300, "longer than a year"),
+        ([100, 101, 102], 10_000, 300, "more than a year"),
     ],
 )
 def test_where_nobody_can_tell_when_it_is_done_the_reason_is_said(

@@ -118,7 +118,7 @@ def test_a_study_that_nobody_has_come_to_has_an_overview(
     found = overview(opened, served, clock.now())
 
     assert found.places.open == found.places.wanted == 4
-    assert found.forecast.reason == "nobody has come yet"
+    assert found.forecast.reason == "nobody has begun yet"
     assert (found.videos, found.trials, found.items, found.sides) == ((), (), (), ())
     assert found.decisions == ()
 

@@ -42,7 +42,7 @@ def test_the_first_owner_comes_in_by_the_printed_link_alone(
 
     assert (differing.status_code, common.status_code) == (422, 422)
     assert joined.status_code == 303
-    assert browser.get("/research/").heading == "How the study goes"
+    assert browser.get("/research/").heading == "Progress"
     assert again.status_code == 404
     assert "works once" in again.text
 
