@@ -208,20 +208,20 @@ class JudgedAssignment:
 
 def request_of(folder: StudyFolder, address: str, *, live: bool) -> dict[str, Any]:
     """Return what `create` sends."""
-    made = read_record(folder.root)
+    record = read_record(folder.root)
     return hit_request(
-        folder.study(), address, made_before=len(_hits_in(made, live=live)), live=live
+        folder.study(), address, made_before=len(_hits_in(record, live=live)), live=live
     )
 
 
 def create(folder: StudyFolder, client: MTurkClient, address: str, *, live: bool) -> Hit:
     """Make one more HIT for the study."""
     hit = client.create(request_of(folder, address, live=live))
-    made = read_record(folder.root)
+    record = read_record(folder.root)
     key = "live_hits" if live else "sandbox_hits"
-    if hit.id not in _hits_in(made, live=live):
-        hits = (*_hits_in(made, live=live), hit.id)
-        write_record(folder.root, made.model_copy(update={key: hits}))
+    if hit.id not in _hits_in(record, live=live):
+        hits = (*_hits_in(record, live=live), hit.id)
+        write_record(folder.root, record.model_copy(update={key: hits}))
     return hit
 
 
@@ -250,9 +250,9 @@ def judged_assignments(
     """Return every submitted assignment, and what to do about it."""
     people = known_participants_of(folder)
     assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
-    known = by_submission(people, [(each.id, each.worker) for each in assignments])
+    participants = by_submission(people, [(each.id, each.worker) for each in assignments])
     return [
-        JudgedAssignment(assignment=each, decision=_decide(each, known[each.id]))
+        JudgedAssignment(assignment=each, decision=_decide(each, participants[each.id]))
         for each in assignments
     ]
 
@@ -265,11 +265,11 @@ def approve(client: MTurkClient, assignments: list[JudgedAssignment]) -> int:
     return len(paid)
 
 
-def _hits_in(made: RecruitmentRecord, *, live: bool) -> tuple[str, ...]:
-    return made.live_hits if live else made.sandbox_hits
+def _hits_in(record: RecruitmentRecord, *, live: bool) -> tuple[str, ...]:
+    return record.live_hits if live else record.sandbox_hits
 
 
-def _decide(assignment: Assignment, known: KnownParticipant) -> PaymentDecision:
+def _decide(assignment: Assignment, participants: KnownParticipant) -> PaymentDecision:
     if assignment.status != SUBMITTED:
         return PaymentDecision(verdict="settled", reason=assignment.status.lower())
-    return judge_assignment(known.code, assignment.answer, known.study_status)
+    return judge_assignment(participants.code, assignment.answer, participants.study_status)

@@ -175,16 +175,16 @@ def create(folder: StudyFolder, client: ProlificClient, address: str) -> tuple[P
         Whether it was not there before.
     """
     draft = draft_of(folder, address)
-    made = read_record(folder.root)
-    identity = made.prolific_study
+    record = read_record(folder.root)
+    identity = record.prolific_study
     if identity is None:
-        # An earlier try may have come through although its answer did not.
-        known = client.study_named(internal_name(folder.study()))
-        identity = None if known is None else known.id
+        # An earlier attempt may have succeeded although its response was lost.
+        existing = client.study_named(internal_name(folder.study()))
+        identity = None if existing is None else existing.id
     study = client.create(draft) if identity is None else client.study(identity)
     codes = {each.code: each.code_type for each in study.completion_codes}
-    noted = {"prolific_study": study.id, "prolific_codes": codes or made.prolific_codes}
-    write_record(folder.root, made.model_copy(update=noted))
+    update = {"prolific_study": study.id, "prolific_codes": codes or record.prolific_codes}
+    write_record(folder.root, record.model_copy(update=update))
     return study, identity is None
 
 
@@ -196,14 +196,14 @@ def study_id(folder: StudyFolder) -> str:
     InputError
         If none was made.
     """
-    made = read_record(folder.root).prolific_study
-    if made is None:
+    prolific_id = read_record(folder.root).prolific_study
+    if prolific_id is None:
         raise InputError(
             "the study is not on Prolific yet",
             where=folder.root,
             remedy="Make a draft with 'motionjury recruit STUDY create'",
         )
-    return made
+    return prolific_id
 
 
 def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
@@ -212,21 +212,22 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
     codes = folder.study().recruitment.prolific
     people = known_participants_of(folder)
     submissions = client.submissions(identity)
-    known = by_submission(people, [(each.id, each.participant) for each in submissions])
-    judged = tuple(
+    participants = by_submission(people, [(each.id, each.participant) for each in submissions])
+    judged_submissions = tuple(
         JudgedSubmission(
             submission=each,
             study_status=study_status,
             decision=judge_submission(each.status, each.code, study_status, codes),
         )
         for each in submissions
-        for study_status in [known[each.id].study_status]
+        for study_status in [participants[each.id].study_status]
     )
     there = {each.participant for each in submissions}
+    statuses = Counter((each.submission.status, each.study_status) for each in judged_submissions)
     return ProlificStatus(
         study=client.study(identity),
-        submissions=judged,
-        status_counts=dict(Counter((each.submission.status, each.study_status) for each in judged)),
+        submissions=judged_submissions,
+        status_counts=dict(statuses),
         missing_there=tuple(
             dict.fromkeys(each.participant for each in people if each.participant not in there)
         ),
@@ -246,8 +247,8 @@ def approve(client: ProlificClient, status: ProlificStatus, also: Sequence[str] 
     InputError
         If one of `also` is none of the study's submissions; nobody is paid then.
     """
-    known = {each.submission.id for each in status.submissions}
-    if unknown := sorted(set(also) - known):
+    ids = {each.submission.id for each in status.submissions}
+    if unknown := sorted(set(also) - ids):
         raise InputError(
             f"the study has no submission {listed(unknown)}",
             where="--also",

@@ -108,11 +108,11 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
 
 
 def _require_unmade(folder: StudyFolder) -> None:
-    made = read_record(folder.root).prolific_study
-    if made is not None:
+    prolific_study = read_record(folder.root).prolific_study
+    if prolific_study is not None:
         raise InputError(
-            f"the study is on Prolific already ({made}), which knows its present codes alone: who "
-            "comes back with another one would not be paid",
+            f"the study is on Prolific already ({prolific_study}), which only knows its present "
+            "codes: participants who return with another one would not be paid",
             where=folder.root / FILE,
             remedy="Keep the codes. For new ones, delete the draft on Prolific, remove its id from "
             "this file, draw them, and run 'motionjury recruit STUDY create' again",

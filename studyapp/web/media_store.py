@@ -165,8 +165,8 @@ class MediaStore:
         bucket = connect(published.place)
         videos = {content: published.videos[key] for content, key in digests.items()}
         # Signing one says at once whether there are keys.
-        signed = urlsplit(bucket.address(next(iter(videos.values())).names[0], SIGNED_SECONDS))
-        return cls(bucket=bucket, origin=f"{signed.scheme}://{signed.netloc}", videos=videos)
+        address = urlsplit(bucket.address(next(iter(videos.values())).names[0], SIGNED_SECONDS))
+        return cls(bucket=bucket, origin=f"{address.scheme}://{address.netloc}", videos=videos)
 
     def address(self, content: Content, earlier: Sequence[Content]) -> str | None:
         """Return where `content` can be loaded for a while.
@@ -184,10 +184,10 @@ class MediaStore:
             None where there are not that many copies.
         """
         video = self.videos[content]
-        times = sum(self.videos.get(each) is video for each in earlier)
-        if times >= len(video.names):
+        views = sum(self.videos.get(each) is video for each in earlier)
+        if views >= len(video.names):
             return None
-        return self.bucket.address(video.names[times], SIGNED_SECONDS)
+        return self.bucket.address(video.names[views], SIGNED_SECONDS)
 
 
 def digests_of(served: ServedStudy) -> dict[Content, str]:
@@ -230,9 +230,9 @@ class Bucket:
         with _as_input_errors("list what it holds", self.place):
             pages = self._connection.get_paginator("list_objects_v2")
             return {
-                found["Key"]: found["Size"]
+                item["Key"]: item["Size"]
                 for page in pages.paginate(Bucket=self.place.bucket, Prefix=self.place.folder)
-                for found in page.get("Contents", ())
+                for item in page.get("Contents", ())
             }
 
     def delete(self, name: str) -> None:
@@ -267,10 +267,10 @@ class Bucket:
         It is signed here; the store is not asked.
         """
         with _as_input_errors("sign an address", self.place):
-            signed: str = self._connection.generate_presigned_url(
+            address: str = self._connection.generate_presigned_url(
                 "get_object", Params={"Bucket": self.place.bucket, "Key": name}, ExpiresIn=seconds
             )
-        return signed
+        return address
 
 
 def connect(place: Place) -> Bucket:

@@ -1,4 +1,4 @@
-"""What the page of a trial shows: layout, players, and the questions in the words of the study."""
+"""What the page of a trial shows: layout, players and questions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from studyapp.study.settings.study import Study
 from studyapp.web.language import _, page_language, say
 
 Labels = tuple[tuple[int, str], ...]
-"""Values, each with the words that stand for it on the page."""
+"""Values, each with its words on the page."""
 
 Widget = Literal["choices", "slider", "ranking"]
 """How a question is answered: one of a few labels, a number on a line, or an order."""
@@ -38,7 +38,7 @@ PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = Mappin
         5: SCALE,
     }
 )
-"""By how many answers there are, in the order of the videos."""
+"""By the number of answers, in the order of the videos."""
 
 CATEGORY_LABELS: Final = (
     Message("bad"),
@@ -75,9 +75,9 @@ class AskedQuestion:
     Attributes
     ----------
     number : int
-        Its number on the page, the same for every video it is asked about.
+        Its number on the page, the same for every video that it asks about.
     stimulus : int or None
-        The one that it is about; None where it is about the whole trial.
+        The stimulus that it asks about; None for the whole trial.
     parts : tuple of (str, bool)
         The text in pieces; True marks the emotion, which the page emphasises.
     widget : {'choices', 'slider', 'ranking'}
@@ -87,7 +87,7 @@ class AskedQuestion:
     labels : tuple of (int, str)
         The choices, the upper ends of a slider's bands, or the ranks, with their words.
     reasons : tuple of (str, str)
-        Names and words of what may be ticked beside the answer.
+        Names and words of the reasons that may be ticked beside the answer.
     """
 
     name: str
@@ -101,14 +101,14 @@ class AskedQuestion:
 
     @property
     def needed(self) -> str:
-        """What a checklist calls it."""
+        """Its name in the checklist."""
         if self.stimulus is None:
             return str(self.number)
         return _("%(number)s for %(letter)s", number=self.number, letter=self.letter)
 
     @property
     def letter(self) -> str:
-        """The label of the stimulus it is about; empty where it is about the whole trial."""
+        """The label of its stimulus; empty for the whole trial."""
         return "" if self.stimulus is None else letter(self.stimulus)
 
 
@@ -127,16 +127,17 @@ def emphasised(text: str, place: str, words: str) -> tuple[tuple[str, bool], ...
 
 
 def asked_questions(study: Study, trial: ShownTrial) -> list[AskedQuestion]:
-    """Return the questions of `trial`; those of an attention check say what to answer."""
+    """Return the questions of `trial`; in an attention check they say what to answer."""
     by_name = {question.name: question for question in study.questions}
     numbers = {name: n for n, name in enumerate(dict.fromkeys(a.question for a in trial.asks), 1)}
-    asked: dict[tuple[str, int | None], list[Ask]] = {}
+    asks_by_question: dict[tuple[str, int | None], list[Ask]] = {}
     ranking = isinstance(study, RankingStudy)
     for ask in trial.asks:
-        asked.setdefault((ask.question, None if ranking else ask.stimulus), []).append(ask)
+        key = (ask.question, None if ranking else ask.stimulus)
+        asks_by_question.setdefault(key, []).append(ask)
     return [
         _asked(by_name[name], trial, tuple(asks), numbers[name], ranking=ranking, first=n == 0)
-        for n, ((name, _stimulus), asks) in enumerate(asked.items())
+        for n, ((name, _stimulus), asks) in enumerate(asks_by_question.items())
     ]
 
 
@@ -178,8 +179,8 @@ def ranks(values: Sequence[int]) -> Labels:
 def _labels(question: Question, values: Sequence[int]) -> Labels:
     if not isinstance(question, RatingQuestion):
         return tuple((value, say(label)) for value, label in PREFERENCE_LABELS[len(values)])
-    own = "labels" in question.model_fields_set
-    labels = question.labels if own else tuple(say(label) for label in CATEGORY_LABELS)
+    has_own_labels = "labels" in question.model_fields_set
+    labels = question.labels if has_own_labels else tuple(say(label) for label in CATEGORY_LABELS)
     if question.scale == "slider":
         values = range(BAND_WIDTH, SCALE_STEPS * BAND_WIDTH + 1, BAND_WIDTH)
     return tuple(zip(values, labels, strict=True))
@@ -188,7 +189,7 @@ def _labels(question: Question, values: Sequence[int]) -> Labels:
 def _instruction(
     widget: Widget, labels: Labels, instructed: int, *, first: bool
 ) -> tuple[tuple[str, bool], ...]:
-    """Return what an attention check asks for in place of its question; why stands in the first."""
+    """Return the instruction of an attention check; only the first one explains why."""
     if widget == "ranking":
         why = _("To show that you read each question, please put {answer} first here.")
         text, answer = why if first else _("And {answer} first here."), letter(instructed)
@@ -204,7 +205,7 @@ def _instruction(
 
 
 def frozen_words(study: Study) -> str:
-    """Return what the videos hold still, as a list in words; empty where nothing is."""
+    """Return the frozen channels as a list in words; empty if there are none."""
     return page_language().listed([say(CHANNEL_WORDS[channel]) for channel in study.freeze])
 
 
@@ -266,7 +267,7 @@ def trial_page(study: Study, trial: ShownTrial) -> TrialPage:
         Player(
             label=_label(video),
             video=video,
-            questions=tuple(asked for asked in questions if (asked.stimulus,) == video.shows),
+            questions=tuple(each for each in questions if (each.stimulus,) == video.shows),
         )
         for video in trial.videos
     ]
@@ -274,7 +275,7 @@ def trial_page(study: Study, trial: ShownTrial) -> TrialPage:
         layout=_layout(questions, players),
         reference=next((player for player in players if player.video.shows == (0,)), None),
         players=tuple(player for player in players if player.video.shows != (0,)),
-        questions=tuple(asked for asked in questions if asked.stimulus is None),
+        questions=tuple(question for question in questions if question.stimulus is None),
     )
 
 
@@ -287,6 +288,6 @@ def _label(video: ShownVideo) -> str:
 def _layout(questions: list[AskedQuestion], players: list[Player]) -> Layout:
     if any(not player.label for player in players):
         return "composed"
-    if any(asked.widget == "ranking" for asked in questions):
+    if any(question.widget == "ranking" for question in questions):
         return "ranking"
-    return "rating" if any(asked.stimulus for asked in questions) else "pair"
+    return "rating" if any(question.stimulus for question in questions) else "pair"

@@ -218,7 +218,7 @@ def _selection() -> Selection:
         abort(404)
     kind, count = request.args.get("check", ""), _number("failed")
     sorting = request.args.get("order") or "-number"
-    order = next((known for known in ORDERS if known == sorting.removeprefix("-")), None)
+    order = next((name for name in ORDERS if name == sorting.removeprefix("-")), None)
     if order is None or (order == "recruiter" and not researcher().may(Right.NAME)):
         abort(404)
     return Selection(
@@ -282,7 +282,7 @@ def newcomers(problem: InputError | None = None, reason: str = "") -> str:
 def steer_newcomers() -> ResponseReturnValue:
     """Admit newcomers, or stop admitting them."""
     site, reason = study_site(), request.form.get("reason", "")
-    state = next((known for known in STATES if known == request.form.get("state")), None)
+    state = next((name for name in STATES if name == request.form.get("state")), None)
     try:
         if state is None:
             raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")

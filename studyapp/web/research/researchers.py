@@ -110,7 +110,7 @@ def _done(change: Callable[[], None]) -> ResponseReturnValue:
 
 def _role() -> Role:
     """Return the role that the form names."""
-    sent = request.form.get("role", "")
-    if sent not in ROLES:
+    role = request.form.get("role", "")
+    if role not in ROLES:
         raise InputError("there is no such role", remedy=f"Choose one of {', '.join(ROLES)}")
-    return sent
+    return role

@@ -25,8 +25,7 @@ def test_what_is_counted_leads_to_those_counted(people: list[Participant], log_i
 
     truth = page.words(".truth")
     assert truth == (
-        "1 of 4 places done 1 active 0 stale 2 open "
-        "Too few have finished recently for a forecast"
+        "1 of 4 places done 1 active 0 stale 2 open Too few have finished recently for a forecast"
     )
     links = [str(link["href"]) for link in page.soup.select("#live a")]
     assert len(links) > 6
