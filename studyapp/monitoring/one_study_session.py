@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Final
 
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
@@ -208,9 +209,18 @@ def _own_events(study_session: StudySession) -> Iterator[Event]:
         yield Event(at=study_session.withdrawn_at, what="Withdrew", trouble=True)
 
 
+_ASKED: Final = {
+    "eligibility": "the questions about eligibility",
+    "consent": "the questions about consent",
+    "demographics": "the questions about themselves",
+    "comprehension": "the questions about the instructions",
+    "closing": "the last questions",
+}
+
+
 def _form_events(answers: list[FormAnswer]) -> Iterator[Event]:
     for moment, stage in dict.fromkeys((each.answered_at, each.stage) for each in answers):
-        yield Event(at=moment, what=f"Answered the questions of {stage}")
+        yield Event(at=moment, what=f"Answered {_ASKED[stage]}")
 
 
 def _trial_events(trial: Trial) -> Iterator[Event]:
