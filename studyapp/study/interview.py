@@ -104,10 +104,10 @@ QUESTIONS: Final[Mapping[str, InterviewQuestion]] = MappingProxyType(
         ),
         "framing": InterviewQuestion(
             "Framing",
-            "How much of the body do all videos show? The questions need the face where all of "
-            "them are about it, otherwise the upper body; where only some are, 'motionjury check' "
-            "says how large the face is. The angle of the camera, the background and the size of "
-            "the videos stand under [video] in the study's settings.",
+            "How much of the body do all videos show? 'As the questions need' is the face if every "
+            "question is about it, otherwise the upper body; if only some are, 'motionjury check' "
+            "says how large the face is. The camera's angle, the background and the size of the "
+            "videos are under [video] in the study's settings.",
         ),
         "channel": InterviewQuestion(
             "Recruiting",
