@@ -22,7 +22,7 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.bookkeeping import answer_checks
-from tests.support.said import secrets_in
+from tests.support.log_secrets import secrets_in
 from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.study_server import HOST, StudyServer, study_server
 from tests.support.servers.visitor import Ledger, StrandedError, Visitor
@@ -93,14 +93,16 @@ def kill_soak(backend: Backend, strain: Strain) -> Outcome:
     with tempfile.TemporaryDirectory(prefix="soak-") as name:
         folder = Path(name)
         write_fabricated_study(folder, shape)
-        said = folder / "said"
+        log = folder / "server.log"
         with (
             fresh_database(backend, folder) as database,
-            study_server(folder, said, database_url=database.url) as server,
+            study_server(folder, log, database_url=database.url) as server,
         ):
             ledger, killed = asyncio.run(_strained(server, database.crash, strain))
             problems = [*ledger.errors, *_problems(database.url, ledger, strain)]
-        problems += [f"the log holds {found}" for found in secrets_in(said, but=("a traceback",))]
+        problems += [
+            f"the log holds {secret}" for secret in secrets_in(log, allowed=("a traceback",))
+        ]
     return Outcome(
         killed=killed,
         sent_again=ledger.lost,

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from studyapp.database.engine import Database
-from tests.support.said import secrets_in
+from tests.support.log_secrets import secrets_in
 from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.malformed_requests import Known, malformed_requests
 from tests.support.servers.page_scan import seen_form, seen_videos
@@ -55,10 +55,10 @@ def malformed_soak(backend: Backend, *, requests: int, seed: int) -> Outcome:
     with tempfile.TemporaryDirectory(prefix="soak-") as name:
         folder = Path(name)
         write_fabricated_study(folder, shape)
-        said = folder / "said"
+        log = folder / "server.log"
         with (
             fresh_database(backend, folder) as database,
-            study_server(folder, said, database_url=database.url) as server,
+            study_server(folder, log, database_url=database.url) as server,
         ):
             known = asyncio.run(_participants(server.port))
             before = _stored(database.url)
@@ -68,7 +68,7 @@ def malformed_soak(backend: Backend, *, requests: int, seed: int) -> Outcome:
             if _stored(database.url) != before:
                 problems.append("something was stored or changed")
             asyncio.run(_participants(server.port))
-        problems += [f"the log holds {found}" for found in secrets_in(said)]
+        problems += [f"the log holds {secret}" for secret in secrets_in(log)]
     problems += [
         f"{count} answers with status {status}"
         for status, count in answers.items()

@@ -47,7 +47,7 @@ class ArrivingCrowd:
     eyes: Eyes
     pool: ThreadPoolExecutor
     stop: Event
-    here: Semaphore = field(default_factory=lambda: Semaphore(0))
+    at_first_trial: Semaphore = field(default_factory=lambda: Semaphore(0))
     may_answer: Event = field(default_factory=Event)
 
     def come(self, names: Sequence[str]) -> list[Future[str]]:
@@ -77,18 +77,18 @@ class _Arriving(Participant):
     def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
         """Watch in real time, and think in none."""
         if not self.crowd.may_answer.is_set():
-            self.crowd.here.release()
+            self.crowd.at_first_trial.release()
             self.crowd.may_answer.wait()
         return super().answer(replace(visit, thinks=0.0), page, judgement)
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
         """Write the crowd's remark where one is asked for."""
         remark = self.crowd.remark
-        said = {
+        texts = {
             name: (remark,) if name.endswith("remarks") else values
             for name, values in answers.items()
         }
-        return super().fill(visit, page, said)
+        return super().fill(visit, page, texts)
 
 
 @contextmanager

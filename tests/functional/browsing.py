@@ -81,11 +81,11 @@ def commanded(command: str, folder: Path) -> Iterator[tuple[str, str]]:
     with subprocess.Popen(started, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:
-            said = ""
-            while "/research/join/" not in said:
-                said = server.stdout.readline()
-                assert said, "the server ended before it printed a link"
-            (link,) = re.findall(r"http\S+/research/join/\S+", said)
+            line = ""
+            while "/research/join/" not in line:
+                line = server.stdout.readline()
+                assert line, "the server ended before it printed a link"
+            (link,) = re.findall(r"http\S+/research/join/\S+", line)
             yield f"http://127.0.0.1:{port}", link
         finally:
             server.send_signal(signal.SIGTERM)

@@ -126,7 +126,7 @@ def _make(page: Page, participants: int) -> Iterator[Stop]:
 def _set(page: Page, size: int) -> Iterator[Stop]:
     follow(page.get_by_role("link", name="Settings"))
     text = page.get_by_role("textbox")
-    wanted = text.input_value()
+    definition = text.input_value()
     for before, after in (
         (r"^size = 720$", f"size = {size}"),
         (r"^frame_rate = 30$", "frame_rate = 10"),
@@ -134,16 +134,16 @@ def _set(page: Page, size: int) -> Iterator[Stop]:
         (r"(?<=\[catch\]\n)((?:#.*\n)*)trials = 3$", r"\1trials = 1"),
         (r"^sound_check = true$", "sound_check = false"),
     ):
-        wanted, count = re.subn(before, after, wanted, flags=re.MULTILINE)
+        definition, count = re.subn(before, after, definition, flags=re.MULTILINE)
         assert count == 1, before
-    text.fill(wanted.replace("avatar =", "avatr ="))
+    text.fill(definition.replace("avatar =", "avatr ="))
     press(page, "Save")
-    line = wanted[: wanted.index("\navatar =")].count("\n") + 2
+    line = definition[: definition.index("\navatar =")].count("\n") + 2
     page.get_by_role("link", name=f"line {line}").click()
     selected = "area => area.value.slice(area.selectionStart, area.selectionEnd)"
     assert text.evaluate(selected) == 'avatr = "alex"'
     yield Stop(page, "settings")
-    text.fill(wanted)
+    text.fill(definition)
     press(page, "Save")
     expect(page.get_by_role("status")).to_have_text("Saved.")
     _back(page)

@@ -190,8 +190,8 @@ class Window:
             (folder / f"{name}.png").write_bytes(base64.b64decode(picture))
 
     def _find(self, selector: str) -> str:
-        found = self._wire.send("FindElement", {"using": "css selector", "value": selector})
-        return str(found[ELEMENT])
+        element = self._wire.send("FindElement", {"using": "css selector", "value": selector})
+        return str(element[ELEMENT])
 
 
 def missing(engine: str) -> list[str]:

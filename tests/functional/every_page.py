@@ -140,6 +140,6 @@ def fill(page: Page, app: Flask) -> None:
 def spoken_digits(page: Page, app: Flask) -> str:
     """Return the digits that the participant whose page this is hears."""
     token = page.url.partition("/take/")[2].partition("/")[0]
-    found = select(StudySession.sound_digits).where(StudySession.token == token)
+    query = select(StudySession.sound_digits).where(StudySession.token == token)
     with app.app_context(), study_site().database.reading() as session:
-        return session.scalars(found).one()
+        return session.scalars(query).one()

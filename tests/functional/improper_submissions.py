@@ -58,8 +58,8 @@ class Attacker(Participant):
         for token in self._later_trials(good["trial"][0])[:1]:
             self.refused("a later trial", client, target, {**good, "trial": [token]})
         visit.watch(page)
-        for what, spoilt in self._spoilt_answers(trial, judgement, good):
-            self.refused(what, client, target, spoilt)
+        for attempt, spoilt in self._spoilt_answers(trial, judgement, good):
+            self.refused(attempt, client, target, spoilt)
         self._report_trouble(client, page)
         following = visit.send(page, page.answer_form, judgement.fields())
         self.harmless("the same answers twice", client, target, good)
@@ -70,8 +70,8 @@ class Attacker(Participant):
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
         """Fill in the form of `page`; before it, try improper answers, and afterwards it again."""
         good, target = page.filled(page.next_form, answers), page.target(page.next_form)
-        for what, spoilt in self._spoilt_forms(page, good):
-            self.refused(what, visit.client, target, spoilt)
+        for attempt, spoilt in self._spoilt_forms(page, good):
+            self.refused(attempt, visit.client, target, spoilt)
         following = visit.send(page, page.next_form, answers)
         self.harmless(f"the form of {page.heading!r} twice", visit.client, target, good)
         return following
@@ -101,14 +101,14 @@ class Attacker(Participant):
     def attack(self, other: Attacker, client: httpx.Client) -> None:
         """Mix what belongs to oneself with what belongs to `other`."""
         (page, judgement), (their_page, _) = self.trials[-1], other.trials[-1]
-        own, theirs = (each.target(each.answer_form) for each in (page, their_page))
+        own_address, theirs = (each.target(each.answer_form) for each in (page, their_page))
         good = page.filled(page.answer_form, judgement.fields())
         foreign = {**good, "trial": [their_page.answer_form.trial]}
         trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(their_page)[0]]}
         watched = their_page.players[0].watched_address.rpartition("/")[2]
-        session = own.rpartition("/")[0]
+        session = own_address.rpartition("/")[0]
         self.refused("answers at another's address", client, theirs, good)
-        self.refused("answers to another's trial", client, own, foreign)
+        self.refused("answers to another's trial", client, own_address, foreign)
         self.refused("trouble with another's video", client, f"{session}/unplayable", trouble)
         self.refused_report(
             "playing reported of another's video",
@@ -117,25 +117,25 @@ class Attacker(Participant):
             {**PLAYED, "batch": 999},
         )
 
-    def refused(self, what: str, client: httpx.Client, address: str, data: FormData) -> None:
+    def refused(self, attempt: str, client: httpx.Client, address: str, data: FormData) -> None:
         """Require that `data` is refused as the client's error, and changes nothing."""
-        assert 400 <= self._sent(what, client, address, data=data) < 500, what
+        assert 400 <= self._sent(attempt, client, address, data=data) < 500, attempt
 
     def refused_report(
-        self, what: str, client: httpx.Client, address: str, report: Mapping[str, object]
+        self, attempt: str, client: httpx.Client, address: str, report: Mapping[str, object]
     ) -> None:
         """Require the same of a report of what was played."""
-        assert 400 <= self._sent(what, client, address, json=report) < 500, what
+        assert 400 <= self._sent(attempt, client, address, json=report) < 500, attempt
 
-    def harmless(self, what: str, client: httpx.Client, address: str, data: FormData) -> None:
+    def harmless(self, attempt: str, client: httpx.Client, address: str, data: FormData) -> None:
         """Require that `data` is taken kindly, and changes nothing."""
-        assert self._sent(what, client, address, data=data) == httpx.codes.OK, what
+        assert self._sent(attempt, client, address, data=data) == httpx.codes.OK, attempt
 
-    def _sent(self, what: str, client: httpx.Client, address: str, **sent: object) -> int:
+    def _sent(self, attempt: str, client: httpx.Client, address: str, **sent: object) -> int:
         before = everything_stored(self.eyes.database)
-        self.statuses[what] = client.post(address, **sent).status_code  # type: ignore[arg-type]
-        assert everything_stored(self.eyes.database) == before, f"{what} was stored"
-        return self.statuses[what]
+        self.statuses[attempt] = client.post(address, **sent).status_code  # type: ignore[arg-type]
+        assert everything_stored(self.eyes.database) == before, f"{attempt} was stored"
+        return self.statuses[attempt]
 
     def _later_trials(self, token: str) -> list[str]:
         """Return the tokens of the trials that come after the one with `token`."""
@@ -169,8 +169,8 @@ class Attacker(Participant):
         for stage in self.study.form.stages():
             for question in self.study.form.questions_at(stage):
                 name = f"{FORM_FIELD}{question.name}"
-                for what, value in _wrong(question) if name in good else ():
-                    yield f"{what} to the question {question.name!r}", {**good, name: [value]}
+                for attempt, value in _wrong(question) if name in good else ():
+                    yield f"{attempt} to the question {question.name!r}", {**good, name: [value]}
         if page.sounds:
             (name,) = page.next_form.asked
             others = "".join(str((int(digit) + 1) % 10) for digit in good[name][0])
@@ -180,13 +180,13 @@ class Attacker(Participant):
     def _report_nonsense(self, client: httpx.Client, page: Page) -> None:
         address = page.players[0].watched_address
         nobodys = address.rpartition("/")[0] + "/" + "0" * 32
-        for what, target, report in (
+        for attempt, target, report in (
             ("playing reported without intervals", address, {"batch": 0}),
             ("playing reported backwards", address, {"batch": 0, "intervals": [[1.0, 0.5]]}),
             ("playing reported under a number below 0", address, {**PLAYED, "batch": -1}),
             ("playing reported of nobody's video", nobodys, PLAYED),
         ):
-            self.refused_report(what, client, target, report)
+            self.refused_report(attempt, client, target, report)
 
     def _report_trouble(self, client: httpx.Client, page: Page) -> None:
         token = page.answer_form.trial

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, Literal
 
@@ -74,11 +76,31 @@ def photograph(page: Page, name: str, *, resized: bool = True) -> None:
 def barriers(page: Page) -> list[str]:
     """Return what axe-core finds severe on the page, light and dark."""
     page.wait_for_load_state()
-    found = []
+    problems = []
     for scheme, options in zip(SCHEMES, (CONTRAST, EVERYTHING), strict=True):
         page.emulate_media(color_scheme=scheme)
-        found += [f"{scheme}: {each}" for each in _severe(page, options)]
-    return found
+        problems += [f"{scheme}: {each}" for each in _severe(page, options)]
+    return problems
+
+
+@contextmanager
+def examination(prefix: str) -> Iterator[Callable[[Page, str], None]]:
+    """Give what photographs and examines a page under a name; no page may have a problem.
+
+    Parameters
+    ----------
+    prefix : str
+        The beginning of the pictures' names.
+    """
+    problems: dict[str, list[str]] = {}
+
+    def examine(page: Page, name: str) -> None:
+        photograph(page, f"{prefix}-{name}")
+        problems[name] = barriers(page)
+        expect_to_fit_a_phone(page)
+
+    yield examine
+    assert {name: each for name, each in problems.items() if each} == {}
 
 
 def _severe(page: Page, options: dict[str, object]) -> list[str]:
@@ -95,8 +117,8 @@ def participants_barriers(page: Page) -> list[str]:
     page.wait_for_load_state()
     # While a page still changes by itself, two moments differ; a dark look differs at all times.
     alike = any(_looks_alike(page) for _ in range(LOOKS))
-    found = [f"light: {each}" for each in _severe(page, EVERYTHING)]
-    return found + ([] if alike else ["another look in the dark"])
+    problems = [f"light: {each}" for each in _severe(page, EVERYTHING)]
+    return problems + ([] if alike else ["another look in the dark"])
 
 
 def _looks_alike(page: Page) -> bool:

@@ -40,9 +40,9 @@ def passing_on(server: str, prefix: str) -> Iterator[tuple[str, list[str]]]:
                 if name.lower() not in OF_ONE_CONNECTION
             }
             headers["X-Forwarded-For"] = self.client_address[0]
-            with closing(HTTPConnection(host, timeout=60)) as there:
-                there.request(self.command, self.path, body, headers)
-                answer = there.getresponse()
+            with closing(HTTPConnection(host, timeout=60)) as connection:
+                connection.request(self.command, self.path, body, headers)
+                answer = connection.getresponse()
                 content = answer.read()
             self.send_response(answer.status)
             for name, value in answer.getheaders():

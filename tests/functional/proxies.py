@@ -46,14 +46,14 @@ class _ToThisMachine(httpx.HTTPTransport):
         self.port = port
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
-        there = httpx.Request(
+        forwarded = httpx.Request(
             request.method,
             request.url.copy_with(host="127.0.0.1", port=self.port),
             headers=request.headers,
             stream=request.stream,
             extensions={**request.extensions, "sni_hostname": HOST},
         )
-        return super().handle_request(there)
+        return super().handle_request(forwarded)
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,8 @@ class Proxied:
 def program(proxy: Proxy) -> str | None:
     """Return where `proxy` is, if openssl is there as well."""
     places = (os.environ["PATH"], UNPACKED / "bin", UNPACKED / "sbin")
-    found = shutil.which(proxy, path=os.pathsep.join(map(str, places)))
-    return found if shutil.which("openssl") else None
+    executable = shutil.which(proxy, path=os.pathsep.join(map(str, places)))
+    return executable if shutil.which("openssl") else None
 
 
 @contextmanager
@@ -140,8 +140,10 @@ def _study_server(deployment: Deployment, root: Path) -> Iterator[subprocess.Pop
     line = next(line for line in unit.splitlines() if line.startswith("ExecStart="))
     program, *arguments = shlex.split(line.removeprefix("ExecStart=").replace("%%", "%"))
     assert program == "/opt/motionjury/bin/motionjury"
-    told = (root / f"etc/motionjury/{deployment.name}.env").read_text("utf-8").splitlines()
-    pairs = (line.split("=", 1) for line in told if line and not line.startswith("#"))
+    environment_file = (
+        (root / f"etc/motionjury/{deployment.name}.env").read_text("utf-8").splitlines()
+    )
+    pairs = (line.split("=", 1) for line in environment_file if line and not line.startswith("#"))
     start = "from studyapp.cli.main import main; main()"
     command = [sys.executable, "-c", start, *arguments]
     environment = {**os.environ, **dict(pairs)}
@@ -166,22 +168,22 @@ def _shake_hands(port: int) -> None:
 @contextmanager
 def _running(
     command: list[str],
-    said: Path,
-    reach: Callable[[], None],
+    log_file: Path,
+    connect: Callable[[], None],
     environment: dict[str, str] | None = None,
 ) -> Iterator[subprocess.Popen[bytes]]:
     """Run `command` until the block ends; it begins when `reach` raises no `OSError`."""
-    with said.open("wb") as log:
+    with log_file.open("wb") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, env=environment)
     try:
         deadline = time.monotonic() + PATIENCE
         while True:
             try:
-                reach()
+                connect()
                 break
             except OSError:
-                assert process.poll() is None, said.read_text("utf-8")
-                assert time.monotonic() < deadline, said.read_text("utf-8")
+                assert process.poll() is None, log_file.read_text("utf-8")
+                assert time.monotonic() < deadline, log_file.read_text("utf-8")
                 time.sleep(0.05)
         yield process
     finally:
@@ -196,7 +198,7 @@ def _nginx(root: Path, _secure: int, _plain: int) -> list[str]:
     made += ["-subj", f"/CN={HOST}", "-keyout", "privkey.pem", "-out", "fullchain.pem"]
     subprocess.run(made, cwd=certificate, check=True, capture_output=True)
     (root / "var/log/nginx").mkdir(parents=True)
-    kept = "\n".join(
+    temporary_folders = "\n".join(
         f"    {kind}_temp_path {root}/{kind};"
         for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
     )
@@ -212,7 +214,7 @@ http {{
     access_log {root}/var/log/nginx/access.log;
     sendfile on;
     gzip on;
-{kept}
+{temporary_folders}
     include {root}/etc/nginx/conf.d/*.conf;
 }}
 """,

@@ -31,7 +31,7 @@ from tests.functional.adversary import unlike_videos
 from tests.functional.adversary.guessing import Guess, Received, guesses
 from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
 from tests.functional.adversary.mp4_facts import facts_of
-from tests.functional.adversary.studies import STUDIES, write_study
+from tests.functional.adversary.studies import STUDIES, instructs, write_study
 from tests.functional.adversary.telling import stimulus_facts, trial_facts
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -45,33 +45,33 @@ CHANCE: Final = 0.01
 GUESSES: Final = len(STUDIES) * 2 * 2
 """Of conditions and of kinds, each half of every study's sessions."""
 
-Sat = list[HeardTrial]
+Trials = list[HeardTrial]
 Change = Callable[[Exchange, Trial, Content | None], Exchange]
 """Changes what was received, given the trial and, of a video, what it shows."""
 
 
 @dataclass(frozen=True)
-class Heard:
+class HeardStudy:
     """A study, and everything that was received by those who took part in it."""
 
     folder: StudyFolder
-    sessions: list[Sat]
+    sessions: list[Trials]
     questions: bool
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], StudyFolder]:
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], StudyFolder]:
     """Return a function that makes each study once."""
     return cache(lambda name: write_study(tmp_path_factory.mktemp(name) / "study", name))
 
 
 @pytest.fixture(scope="module")
-def heard(made: Callable[[str], StudyFolder]) -> Callable[[str], Heard]:
+def heard(written: Callable[[str], StudyFolder]) -> Callable[[str], HeardStudy]:
     """Return a function that has each study taken part in once."""
 
     @cache
-    def take_part(name: str) -> Heard:
-        folder = made(name)
+    def take_part(name: str) -> HeardStudy:
+        folder = written(name)
         clock = SetClock()
         app = create_app(folder.root)
         with app.app_context(), pytest.MonkeyPatch.context() as patch:
@@ -81,7 +81,7 @@ def heard(made: Callable[[str], StudyFolder]) -> Callable[[str], Heard]:
             attach(app, replace(site, clock=clock))
             sessions = [Listener(app, clock).hear() for _ in range(SESSIONS)]
         site.database.close()
-        return Heard(folder, sessions, questions=not STUDIES[name].instructs)
+        return HeardStudy(folder, sessions, questions=not instructs(name))
 
     return take_part
 
@@ -91,38 +91,38 @@ def seeded_tokens() -> Callable[[int], str]:
     return lambda size: urlsafe_b64encode(chance.randbytes(size)).decode().rstrip("=")
 
 
-def shape(sat: Sat) -> tuple[object, ...]:
+def shape(trials: Trials) -> tuple[object, ...]:
     """Return what anybody may know of a study session: its parts, and the speech heard twice."""
     return tuple(
         (t.truth.part, len(t.truth.conditions), t.truth.repeats, t.truth.kind == "practice")
-        for t in sat
+        for t in trials
     )
 
 
-def by_condition(sessions: Sequence[Sat], *, questions: bool) -> list[Received]:
+def by_condition(sessions: Sequence[Trials], *, questions: bool) -> list[Received]:
     """Return the sessions, an item for each stimulus: what it shows, and with whose speech."""
-    made = []
-    for sat in sessions:
+    written = []
+    for trials in sessions:
         rows, truth = [], []
-        for trial in sat:
+        for trial in trials:
             facts = stimulus_facts(trial, questions=questions)
             for stimulus in trial.truth.stimuli:
                 if stimulus.number:
                     rows.append(facts[stimulus.number])
                     truth.append(f"{stimulus.condition} {_sound(stimulus)}")
-        made.append(Received(rows, truth, shape(sat)))
-    return made
+        written.append(Received(rows, truth, shape(trials)))
+    return written
 
 
-def by_kind(sessions: Sequence[Sat], *, questions: bool) -> list[Received]:
+def by_kind(sessions: Sequence[Trials], *, questions: bool) -> list[Received]:
     """Return the sessions, an item for each trial: its kind."""
     return [
         Received(
-            [trial_facts(t, questions=questions) for t in sat],
-            [t.truth.kind for t in sat],
-            shape(sat),
+            [trial_facts(t, questions=questions) for t in trials],
+            [t.truth.kind for t in trials],
+            shape(trials),
         )
-        for sat in sessions
+        for trials in sessions
     ]
 
 
@@ -138,33 +138,35 @@ def better_than_chance(sessions: Sequence[Received]) -> list[Guess]:
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_an_adversary_does_no_better_than_chance(heard: Callable[[str], Heard], name: str) -> None:
-    found = heard(name)
+def test_an_adversary_does_no_better_than_chance(
+    heard: Callable[[str], HeardStudy], name: str
+) -> None:
+    study = heard(name)
 
-    assert better_than_chance(by_condition(found.sessions, questions=found.questions)) == []
-    assert better_than_chance(by_kind(found.sessions, questions=found.questions)) == []
+    assert better_than_chance(by_condition(study.sessions, questions=study.questions)) == []
+    assert better_than_chance(by_kind(study.sessions, questions=study.questions)) == []
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_files_that_may_stand_beside_each_other_tell_the_same(
-    made: Callable[[str], StudyFolder], name: str
+    written: Callable[[str], StudyFolder], name: str
 ) -> None:
-    told = defaultdict(list)
-    for content, video in ServedStudy.read(made(name).root).videos.items():
+    facts_of_segment = defaultdict(list)
+    for content, video in ServedStudy.read(written(name).root).videos.items():
         data = video.file.read_bytes()
-        told[content[0].segment, content[0].speech is None].append(
+        facts_of_segment[content[0].segment, content[0].speech is None].append(
             {"": len(data), **facts_of(data)}
         )
 
-    assert len(told) >= unlike_videos.SEGMENTS
-    for of_segment in told.values():
+    assert len(facts_of_segment) >= unlike_videos.SEGMENTS
+    for of_segment in facts_of_segment.values():
         assert len(of_segment) > 1
         assert all(facts == of_segment[0] for facts in of_segment)
 
 
-def planted(sessions: Sequence[Sat], change: Change) -> list[Sat]:
+def planted(sessions: Sequence[Trials], change: Change) -> list[Trials]:
     """Return what would have been received if `change` had been made to it."""
-    return [[_changed(trial, change) for trial in sat] for sat in sessions]
+    return [[_changed(trial, change) for trial in trials] for trials in sessions]
 
 
 def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
@@ -186,7 +188,7 @@ def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
     )
 
 
-def found_by_condition(study: Heard, change: Change) -> list[Guess]:
+def found_by_condition(study: HeardStudy, change: Change) -> list[Guess]:
     sessions = planted(study.sessions, change)
     return better_than_chance(by_condition(sessions, questions=study.questions))
 
@@ -203,7 +205,7 @@ def with_files(files: Mapping[Content, bytes]) -> Change:
     return change
 
 
-def test_files_that_differ_in_size_would_be_told_apart(heard: Callable[[str], Heard]) -> None:
+def test_files_that_differ_in_size_would_be_told_apart(heard: Callable[[str], HeardStudy]) -> None:
     study = heard("players")
     unpadded = {
         content: without_padding(video.file.read_bytes())
@@ -219,7 +221,7 @@ def without_padding(video: bytes) -> bytes:
 
 
 def test_files_as_other_tools_wrote_them_would_be_told_apart(
-    heard: Callable[[str], Heard], tmp_path: Path
+    heard: Callable[[str], HeardStudy], tmp_path: Path
 ) -> None:
     study = heard("players")
     copies: dict[Content, Path] = {}
@@ -235,7 +237,7 @@ def test_files_as_other_tools_wrote_them_would_be_told_apart(
 
 
 def test_an_encoder_that_follows_the_picture_would_be_found(
-    heard: Callable[[str], Heard], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    heard: Callable[[str], HeardStudy], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(unlike_videos, "PICTURE", {"crf": "18"})
     served = ServedStudy.read(write_study(tmp_path / "study", "players").root)
@@ -262,12 +264,14 @@ def in_tokens(exchange: Exchange, trial: Trial, content: Content | None) -> Exch
 
 @pytest.mark.parametrize("leak", [in_a_header, in_tokens])
 def test_a_header_or_tokens_that_depend_on_the_condition_would_be_found(
-    heard: Callable[[str], Heard], leak: Change
+    heard: Callable[[str], HeardStudy], leak: Change
 ) -> None:
     assert found_by_condition(heard("players"), leak)
 
 
-def test_one_byte_that_depends_on_the_kind_would_be_found(heard: Callable[[str], Heard]) -> None:
+def test_one_byte_that_depends_on_the_kind_would_be_found(
+    heard: Callable[[str], HeardStudy],
+) -> None:
     def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
         if content is None and exchange.name == "page" and trial.kind == "catch":
             return replace(exchange, body=exchange.body + b"\n")

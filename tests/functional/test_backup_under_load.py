@@ -109,19 +109,19 @@ def stored(url: str) -> tuple[Given, list[str], int]:
     """Return all answers, the tokens of the unfinished, and how many places are held."""
     database = Database.open(url)
     with database.reading() as session:
-        given = [
+        answers = [
             ((each.trial.token, each.question, each.stimulus or 0), each.value)
             for each in session.scalars(select(Response))
         ]
         answered = session.scalars(select(Trial.token).where(Trial.answered_at.is_not(None)))
-        assert Counter(trial for (trial, *_), _ in given) == dict.fromkeys(answered, 2)
-        assert len(dict(given)) == len(given)
+        assert Counter(trial for (trial, *_), _ in answers) == dict.fromkeys(answered, 2)
+        assert len(dict(answers)) == len(answers)
         unfinished = session.scalars(
             select(StudySession.token).where(StudySession.completed_at.is_(None))
         ).all()
         held = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
     database.close()
-    return dict(given), list(unfinished), len(held)
+    return dict(answers), list(unfinished), len(held)
 
 
 @pytest.mark.slow
@@ -155,9 +155,9 @@ def test_a_backup_under_load_holds_every_acknowledged_answer_and_serves_on(
 
         monkeypatch.setenv("DATABASE_URL", urls[1])
         assert restore(made.path, copy, Clock()).missing == ()
-        given, unfinished, held = stored(urls[1])
+        answers, unfinished, held = stored(urls[1])
         assert len(before) >= ANSWERS // 3
-        assert before.items() <= given.items() <= everything.items()
+        assert before.items() <= answers.items() <= everything.items()
         assert held == made.manifest.participants
 
         again = Crowd()
@@ -168,5 +168,5 @@ def test_a_backup_under_load_holds_every_acknowledged_answer_and_serves_on(
         assert again.ledger.errors == []
         finished, nobody, _ = stored(urls[1])
         assert nobody == []
-        assert given.items() <= finished.items()
-        assert again.answers() == dict(finished.items() - given.items())
+        assert answers.items() <= finished.items()
+        assert again.answers() == dict(finished.items() - answers.items())

@@ -84,9 +84,9 @@ class Participant:
         """Fetch a video and report all of it, which is so short that nobody has to wait."""
         self.video = self.client.get(urljoin(self.address, source), headers={"Range": "bytes=0-"})
         assert self.video.status_code == 206
-        played = {"batch": 0, "intervals": [[0.0, seconds]]}
-        told = self.client.post(urljoin(self.address, report_to), json=played)
-        assert told.json()["missing"] == 0
+        report = {"batch": 0, "intervals": [[0.0, seconds]]}
+        answer = self.client.post(urljoin(self.address, report_to), json=report)
+        assert answer.json()["missing"] == 0
 
 
 def headers_of(answer: httpx.Response) -> dict[str, str]:
@@ -97,17 +97,17 @@ def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
     proxied: Proxied,
 ) -> None:
     with proxied.client() as client:
-        one = Participant(client, proxied.address)
+        participant = Participant(client, proxied.address)
         for _page in range(3):  # consent, instructions, a trial
-            one.go_on()
-        page = client.get(one.address)
-        video = urljoin(one.address, one.video_source)
+            participant.go_on()
+        page = client.get(participant.address)
+        video = urljoin(participant.address, participant.video_source)
         whole = client.get(video)
         part = client.get(video, headers={"Range": "bytes=100-199"})
         unchanged = client.get(video, headers={"If-Modified-Since": whole.headers["date"]})
         beyond = client.get(video, headers={"Range": f"bytes={len(whole.content)}-"})
 
-    assert one.page.soup.select("#answers")
+    assert participant.page.soup.select("#answers")
     assert (page.headers["cache-control"], page.headers["referrer-policy"]) == (
         "no-store",
         "no-referrer",
@@ -124,8 +124,8 @@ def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
             headers_of(answer)
         )
         assert "videos" not in str(answer.headers)
-    assert one.tokens
-    assert not [token for token in one.tokens if token in proxied.written()]
+    assert participant.tokens
+    assert not [token for token in participant.tokens if token in proxied.written()]
 
 
 def test_nobody_reaches_the_files_or_another_path(proxied: Proxied) -> None:
@@ -150,8 +150,8 @@ def test_nobody_reaches_the_files_or_another_path(proxied: Proxied) -> None:
 
 
 def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> None:
-    said = (proxied.root / "study.log").read_text("utf-8")
-    link = re.search(r"https://\S+/join/\S+", said)
+    log = (proxied.root / "study.log").read_text("utf-8")
+    link = re.search(r"https://\S+/join/\S+", log)
     assert link is not None
     with proxied.client() as client:
         # What a visitor says of themselves is not believed.
@@ -184,21 +184,21 @@ def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: 
         ):
             # Less than after which the lines are ended.
             client.timeout = httpx.Timeout(REQUEST_SECONDS - 5)
-            one = Participant(client, proxied.address)
+            participant = Participant(client, proxied.address)
             for _page in range(5):
-                one.go_on()
+                participant.go_on()
 
-    assert one.page.soup.select("#answers")
+    assert participant.page.soup.select("#answers")
 
 
 def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:
     with proxied.client() as client:
-        one = Participant(client, proxied.address)
-        one.go_on()
+        participant = Participant(client, proxied.address)
+        participant.go_on()
         proxied.server.send_signal(signal.SIGINT)
         proxied.server.wait(timeout=PATIENCE)
 
-        away = client.get(one.address)
+        away = client.get(participant.address)
 
     assert away.status_code in (502, 503)
-    assert not [token for token in one.tokens if token in proxied.written()]
+    assert not [token for token in participant.tokens if token in proxied.written()]

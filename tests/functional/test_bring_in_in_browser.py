@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Page, Route, expect
 from studyapp.desk.inbox import LARGEST_PIECE
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import join
-from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
+from tests.functional.looking import examination
 from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = IN_A_BROWSER
@@ -37,34 +37,31 @@ def files(tmp_path: Path) -> Path:
 def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
     browser: Browser, lab: Path, files: Path
 ) -> None:
-    found: dict[str, list[str]] = {}
-    with commanded("desk", lab) as (address, link), watched_page(browser, address) as page:
-
-        def look_at(name: str) -> None:
-            photograph(page, f"bring-in-{name}")
-            found[name] = barriers(page)
-            expect_to_fit_a_phone(page)
-
+    with (
+        examination("bring-in") as examine,
+        commanded("desk", lab) as (address, link),
+        watched_page(browser, address) as page,
+    ):
         page.on("dialog", lambda dialog: dialog.accept())
         join(page, link)
         press(page, "Take over tiny")
         follow(page.get_by_role("link", name="Bring in"))
-        look_at("empty")
-        _upload_long_recording(page, files / "long.wav", look_at_waiting=lambda: look_at("waiting"))
+        examine(page, "empty")
+        _upload_long_recording(page, files / "long.wav", examine)
         page.get_by_label("Condition").fill("rule_based")
         page.get_by_label("Files", exact=True).set_input_files(sorted(files.glob("*.npz")))
         with page.expect_navigation():
             page.get_by_role("button", name="Upload").click()
         expect(page.get_by_role("row")).to_have_count(1 + 5)
-        look_at("uploaded")
+        examine(page, "uploaded")
         page.get_by_label("Speaker").fill("Robin")
         page.get_by_label("Emotion").select_option("neutral")
         press(page, "Bring into the study")
         expect(page.get_by_role("status")).to_contain_text("Failed")
-        look_at("job")
+        examine(page, "job")
         page.goto(f"{address}/research/studies/tiny/bring-in")
         expect(page.get_by_text("no segment is called 'take-9'")).to_be_visible()
-        look_at("refused")
+        examine(page, "refused")
         press(page, "Remove take-9.npz")
         expect(page.get_by_text("Nothing is waiting.")).to_be_visible()
         follow(page.get_by_role("link", name="All segments and conditions"))
@@ -74,14 +71,13 @@ def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
             ).to_be_visible()
         missing = page.get_by_role("link", name="missing of rule based for long")
         expect(missing).to_be_visible()
-        look_at("table")
+        examine(page, "table")
         follow(page.get_by_role("link", name="motion of rule based for take-0"))
-        look_at("clip")
-    assert {name: problems for name, problems in found.items() if problems} == {}
+        examine(page, "clip")
 
 
 def _upload_long_recording(
-    page: Page, recording: Path, *, look_at_waiting: Callable[[], None]
+    page: Page, recording: Path, examine: Callable[[Page, str], None]
 ) -> None:
     """Upload a recording whose third piece is lost, again and again, until the page is left."""
     assert recording.stat().st_size > 3 * LARGEST_PIECE
@@ -94,7 +90,7 @@ def _upload_long_recording(
     page.get_by_label("Files", exact=True).set_input_files(recording)
     page.get_by_role("button", name="Upload").click()
     expect(page.get_by_text("Waiting for the server")).to_be_visible()
-    look_at_waiting()
+    examine(page, "waiting")
     page.unroute(pattern)
     page.reload()
     expect(page.get_by_text("choose it again to go on")).to_be_visible()

@@ -30,7 +30,7 @@ def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
     monkeypatch.delenv("DATABASE_URL", raising=False)
     (tmp_path / "lab").mkdir()
     recordings = write_recordings(tmp_path / "recordings", seconds=SECONDS)
-    found: dict[str, list[str]] = {}
+    problems: dict[str, list[str]] = {}
     with (
         commanded("desk", tmp_path / "lab") as (address, link),
         watched_page(browser, address, refused=422) as page,
@@ -42,10 +42,10 @@ def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
             if stop.kind == "document":
                 continue
             look = barriers if stop.kind == "researchers" else participants_barriers
-            found[stop.name] = look(stop.page)
+            problems[stop.name] = look(stop.page)
             expect_to_fit_a_phone(stop.page)
         follow(page.get_by_role("link", name="Back to the desk"))
         press(page, "Log out")
         page.goto(f"{address}/{STUDY}/research/")
         expect(page.get_by_label("Password")).to_be_visible()
-    assert {name: problems for name, problems in found.items() if problems} == {}
+    assert {name: each for name, each in problems.items() if each} == {}

@@ -92,9 +92,9 @@ def test_a_participant_goes_the_whole_way(
     seen.read("Can you hear this?")
     look_at(seen, f"{engine}-3-sound-check")
     seen.wait("document.querySelector('audio').duration > 0")
-    here = select(StudySession).where(StudySession.recruiter_participant == engine)
+    query = select(StudySession).where(StudySession.recruiter_participant == engine)
     with database.reading() as session:
-        digits = session.scalars(here).one().sound_digits
+        digits = session.scalars(query).one().sound_digits
     seen.write("#digits", digits)
     seen.click("#sound-check .primary")
 
@@ -116,10 +116,10 @@ def test_a_participant_goes_the_whole_way(
     look_at(seen, f"{engine}-7-code")
     code = seen.run("return document.querySelector('#completion-code').innerText")
     with database.reading() as session:
-        done = session.scalars(here).one()
+        study_session = session.scalars(query).one()
         answers = session.scalars(select(Response)).all()
         watched = session.scalars(select(WatchRecord)).all()
-        assert done.completion_code == code
+        assert study_session.completion_code == code
         assert [answer.value for answer in answers] == [-1] * 4
         assert [len(record.intervals) for record in watched] == [1, 1]
 

@@ -168,19 +168,19 @@ def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path:
     write_shown_study(tmp_path / "players", "players")
     with shown(tmp_path / "players") as (address, app):
         page = browser.new_context(viewport=LAPTOP).new_page()
-        found = {}
+        problems = {}
         for name in beside_the_way(page, address, app):
             photograph(page, f"beside-{name}")
-            found[name] = participants_barriers(page)
+            problems[name] = participants_barriers(page)
         page.context.close()
         phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
         phone.goto(address)
         expect(phone.get_by_role("heading", level=1)).to_contain_text("on another device")
         photograph(phone, "beside-phone")
-        found["phone"] = participants_barriers(phone)
+        problems["phone"] = participants_barriers(phone)
         phone.close()
 
-    assert {name: each for name, each in found.items() if each} == {}
+    assert {name: each for name, each in problems.items() if each} == {}
 
 
 def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
@@ -234,14 +234,14 @@ def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Pat
     definition.write_text(text.replace("participants = 50", "participants = 1"), "utf-8")
     with shown(tmp_path / "labels") as (address, app):
         page = browser.new_context(viewport=LAPTOP).new_page()
-        found = {}
+        problems = {}
         for name in in_trouble(page, address, app):
             photograph(page, f"trouble-{name}")
-            found[name] = participants_barriers(page)
+            problems[name] = participants_barriers(page)
         page.context.close()
 
-    assert list(found) == ["trial-problem", "trial-fault", "full", "lapsed", "closed"]
-    assert {name: each for name, each in found.items() if each} == {}
+    assert list(problems) == ["trial-problem", "trial-fault", "full", "lapsed", "closed"]
+    assert {name: each for name, each in problems.items() if each} == {}
 
 
 def test_a_barrier_would_be_found(browser: Browser) -> None:
@@ -252,9 +252,9 @@ def test_a_barrier_would_be_found(browser: Browser) -> None:
         "<main><h1>Heading</h1><select><option>Choice</select></main>"
     )
 
-    found = barriers(page)
+    problems = barriers(page)
 
-    assert [each.split(" at ")[0] for each in found] == [
+    assert [each.split(" at ")[0] for each in problems] == [
         "dark: color-contrast",
         "light: select-name",
     ]

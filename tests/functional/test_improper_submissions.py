@@ -37,7 +37,7 @@ FORMS = {
     "an answer that excludes to the question 'watched'": 403,
     "too high a number to the question 'age'": 422,
     "too long an answer to the question 'work'": 422,
-    "an answer that is not offered to the question 'ease'": 422,
+    "an answer that is not offered to the question 'often'": 422,
     "digits that were not spoken": 422,
     "no digits": 422,
 }

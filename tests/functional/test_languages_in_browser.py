@@ -14,27 +14,17 @@ from studyapp.web.language import Language, language_of, speak
 from studyapp.web.site import study_site
 from tests.functional.browsing import IN_A_BROWSER, expect_watched, watched_page
 from tests.functional.every_page import first_trial, shown
-from tests.functional.shown_studies import STUDIES, write_figure_video
+from tests.functional.shown_studies import write_shown_study
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
-from tests.support.studies.finished_study import write_study_of_one_video
 
 pytestmark = IN_A_BROWSER
 
 
-@pytest.fixture(scope="module")
-def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "figure.mp4"
-    write_figure_video(path, seconds=0.5)
-    return path
-
-
 @pytest.fixture
-def folder(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
-    folder: Path = tmp_path / request.param
-    folder.mkdir()
-    write_study_of_one_video(folder, STUDIES[request.param], video)
-    return folder
+def folder(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    write_shown_study(tmp_path / request.param, request.param)
+    return Path(tmp_path / request.param)
 
 
 @contextmanager

@@ -49,15 +49,15 @@ def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_s
         page.set_default_timeout(PATIENCE_MS)
         complaints: list[str] = []
         page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-        own: list[str] = []
-        page.on("response", lambda r: own.append(f"{r.status} {r.url.split('/')[3]}"))
+        answers: list[str] = []
+        page.on("response", lambda r: answers.append(f"{r.status} {r.url.split('/')[3]}"))
 
         take_trials(page, address, 2)
 
         assert complaints == []
-        assert "302 media" in own
-        assert "200 media" not in own
-        assert "206 media" not in own
+        assert "302 media" in answers
+        assert "200 media" not in answers
+        assert "206 media" not in answers
         check_asked(store, address)
 
 

@@ -69,8 +69,10 @@ def trials(page: Page, database: Database) -> list[Trial]:
     """Return the trials of the participant whose page this is."""
     token = page.url.rsplit("/", 1)[1]
     with database.reading() as session:
-        found = session.scalars(select(StudySession).where(StudySession.token == token)).one()
-        return list(found.trials)
+        study_session = session.scalars(
+            select(StudySession).where(StudySession.token == token)
+        ).one()
+        return list(study_session.trials)
 
 
 def answers(page: Page, database: Database) -> list[tuple[int, str, int]]:

@@ -107,9 +107,9 @@ def test_a_dragged_card_makes_the_others_move_on(page: Page) -> None:
 
 
 def test_keys_move_the_card_that_has_the_focus(page: Page) -> None:
-    told = page.locator(".questions [role=status]")
+    announcement = page.locator(".questions [role=status]")
     card(page, "D").focus()
-    for key, said in (
+    for key, words in (
         ("ArrowRight", "1st of 5: D"),
         ("ArrowRight", "2nd of 5: D"),
         ("End", "5th of 5: D"),
@@ -120,7 +120,7 @@ def test_keys_move_the_card_that_has_the_focus(page: Page) -> None:
         ("Enter", "1st of 5: D"),
     ):
         page.keyboard.press(key)
-        expect(told).to_have_text(said)
+        expect(announcement).to_have_text(words)
         expect(card(page, "D")).to_be_focused()
     expect(card(page, "D")).to_have_accessible_name("1st of 5: D")
     page.keyboard.press("Tab")

@@ -84,8 +84,8 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
             "import", f"{name}.npz", "--speech", f"{name}.wav", "--segment", seconds,
             "--condition", "ground_truth", "--speaker", "anna", "--emotion", "neutral", "lab",
         )  # fmt: skip
-    said = motionjury("generate", "lab")
-    assert "Stands in for something real: diffsheg: stand-in for HuBERT" in said
+    output = motionjury("generate", "lab")
+    assert "Stands in for something real: diffsheg: stand-in for HuBERT" in output
     motionjury("render", "lab", "--processes", 1)
     assert "can be served" in motionjury("check", "lab")
     motionjury("rehearse", "lab", "--seed", 1)

@@ -22,7 +22,7 @@ from studyapp.session.served_study import ServedStudy
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import join, link_for_owner
-from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
+from tests.functional.looking import examination, photograph
 
 pytestmark = IN_A_BROWSER
 
@@ -57,33 +57,26 @@ def test_no_page_of_researchers_has_a_severe_barrier(
     browser: Browser, served_at: str, stored: Database, tiny_study: Path
 ) -> None:
     come(stored, tiny_study, "one")
-    found = {}
-
-    def look_at(page: Page, name: str) -> None:
-        photograph(page, f"research-{name}")
-        found[name] = barriers(page)
-        expect_to_fit_a_phone(page)
-
-    with watched_page(browser, served_at) as page:
+    with examination("research") as examine, watched_page(browser, served_at) as page:
         page.goto(f"{served_at}/research/")
         expect(page.get_by_role("heading", level=1)).to_have_text("Log in as a researcher")
-        look_at(page, "log-in")
+        examine(page, "log-in")
         page.goto(link_for_owner(served_at, stored))
-        look_at(page, "join")
+        examine(page, "join")
         join_as_owner(page, served_at, stored)
-        look_at(page, "overview")
+        examine(page, "overview")
         follow(page.get_by_role("link", name="1 active", exact=True))
-        look_at(page, "study-sessions")
+        examine(page, "study-sessions")
         follow(page.get_by_role("link", name="1", exact=True))
         expect(page.locator(".events")).to_contain_text("Trial 1 was shown")
-        look_at(page, "study-session")
+        examine(page, "study-session")
         follow(page.get_by_role("link", name="Researchers"))
         page.get_by_label("viewer").check()
         follow(page.get_by_role("button", name="Make a link", exact=True))
         expect(page.locator("output.link")).to_contain_text("/research/join/")
-        look_at(page, "researchers")
+        examine(page, "researchers")
         follow(page.get_by_role("link", name="Preview"))
-        look_at(page, "preview")
+        examine(page, "preview")
         follow(page.get_by_role("link", name="1", exact=True))
         expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
         photograph(page, "research-previewed-trial")
@@ -97,17 +90,15 @@ def test_no_page_of_researchers_has_a_severe_barrier(
         page.get_by_label("Reason, for the log").first.fill("a video stalls")
         follow(page.get_by_role("button", name="Pause"))
         expect(page.locator(".truth")).to_contain_text("No new participants are admitted")
-        look_at(page, "newcomers")
+        examine(page, "newcomers")
         follow(page.get_by_role("link", name="Changes"))
-        look_at(page, "changes")
+        examine(page, "changes")
         follow(page.get_by_role("link", name="Ada Lovelace"))
-        look_at(page, "own-account")
+        examine(page, "own-account")
         follow(page.get_by_role("button", name="Log out"))
         expect(page.get_by_role("heading", level=1)).to_have_text("Log in as a researcher")
         assert page.goto(f"{served_at}/research/changes") is not None
         assert "/research/log-in?next=/research/changes" in page.url
-
-    assert {name: each for name, each in found.items() if each} == {}
 
 
 def test_the_overview_shows_who_comes_while_one_looks(

@@ -90,7 +90,7 @@ def send(page: Page, button: str, reason: str) -> None:
 def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     browser: Browser, study: Path
 ) -> None:
-    found: dict[str, list[str]] = {}
+    problems: dict[str, list[str]] = {}
     with (
         commanded("serve", study) as (address, link),
         watched_page(browser, address) as page,
@@ -100,7 +100,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
         def look_at(name: str) -> None:
             photograph(page, f"way-{name}")
             if name in EXAMINED:
-                found[name] = barriers(page)
+                problems[name] = barriers(page)
             expect_to_fit_a_phone(page)
 
         page.clock.install()
@@ -109,7 +109,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
         with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
             codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
             go_to(page, "Overview")
-            assert all(crowd.here.acquire(timeout=SLOW_SECONDS) for _ in codes)
+            assert all(crowd.at_first_trial.acquire(timeout=SLOW_SECONDS) for _ in codes)
             # The page asks for itself anew; nobody reloads it.
             page.clock.fast_forward(REFRESHED_MS)
             expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
@@ -134,7 +134,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
         with_everything_looked_at(page, look_at)
 
     people = export(study)
-    assert found == {name: [] for name in EXAMINED}
+    assert problems == {name: [] for name in EXAMINED}
     answers = pd.read_csv(study / "out" / "answers.csv")
     assert people["state"].tolist() == ["completed"] * (PEOPLE + 1)
     assert len(answers) == (PEOPLE + 1) * TRIALS * QUESTIONS

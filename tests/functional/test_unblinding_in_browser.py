@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import looks
@@ -18,7 +18,7 @@ from studyapp.web.site import attach, study_site
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
-from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
+from tests.functional.looking import examination
 from tests.support.figures_at_hand import FiguresMeanwhile
 from tests.support.studies.answered_study import answer_study
 
@@ -30,14 +30,8 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
 ) -> None:
     monkeypatch.delenv("DATABASE_URL", raising=False)
     answer_study(tiny_study, people=4, stop_after=2)
-    found = {}
-
-    def look_at(page: Page, name: str) -> None:
-        photograph(page, f"research-{name}")
-        found[name] = barriers(page)
-        expect_to_fit_a_phone(page)
-
     with (
+        examination("research") as examine,
         shown(tiny_study) as (address, app),
         closing(Database.open(sqlite_url(tiny_study / "responses.db"))) as stored,
         watched_page(browser, address) as page,
@@ -52,20 +46,20 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         page.get_by_role("link", name="Results", exact=True).press("Enter")
         expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
         expect(page.locator("main")).not_to_contain_text("rule based")
-        look_at(page, "unblind")
+        examine(page, "unblind")
         reason = page.get_by_label("Reason, for the log and the report")
         reason.fill("a video broke for two participants")
         reason.press("Enter")
         note = page.get_by_role("note")
         expect(note).to_contain_text("Interim: 3 of 4 participants")
         expect(page.locator("main")).to_contain_text("rule based against mismatched")
-        look_at(page, "results")
+        examine(page, "results")
         follow(page.get_by_role("link", name="Overview"))
         expect(page.get_by_role("heading", level=1)).to_have_text("Progress")
         while not agreement.count():
             page.reload()
         expect(agreement).to_contain_text("rhythm")
-        look_at(page, "overview-with-agreement")
+        examine(page, "overview-with-agreement")
         [look] = looks(stored)
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
         closed = replace(site.served, study=site.study.model_copy(update={"open": False}))
@@ -73,6 +67,4 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         follow(page.get_by_role("link", name="Results", exact=True))
         expect(page.get_by_role("heading", level=1)).to_have_text("Results")
         expect(note).to_contain_text("The study is closed: 3 of 4 participants finished")
-        look_at(page, "results-final")
-
-    assert {name: each for name, each in found.items() if each} == {}
+        examine(page, "results-final")

@@ -122,9 +122,9 @@ def test_the_whole_way_from_eligibility_to_the_code(
     done = study_session(page, database)
     assert (done.completion_code, done.recruiter_participant) == (code, "p1")
     assert (done.sound_tries, done.rested_at_position) == (0, 3)
-    own = select(Response.value).join(Response.trial).where(Trial.study_session_id == done.id)
+    values = select(Response.value).join(Response.trial).where(Trial.study_session_id == done.id)
     with database.reading() as session:
-        assert session.scalars(own).all() == [-1] * 8
+        assert session.scalars(values).all() == [-1] * 8
 
 
 def test_who_cannot_hear_the_sound_is_helped_and_may_leave(browser: Browser, address: str) -> None:
@@ -153,15 +153,15 @@ def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: 
         second = page.context.new_page()
         second.goto(page.url)
 
-        told = page.get_by_role("dialog")
-        expect(told).to_contain_text("open in another window")
+        dialog = page.get_by_role("dialog")
+        expect(dialog).to_contain_text("open in another window")
         assert page.locator("video").evaluate("video => video.paused")
     page.bring_to_front()
     photograph(page, "way-7-another-window")
     for _ in range(2):
         page.keyboard.press("Escape")
     page.keyboard.press("1")
-    expect(told).to_be_visible()
+    expect(dialog).to_be_visible()
     expect(page.locator(":checked")).to_have_count(0)
     expect(second.get_by_role("dialog")).to_have_count(0)
 

@@ -45,27 +45,27 @@ class Told:
     sound: Audio | None = field(default_factory=_second_of_sound)
 
 
-def write_video(path: Path, told: Told) -> None:
+def write_video(path: Path, recipe: Told) -> None:
     """Write a video whose grey grows lighter."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(path), "w") as container:
-        container.metadata.update({"title": told.name, "comment": told.name})
-        video = container.add_stream(told.codec, rate=told.rate, options=dict(told.encoder))
+        container.metadata.update({"title": recipe.name, "comment": recipe.name})
+        video = container.add_stream(recipe.codec, rate=recipe.rate, options=dict(recipe.encoder))
         assert isinstance(video, VideoStream)
-        video.width, video.height, video.pix_fmt = told.size, told.size, "yuv420p"
-        video.metadata.update({"language": told.language, "handler_name": told.name})
+        video.width, video.height, video.pix_fmt = recipe.size, recipe.size, "yuv420p"
+        video.metadata.update({"language": recipe.language, "handler_name": recipe.name})
         packets = []
-        if told.sound is not None:
+        if recipe.sound is not None:
             audio = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
             assert isinstance(audio, AudioStream)
             frame = av.AudioFrame.from_ndarray(
-                np.ascontiguousarray(told.sound.samples[None]), format="fltp", layout="mono"
+                np.ascontiguousarray(recipe.sound.samples[None]), format="fltp", layout="mono"
             )
             frame.sample_rate, frame.pts = SOUND_RATE, 0
             frame.time_base = Fraction(1, SOUND_RATE)
             packets = [*audio.encode(frame), *audio.encode(None)]
-        for index in range(told.frames):
-            picture = np.full((told.size, told.size, 3), 60 + 2 * index % 180, np.uint8)
+        for index in range(recipe.frames):
+            picture = np.full((recipe.size, recipe.size, 3), 60 + 2 * index % 180, np.uint8)
             container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(video.encode(None))
         container.mux(packets)

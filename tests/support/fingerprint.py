@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 def fingerprint(*arrays: NDArray[np.generic]) -> list[float]:
     """Return the mean of each array weighted by fixed chance, which rounding hardly moves."""
-    found = []
+    fingerprints = []
     for number, values in enumerate(arrays):
-        given = np.asarray(values, float).ravel()
-        weights = np.random.default_rng((number, given.size)).standard_normal(given.size)
-        found.append(float(weights @ given / np.sqrt(max(given.size, 1))))
-    return found
+        flat = np.asarray(values, float).ravel()
+        weights = np.random.default_rng((number, flat.size)).standard_normal(flat.size)
+        fingerprints.append(float(weights @ flat / np.sqrt(max(flat.size, 1))))
+    return fingerprints

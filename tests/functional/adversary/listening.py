@@ -76,24 +76,26 @@ class Listener:
 
     def hear(self) -> list[HeardTrial]:
         """Take part from the first page to the completion code; return the trials in order."""
-        begun = self._enrol()
-        heard: list[HeardTrial] = []
+        address = self._enrol()
+        trials: list[HeardTrial] = []
         before: list[Exchange] = []
-        known = {trial.token: trial for trial in self._trials(begun.rpartition("/")[2])}
+        trial_of_token = {trial.token: trial for trial in self._trials(address.rpartition("/")[2])}
         for _ in range(MOST_STEPS):
-            answer = self.client.get(begun)
+            answer = self.client.get(address)
             page = PageReader(answer.text)
             if page.soup.select("#completion-code"):
-                assert [trial.truth.position for trial in heard] == [*range(1, len(known) + 1)]
-                return heard
+                assert [trial.truth.position for trial in trials] == [
+                    *range(1, len(trial_of_token) + 1)
+                ]
+                return trials
             if not page.soup.select("#answers"):
                 before.append(_kept("before", answer))
                 self._send("between", page)
                 continue
-            trial = HeardTrial(known[page.trial])
+            trial = HeardTrial(trial_of_token[page.trial])
             trial.pages += [*before, _kept("page", answer)]
             before = self._take(trial, page)
-            heard.append(trial)
+            trials.append(trial)
         raise AssertionError(f"no end after {MOST_STEPS} pages")
 
     def _enrol(self) -> str:

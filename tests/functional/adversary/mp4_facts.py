@@ -34,18 +34,18 @@ def facts_of(video: bytes) -> Facts:
     bytes each of them has, and the padding that makes up for their sum.
     """
     facts: Facts = {}
-    seen: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for name, content in _boxes(video, 0, len(video), ""):
-        seen[name] += 1
-        key = f"{name}{seen[name]}"
+        counts[name] += 1
+        key = f"{name}{counts[name]}"
         if name in ("/mdat", "/free"):
             continue
-        told = content[: COUNTED.get(name.rpartition("/")[2], len(content))]
+        described = content[: COUNTED.get(name.rpartition("/")[2], len(content))]
         facts[f"{key} bytes"] = len(content)
-        facts[f"{key} content"] = hashlib.sha256(told).hexdigest()
-        if len(told) <= SHORT:
-            for at in range(0, len(told) - 3, 4):
-                facts[f"{key} at {at}"] = int.from_bytes(told[at : at + 4], "big")
+        facts[f"{key} content"] = hashlib.sha256(described).hexdigest()
+        if len(described) <= SHORT:
+            for at in range(0, len(described) - 3, 4):
+                facts[f"{key} at {at}"] = int.from_bytes(described[at : at + 4], "big")
     order = [name for name, _ in _boxes(video, 0, len(video), "")]
     facts["order"] = " ".join(order[:-1] if order[-1] == "/free" else order)
     for text in TEXT.findall(video):

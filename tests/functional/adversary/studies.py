@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -16,143 +15,74 @@ from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, PairVideo, Stimuli, write_stimuli
 from tests.functional.adversary import unlike_videos as videos
+from tests.support.studies.finished_study import Keys, brought, group, question, study_file
 
-QUESTION: Final = """
-[[questions]]
-name = "better"
-title = "Better"
-text = "Which is better?"
-"""
+PAGE: Final = {"consent": "You agree.", "break_every": 2}
+VIDEO: Final = {"size": 64, "frame_rate": 10}
+CONDITIONS: Final = ("still", "calm", "lively")
+RENDERED: Final[Keys] = {"conditions": {name: {} for name in CONDITIONS}, "attention": None}
+BROUGHT: Final[Keys] = {"conditions": brought(*CONDITIONS), "attention": {"trials": 1}}
 
-RATED: Final = """
-[[questions]]
-name = "quality"
-title = "Quality"
-text = "How good is it?"
-scale = "mean_opinion"
-
-[[questions]]
-name = "synchrony"
-title = "Synchrony"
-text = "How well does it go along?"
-scale = "slider"
-"""
-
-PAGE: Final = """
-[video]
-size = 64
-frame_rate = 10
-
-[page]
-consent = "You agree."
-break_every = 2
-"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Declared:
-    """A study as its file says, and where its videos come from.
-
-    Attributes
-    ----------
-    brought : bool
-        Whether they are brought finished.
-    instructs : bool
-        Whether pages of attention checks say what they are.
-    """
-
-    text: str
-    brought: bool = False
-    instructs: bool = False
-
-
-def _conditions(*, brought: bool) -> str:
-    names = ("still", "calm", "lively")
-    return "".join(f"[conditions.{n}]\n{'videos = true' * brought}\n" for n in names)
-
-
-STUDIES: Final = {
-    "composed": Declared(
-        text=f"""
-protocol = "pairwise"
-reference = "calm"
-participants_per_comparison = 40
-trials = 4
-practice = 1
-catch = {{ trials = 1, against = "calm" }}
-{_conditions(brought=False)}
-[[questions]]
-name = "emotion"
-title = "Emotion"
-text = "The speaker feels {{emotion}}. In which video do the gestures show it better?"
-""",
-    ),
-    "players": Declared(
-        text=f"""
-protocol = "pairwise"
-comparisons = "all_pairs"
-layout = "players"
-reference = "calm"
-participants = 40
-trials = 4
-practice = 0
-catch = {{ trials = 1, against = "calm", videos = true }}
-attention = {{ trials = 1 }}
-{_conditions(brought=True)}{QUESTION}""",
-        brought=True,
-        instructs=True,
-    ),
-    "rating": Declared(
-        text=f"""
-protocol = "rating"
-participants = 40
-catch = {{ trials = 1, against = "lively" }}
-{_conditions(brought=False)}
-[[sets]]
-name = "all"
-conditions = ["still", "calm", "lively"]
-groups = 4
-{RATED}""",
-    ),
-    "ranking": Declared(
-        text=f"""
-protocol = "ranking"
-participants = 40
-reference = "lively"
-catch = {{ trials = 1, against = "calm", videos = true }}
-attention = {{ trials = 1 }}
-{_conditions(brought=True)}
-[[blocks]]
-name = "all"
-conditions = ["still", "calm"]
-trials = 3
-{QUESTION}""",
-        brought=True,
-        instructs=True,
-    ),
-    "mismatch": Declared(
-        text=f"""
-protocol = "mismatch"
-participants = 40
-fit = 2
-realism = 2
-catch = {{ trials = 1, against = "calm" }}
-{_conditions(brought=False)}{QUESTION}""",
-    ),
+STUDIES: Final[Mapping[str, Keys]] = {
+    "composed": RENDERED
+    | {
+        "protocol": "pairwise",
+        "comparisons": None,
+        "layout": None,
+        "reference": "calm",
+        "participants": None,
+        "participants_per_comparison": 40,
+        "trials": 4,
+        "catch": {"trials": 1, "against": "calm"},
+        "questions": [
+            question(
+                "emotion",
+                "The speaker feels {emotion}. In which video do the gestures show it better?",
+            )
+        ],
+    },
+    "players": BROUGHT
+    | {
+        "protocol": "pairwise",
+        "reference": "calm",
+        "trials": 4,
+        "practice": 0,
+        "catch": {"trials": 1, "against": "calm", "videos": True},
+    },
+    "rating": RENDERED
+    | {
+        "protocol": "rating",
+        "catch": {"trials": 1, "against": "lively"},
+        "sets": [group("all", *CONDITIONS, groups=4)],
+    },
+    "ranking": BROUGHT
+    | {
+        "protocol": "ranking",
+        "reference": "lively",
+        "catch": {"trials": 1, "against": "calm", "videos": True},
+        "blocks": [group("all", "still", "calm", trials=3)],
+    },
+    "mismatch": RENDERED
+    | {"protocol": "mismatch", "realism": 2, "catch": {"trials": 1, "against": "calm"}},
 }
+"""What each study file says otherwise than the table of finished studies."""
+
+
+def instructs(name: str) -> bool:
+    """Tell whether pages of the study's attention checks say what they are."""
+    return bool(STUDIES[name]["attention"])
 
 
 def write_study(root: Path, name: str) -> StudyFolder:
     """Write one of `STUDIES` into `root`, ready to serve, its videos made and copied."""
-    declared = STUDIES[name]
     folder = StudyFolder(root)
-    head = f'name = "{name}"\ntitle = "Gestures"\n'
     root.mkdir(parents=True)
-    folder.definition.write_text(f"{head}{declared.text}{PAGE}", encoding="utf-8")
+    keys: Keys = {"participants": 40, "video": VIDEO, "page": PAGE} | STUDIES[name]
+    folder.definition.write_text(study_file(**keys), encoding="utf-8")
     segments = {segment.name: segment for segment in videos.write_speech(folder.speech)}
     study = folder.study()
     contents = list(study.contents(tuple(segments.values())))
-    if declared.brought:
+    if study.is_finished(CONDITIONS[0]):
         for (shown,) in contents:
             target = finished_video_path(folder.videos, shown)
             if not target.exists():

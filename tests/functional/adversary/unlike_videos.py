@@ -167,8 +167,8 @@ def write_brought(path: Path, condition: str, segment: Segment, speech: Path) ->
             np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
         )
         frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
-        heard = [*audio.encode(frame), *audio.encode(None)]
+        sound_packets = [*audio.encode(frame), *audio.encode(None)]
         for picture in pictures(condition, segment):
             container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(video.encode(None))
-        container.mux(heard)
+        container.mux(sound_packets)

@@ -2,130 +2,87 @@
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.finished_study import COMMON, PROTOCOLS, write_study_of_one_video
+from tests.support.studies.asked_forms import CLOSING, DEMOGRAPHICS, ELIGIBILITY, SCALE
+from tests.support.studies.finished_study import (
+    EVERY_STUDY,
+    REASONS,
+    Keys,
+    group,
+    question,
+    study_file,
+    write_finished_study,
+)
 
-AROUND = "sound_check = true\nbreak_every = 1\n"
-"""Keys of `[page]`: the pages around the trials."""
-
-ABOUT = """
-[[form.eligibility]]
-name = "adult"
-text = "Are you 18 or older?"
-choices = ["yes", "no"]
-eligible = ["yes"]
-
+PERMISSION = """
 [[form.consent]]
 name = "watched"
 text = "May we see what you watch?"
 choices = ["yes", "no"]
 eligible = ["yes"]
-
-[[form.demographics]]
-name = "age"
-text = "How old are you?"
-kind = "number"
-low = 18
-
-[[form.demographics]]
-name = "work"
-text = "What do you work on?"
-kind = "text"
-required = false
-
-[[form.closing]]
-name = "ease"
-text = "How easy was it?"
-kind = "scale"
-low = 1
-high = 7
-choices = ["hard", "easy"]
 """
-
+FORMS = tomllib.loads(ELIGIBILITY + PERMISSION + DEMOGRAPHICS + SCALE + CLOSING)["form"]
 LANGUAGES = {"ratings": "de", "rankings with ties": "ja"}
 """Studies whose pages are not in English."""
 
-STUDIES: dict[str, str] = {
-    "all pairs": PROTOCOLS["pairwise"],
-    "adaptive pairs": PROTOCOLS["pairwise"].replace('"all_pairs"', '"adaptive"'),
-    "ratings": """
-protocol = "rating"
-participants = 3
-attention = { trials = 1 }
-
-[[sets]]
-name = "three"
-conditions = ["ours", "theirs", "real"]
-groups = 1
-
-[[sets]]
-name = "two"
-conditions = ["ours", "real"]
-groups = 1
-
-[[questions]]
-name = "labelled"
-title = "Labelled"
-text = "How well does it fit?"
-labels = ["not", "hardly", "half", "mostly", "wholly"]
-parts = ["three"]
-reasons = [{ name = "hands", text = "the hands" }, { name = "face", text = "the face" }]
-
-[[questions]]
-name = "slider"
-title = "Slider"
-text = "How well does it go along?"
-scale = "slider"
-
-[[questions]]
-name = "opinion"
-title = "Opinion"
-text = "How good is it?"
-scale = "mean_opinion"
-""",
-    "rankings": PROTOCOLS["ranking"]
-    .replace("participants = 3", "participants = 3\nattention = { trials = 1 }")
-    .replace("trials = 2", "trials = 3"),
-    "rankings with ties": """
-protocol = "ranking"
-participants = 3
-ties = true
-attention = { trials = 1 }
-
-[[blocks]]
-name = "three"
-conditions = ["ours", "theirs", "real"]
-trials = 1
-
-[[blocks]]
-name = "two"
-conditions = ["ours", "real"]
-trials = 1
-
-[[questions]]
-name = "realism"
-title = "Realism"
-text = "Which looks most real?"
-reasons = [{ name = "hands", text = "the hands" }]
-""",
-    "mismatch": PROTOCOLS["mismatch"],
+STUDIES: Mapping[str, Keys] = {
+    "all pairs": {"protocol": "pairwise"},
+    "adaptive pairs": {"protocol": "pairwise", "comparisons": "adaptive"},
+    "ratings": {
+        "protocol": "rating",
+        "sets": [
+            group("three", "ours", "theirs", "real", groups=1),
+            group("two", "ours", "real", groups=1),
+        ],
+        "questions": [
+            question(
+                "labelled",
+                "How well does it fit?",
+                labels=["not", "hardly", "half", "mostly", "wholly"],
+                parts=["three"],
+                reasons=REASONS,
+            ),
+            question("slider", "How well does it go along?", scale="slider"),
+            question("opinion", "How good is it?", scale="mean_opinion"),
+        ],
+    },
+    "rankings": {
+        "protocol": "ranking",
+        "attention": {"trials": 1},
+        "blocks": [group("all", "ours", "theirs", trials=3)],
+    },
+    "rankings with ties": {
+        "protocol": "ranking",
+        "reference": None,
+        "ties": True,
+        "attention": {"trials": 1},
+        "blocks": [
+            group("three", "ours", "theirs", "real", trials=1),
+            group("two", "ours", "real", trials=1),
+        ],
+        "questions": [question("realism", "Which looks most real?", reasons=REASONS)],
+    },
+    "mismatch": {"protocol": "mismatch"},
 }
-"""What the study file of each says beside what all say."""
+"""What each study file says otherwise than the table of finished studies."""
 
 
-def definition(name: str, *, around: bool = True) -> str:
-    """Return the study file of one of `STUDIES`, with or without pages around the trials."""
-    keys, tables = STUDIES[name].split("\n\n", 1)
-    if not around:
-        return f"{keys}\n{COMMON}\n{tables}"
-    language = f'language = "{LANGUAGES.get(name, "en")}"\n'
-    return f"{keys}\n{COMMON}{AROUND}{language}\n{tables}{ABOUT}"
+def definition(name: str) -> str:
+    """Return the study file of one of `STUDIES`, without pages around the trials."""
+    return study_file(**STUDIES[name])
 
 
 def write_study(folder: Path, name: str, video: Path) -> StudyFolder:
     """Write one of `STUDIES` into `folder`; all its videos show what `video` does."""
     folder.mkdir()
-    write_study_of_one_video(folder, definition(name), video)
+    page = EVERY_STUDY["page"] | {
+        "sound_check": True,
+        "break_every": 1,
+        "language": LANGUAGES.get(name, "en"),
+    }
+    write_finished_study(folder, video=video, page=page, form=FORMS, **STUDIES[name])
     return StudyFolder(folder)

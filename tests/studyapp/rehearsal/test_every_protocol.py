@@ -25,6 +25,7 @@ from studyapp.session.ending import is_excluded
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import answering, browser
+from tests.support.studies.edited_study import edited
 from tests.support.studies.finished_study import write_short_video
 from tests.support.studies.stored import reading
 
@@ -76,7 +77,7 @@ def require_stored_as_said(database: Database, participant: Participant) -> None
         for study_session in session.scalars(select(StudySession)):
             assert study_session.sound_checked_at is not None
             assert study_session.rested_at_position is not None
-            assert len(study_session.form_answers) == 5
+            assert len(study_session.form_answers) == 6
             rater = Rater(
                 population=participant.population,
                 seed=participant.seed,
@@ -120,12 +121,9 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
 def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
     folder: StudyFolder,
 ) -> None:
-    text = folder.definition.read_text("utf-8")
-    strict = text.replace(
-        "attention = { trials = 1 }",
-        "attention = { trials = 1, max_failed = 0 }\nreplace_excluded = true",
-    )
-    folder.definition.write_text(strict, "utf-8")
+    with edited(folder.definition) as keys:
+        keys["replace_excluded"] = True
+        keys["attention"].update({"max_failed": 0})
     people = replace(default_population(folder.study()), kinds={"careless": 0.5}, overlooked=0.0)
     result = rehearse(folder, seed=2, population=people)
     with reading(folder.rehearsal) as session:

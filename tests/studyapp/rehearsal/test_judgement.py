@@ -25,7 +25,7 @@ from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
 STUDIES = {
-    name: parse_text(definition(name, around=False), where="study.toml")
+    name: parse_text(definition(name), where="study.toml")
     for name in ("all pairs", "ratings", "rankings", "rankings with ties", "mismatch")
 }
 each_study = pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES.keys())

@@ -70,12 +70,12 @@ def seen_form(page: str) -> SeenForm | None:
 
     On a trial's page that is the one with the answers; elsewhere the first one that is sent.
     """
-    forms = [(_attributes(found.group(1)), found) for found in FORM.finditer(page)]
+    forms = [(_attributes(match.group(1)), match) for match in FORM.finditer(page)]
     forms.sort(key=lambda form: form[0].get("id") != "answers")
-    for form, found in forms:
+    for form, match in forms:
         if form.get("method") != "post":
             continue
-        inner = page[found.end() : page.index(FORM_END, found.end())]
+        inner = page[match.end() : page.index(FORM_END, match.end())]
         controls = [_attributes(text) for kind, text in TAG.findall(inner) if kind == "input"]
         choices: dict[str, tuple[str, ...]] = {}
         for control in controls:

@@ -35,14 +35,14 @@ class StudyServer:
     ----------
     port : int
         Where on the loopback it listens.
-    said : Path
+    log : Path
         File with everything that it has written.
     """
 
     def __init__(
         self,
         folder: Path,
-        said: Path,
+        log: Path,
         *,
         database_url: str,
         workers: int,
@@ -50,7 +50,7 @@ class StudyServer:
         speed: float,
     ) -> None:
         self.port = free_port()
-        self.said = said
+        self.log = log
         self._arguments = [str(folder), *map(str, (self.port, workers, threads, speed))]
         # An address may hold a password, and a command line can be read by everybody.
         self._environment = {**os.environ, "DATABASE_URL": database_url}
@@ -93,7 +93,7 @@ class StudyServer:
                 return
             time.sleep(PAUSE)
         self.stop()
-        last = self.said.read_text(encoding="utf-8", errors="replace")[-2000:]
+        last = self.log.read_text(encoding="utf-8", errors="replace")[-2000:]
         raise InputError(f"the server does not start: {last}", where=HOST, remedy="Mend that")
 
     def stop(self) -> None:
@@ -143,13 +143,13 @@ class StudyServer:
         return sum(cpu_seconds(pid) for pid in self.workers)
 
     def _launch(self) -> subprocess.Popen[bytes]:
-        with self.said.open("ab") as said:
+        with self.log.open("ab") as log:
             return subprocess.Popen(
                 [sys.executable, "-m", __name__, *self._arguments],
                 # Held open by this process alone: its end tells the server that nobody is left.
                 stdin=subprocess.PIPE,
-                stdout=said,
-                stderr=said,
+                stdout=log,
+                stderr=log,
                 env=self._environment,
                 # Ctrl-C in the terminal is for the program that measures.
                 start_new_session=True,
@@ -165,7 +165,7 @@ class StudyServer:
 @contextmanager
 def study_server(
     folder: Path,
-    said: Path,
+    log: Path,
     *,
     database_url: str,
     workers: int = WORKERS,
@@ -178,7 +178,7 @@ def study_server(
     ----------
     folder : Path
         The study.
-    said : Path
+    log : Path
         Where everything that the server writes goes.
     database_url : str
         Where answers go.
@@ -188,7 +188,7 @@ def study_server(
         How much faster than real the server's clock runs.
     """
     server = StudyServer(
-        folder, said, database_url=database_url, workers=workers, threads=threads, speed=speed
+        folder, log, database_url=database_url, workers=workers, threads=threads, speed=speed
     )
     try:
         server.start()

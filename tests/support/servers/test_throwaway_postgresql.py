@@ -25,9 +25,9 @@ def run(url: str, *statements: str) -> list[int]:
     with engine.begin() as connection:
         for statement in statements:
             result = connection.execute(text(statement))
-        found = [row[0] for row in result] if result.returns_rows else []
+        numbers = [row[0] for row in result] if result.returns_rows else []
     engine.dispose()
-    return found
+    return numbers
 
 
 def test_committed_rows_survive_a_killed_server_and_nothing_is_left_after_a_failure() -> None:

@@ -43,8 +43,8 @@ def programs() -> Path | None:
     packaged = sorted(
         Path("/usr/lib/postgresql").glob("*/bin/postgres"), key=lambda path: int(path.parts[-3])
     )
-    found = packaged[-1] if packaged else shutil.which("postgres")
-    return None if found is None else Path(found).parent
+    program = packaged[-1] if packaged else shutil.which("postgres")
+    return None if program is None else Path(program).parent
 
 
 class ThrowawayPostgresql:

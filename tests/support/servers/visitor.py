@@ -211,6 +211,6 @@ class Visitor:
             raise StrandedError("a page leads nowhere")
         return form
 
-    def _fail(self, what: str) -> None:
-        self.ledger.errors.append(what)
-        raise StrandedError(what)
+    def _fail(self, problem: str) -> None:
+        self.ledger.errors.append(problem)
+        raise StrandedError(problem)

@@ -1,9 +1,16 @@
-"""Small studies of every protocol, of finished videos alone: no speech, motion or rendering."""
+"""Small studies of every protocol, of finished videos alone: no speech, motion or rendering.
+
+`PROTOCOLS` is the one table: whoever needs other pages or questions changes keys of it.
+"""
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+
+import tomlkit
 
 from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
@@ -11,103 +18,82 @@ from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.tiny_study import write_pair_video
 
+Keys = dict[str, Any]
+"""Keys of a study file, or of one of its tables."""
+
 SEGMENTS = ("one", "two", "three")
+REASONS = [{"name": "hands", "text": "the hands"}, {"name": "face", "text": "the face"}]
 
-COMMON = """\
-name = "finished"
-title = "Finished videos"
 
-[conditions.ours]
-videos = true
-[conditions.theirs]
-videos = true
-[conditions.real]
-videos = true
+def question(name: str, text: str, **keys: Any) -> Keys:
+    return {"name": name, "title": name.replace("_", " ").capitalize(), "text": text, **keys}
 
-[page]
-consent = "You agree."
-"""
 
-PROTOCOLS = {
-    "pairwise": """
-protocol = "pairwise"
-comparisons = "all_pairs"
-layout = "players"
-reference = "ours"
-participants = 3
-trials = 3
-practice = 1
-catch = { trials = 1, against = "real", videos = true }
-attention = { trials = 1 }
+def brought(*conditions: str) -> Keys:
+    """Return conditions that have finished videos."""
+    return {condition: {"videos": True} for condition in conditions}
 
-[[questions]]
-name = "fit"
-title = "Fit"
-text = "Which fits better?"
-""",
-    "rating": """
-protocol = "rating"
-participants = 3
-attention = { trials = 1 }
 
-[[sets]]
-name = "all"
-conditions = ["ours", "theirs", "real"]
-groups = 2
+def group(name: str, *conditions: str, **keys: Any) -> Keys:
+    """Return a set of ratings or a block of rankings."""
+    return {"name": name, "conditions": list(conditions), **keys}
 
-[[questions]]
-name = "quality"
-title = "Quality"
-text = "How good is it?"
-scale = "mean_opinion"
 
-[[questions]]
-name = "synchrony"
-title = "Synchrony"
-text = "How well does it go along?"
-scale = "slider"
-reasons = [{ name = "hands", text = "the hands" }, { name = "face", text = "the face" }]
-""",
-    "ranking": """
-protocol = "ranking"
-participants = 3
-reference = "real"
-
-[[blocks]]
-name = "all"
-conditions = ["ours", "theirs"]
-trials = 2
-
-[[questions]]
-name = "realism"
-title = "Realism"
-text = "Which looks most real?"
-""",
-    "mismatch": """
-protocol = "mismatch"
-participants = 3
-fit = 2
-realism = 1
-attention = { trials = 1 }
-
-[[questions]]
-name = "better"
-title = "Better"
-text = "Which is better?"
-""",
+EVERY_STUDY: Keys = {
+    "name": "finished",
+    "title": "Finished videos",
+    "participants": 3,
+    "conditions": brought("ours", "theirs", "real"),
+    "page": {"consent": "You agree."},
 }
-"""What the study file of each protocol says beside what all say."""
+PROTOCOLS: Mapping[str, Keys] = {
+    "pairwise": {
+        "comparisons": "all_pairs",
+        "layout": "players",
+        "reference": "ours",
+        "trials": 3,
+        "practice": 1,
+        "catch": {"trials": 1, "against": "real", "videos": True},
+        "attention": {"trials": 1},
+        "questions": [question("fit", "Which fits better?")],
+    },
+    "rating": {
+        "attention": {"trials": 1},
+        "sets": [group("all", "ours", "theirs", "real", groups=2)],
+        "questions": [
+            question("quality", "How good is it?", scale="mean_opinion"),
+            question("synchrony", "How well does it go along?", scale="slider", reasons=REASONS),
+        ],
+    },
+    "ranking": {
+        "reference": "real",
+        "blocks": [group("all", "ours", "theirs", trials=2)],
+        "questions": [question("realism", "Which looks most real?")],
+    },
+    "mismatch": {
+        "fit": 2,
+        "realism": 1,
+        "attention": {"trials": 1},
+        "questions": [question("better", "Which is better?")],
+    },
+}
 
 
-def write_finished_study(folder: Path, protocol: str, video: Path) -> None:
+def study_file(protocol: str, **changes: Any) -> str:
+    """Return the study file of a protocol; keys that `changes` names as None are left out."""
+    keys = {"protocol": protocol, **EVERY_STUDY, **PROTOCOLS[protocol], **changes}
+    stated = {name: value for name, value in keys.items() if value is not None}
+    # What stands below the heading of a table belongs to the table.
+    return tomlkit.dumps(dict(sorted(stated.items(), key=lambda item: _is_table(item[1]))))
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and isinstance(value[0], dict))
+
+
+def write_finished_study(folder: Path, protocol: str, video: Path, **changes: Any) -> None:
     """Write a study of `protocol` into `folder`, ready to serve; all show what `video` does."""
-    keys, tables = PROTOCOLS[protocol].split("\n\n", 1)
-    write_study_of_one_video(folder, f"{keys}\n{COMMON}\n{tables}", video)
-
-
-def write_study_of_one_video(folder: Path, definition: str, video: Path) -> None:
-    """Write the study that `definition` declares, of finished videos that all are `video`."""
-    (folder / "study.toml").write_text(definition, encoding="utf-8")
+    (folder / "study.toml").write_text(study_file(protocol, **changes), encoding="utf-8")
     files = StudyFolder(folder)
     study = files.study()
     conditions = [*study.conditions, *([study.catch.condition] if study.catch.trials else [])]

@@ -68,11 +68,11 @@ FILLING: Final = {
 }
 
 
-def filled(table: type[Row], **given: Any) -> Row:
+def filled(table: type[Row], **values: Any) -> Row:
     """Return a row of what is given, and of anything in other columns that may not be empty."""
-    needed = {
+    fillings = {
         column.name: FILLING[type(column.type).__name__]
         for column in table.__table__.columns
         if not (column.nullable or column.primary_key or column.default or column.foreign_keys)
     }
-    return table(**(needed | given))
+    return table(**(fillings | values))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import wave
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 import av
 import numpy as np
+from numpy.typing import NDArray
 
 from motion.segment import Segment, write_segments
 from studyapp.study.media import PairVideo, Stimuli, write_stimuli
@@ -101,15 +103,22 @@ def write_tiny_study(folder: Path, *, seconds: float = SECONDS) -> None:
 
 
 def write_pair_video(path: Path, *, shade: int, seconds: float = SECONDS) -> None:
-    """Write a pair as the renderer makes them: H.264 and AAC in MP4, two squares side by side."""
+    """Write two squares side by side, as the renderer makes pairs."""
+    pictures = (_picture(index, shade) for index in range(int(seconds * FRAME_RATE)))
+    write_video(path, pictures, seconds=seconds)
+
+
+def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]], *, seconds: float) -> None:
+    """Write pictures (height, width, 3) with a tone, as H.264 and AAC in MP4."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(path, "w", options={"movflags": "+faststart"}) as container:
         video = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "28"})
-        video.width, video.height, video.pix_fmt = 2 * HEIGHT, HEIGHT, "yuv420p"
         audio = container.add_stream("aac", rate=SAMPLE_RATE, layout="mono")
-        for index in range(int(seconds * FRAME_RATE)):
-            frame = av.VideoFrame.from_ndarray(_picture(index, shade), format="rgb24")
-            container.mux(video.encode(frame))
+        for number, picture in enumerate(pictures):
+            if number == 0:
+                video.height, video.width, _ = picture.shape
+                video.pix_fmt = "yuv420p"
+            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(video.encode(None))
         for start in range(0, int(seconds * SAMPLE_RATE), 1024):
             stop = min(start + 1024, int(seconds * SAMPLE_RATE))
@@ -123,7 +132,7 @@ def write_pair_video(path: Path, *, shade: int, seconds: float = SECONDS) -> Non
         container.mux(audio.encode(None))
 
 
-def _picture(index: int, shade: int) -> np.ndarray:
+def _picture(index: int, shade: int) -> NDArray[np.uint8]:
     """Return a frame: on each side a bar that swings, for something to be seen moving."""
     picture = np.full((HEIGHT, 2 * HEIGHT, 3), BACKGROUND, dtype=np.uint8)
     swing = int(30 * np.sin(index / 3))

@@ -16,19 +16,19 @@ SECRETS: Final = {
 }
 
 
-def secrets_in(log: Path, *, but: tuple[str, ...] = ()) -> tuple[str, ...]:
+def secrets_in(log: Path, *, allowed: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Return what the file `log` holds of what it must not, with the first place of each.
 
     Parameters
     ----------
-    but : tuple of str
+    allowed : tuple of str
         Kinds of `SECRETS` that are not looked for.
     """
     text = log.read_text(encoding="utf-8", errors="replace")
-    found = []
-    for what, pattern in SECRETS.items():
-        match = None if what in but else pattern.search(text)
+    secrets = []
+    for kind, pattern in SECRETS.items():
+        match = None if kind in allowed else pattern.search(text)
         if match is not None:
             start = text.rfind("\n", 0, match.start()) + 1
-            found.append(f"{what}: {text[start : match.end()][-300:]}")
-    return tuple(found)
+            secrets.append(f"{kind}: {text[start : match.end()][-300:]}")
+    return tuple(secrets)
