@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import groupby
 from string import ascii_lowercase
 from typing import Final
@@ -58,6 +58,8 @@ class Systems:
     ----------
     names : tuple of str
         Conditions from the top.
+    scores : mapping of (condition, metric) to ConditionScore
+        All that were measured.
     recorded, broken : str or None
         Recorded motion, and the visibly broken motion of catch trials; neither is ranked.
     generative : mapping of str to bool
@@ -65,27 +67,18 @@ class Systems:
     """
 
     names: tuple[str, ...]
-    recorded: str | None = None
-    broken: str | None = None
-    generative: Mapping[str, bool] = field(default_factory=dict)
+    scores: Mapping[tuple[str, str], ConditionScore]
+    recorded: str | None
+    broken: str | None
+    generative: Mapping[str, bool]
 
-    @property
-    def ranked(self) -> tuple[int, ...]:
-        """Indices of the conditions that are ranked."""
-        return tuple(
-            index
-            for index, name in enumerate(self.names)
-            if name not in (self.recorded, self.broken)
-        )
-
-
-Scores = Mapping[tuple[str, str], ConditionScore]
-"""Scores by condition and metric."""
+    def scores_of(self, metric: str) -> dict[str, ConditionScore | None]:
+        """Return the score of every condition, None for those not measured."""
+        return {name: self.scores.get((name, metric)) for name in self.names}
 
 
 def metric_table(
     columns: Sequence[TableColumn],
-    scores: Scores,
     systems: Systems,
     *,
     caption: str,
@@ -98,8 +91,6 @@ def metric_table(
     ----------
     columns : sequence of TableColumn
         From the left; those of a block next to each other.
-    scores : mapping of (condition, metric) to ConditionScore
-        All that were measured.
     systems : Systems
         The rows.
     caption, name : str
@@ -108,7 +99,7 @@ def metric_table(
         Whether each block ends with a column that marks generative conditions, if stated.
     """
     remarks = {
-        (column, name): _remarks(column, name, scores, systems)
+        (column, name): _remarks(column, name, systems)
         for column in columns
         for name in systems.names
     }
@@ -117,8 +108,8 @@ def metric_table(
     header, cells, groups = [], [], [("", 1)]
     for block, columns_of_block in groupby(columns, key=lambda column: column.block):
         in_block = list(columns_of_block)
-        header += [_heading(column, scores, systems) for column in in_block]
-        cells += [_column(column, scores, systems, remarks, letters) for column in in_block]
+        header += [_heading(column, systems) for column in in_block]
+        cells += [_column(column, systems, remarks, letters) for column in in_block]
         # DiffSHEG marks its blocks of expression and gesture, not the holistic one.
         has_mark = marks_generative and bool(systems.generative) and len(in_block) > 1
         if has_mark:
@@ -139,7 +130,7 @@ def metric_table(
         has_recorded=systems.recorded in systems.names,
         footnotes=[(letters[remark], _places_of(remark, remarks), remark) for remark in unique],
         systems=len(systems.names),
-        labels_by_settings=_labels_by_settings(columns, scores),
+        labels_by_settings=_labels_by_settings(columns, systems),
     )
     return Table(
         caption=caption,
@@ -159,12 +150,12 @@ _Remarks = Mapping[tuple[TableColumn, str], Sequence[str]]
 """Remarks on a score, or why there is none, by column and condition."""
 
 
-def _remarks(column: TableColumn, name: str, scores: Scores, systems: Systems) -> list[str]:
-    score = scores.get((name, column.metric))
+def _remarks(column: TableColumn, name: str, systems: Systems) -> list[str]:
+    scores = systems.scores_of(column.metric)
+    score = scores[name]
     if score is not None:
         return [remark for remark in (score.reason, score.remark) if remark]
-    is_measured = any((other, column.metric) in scores for other in systems.names)
-    if name == systems.recorded and is_measured:
+    if name == systems.recorded and any(scores.values()):
         return ["recorded motion is not compared with itself"]
     return ["not measured"]
 
@@ -188,31 +179,26 @@ def _letter(number: int) -> str:
     return (_letter(before - 1) if before else "") + ascii_lowercase[last]
 
 
-def _heading(column: TableColumn, scores: Scores, systems: Systems) -> str:
-    of_column = (scores.get((name, column.metric)) for name in systems.names)
-    unit = next((score.unit for score in of_column if score is not None), "")
+def _heading(column: TableColumn, systems: Systems) -> str:
+    unit = next((score.unit for score in systems.scores_of(column.metric).values() if score), "")
     return f"{column.label} {ARROWS[column.better]}".strip() + (f" ({unit})" if unit else "")
 
 
 def _column(
-    column: TableColumn,
-    scores: Scores,
-    systems: Systems,
-    remarks: _Remarks,
-    letters: Mapping[str, str],
+    column: TableColumn, systems: Systems, remarks: _Remarks, letters: Mapping[str, str]
 ) -> list[Cell]:
-    by_name = {name: scores.get((name, column.metric)) for name in systems.names}
-    values = {name: math.nan if s is None else s.value for name, s in by_name.items()}
-    decimals = _decimals([score for score in by_name.values() if score is not None])
+    scores = systems.scores_of(column.metric)
+    values = {name: score.value if score else math.nan for name, score in scores.items()}
+    decimals = _decimals([score for score in scores.values() if score])
     ranked = [
-        value if index in systems.ranked else math.nan
-        for index, value in enumerate(values.values())
+        math.nan if name in (systems.recorded, systems.broken) else value
+        for name, value in values.items()
     ]
     recorded = values.get(systems.recorded or "", math.nan)
     best, second = first_and_second(ranked, column.better, recorded, decimals)
     cells = []
     for index, (name, value) in enumerate(values.items()):
-        text = _text(by_name[name], decimals)
+        text = _text(scores[name], decimals)
         if remarks[column, name]:
             marks = ", ".join(letters[remark] for remark in remarks[column, name])
             text += f"{wording.NO_BREAK}({marks})"
@@ -248,12 +234,12 @@ def _generative(name: str, systems: Systems) -> Cell:
     return Cell(text="✓" if is_generative else "✗", value=float(is_generative))
 
 
-def _labels_by_settings(columns: Sequence[TableColumn], scores: Scores) -> dict[str, list[str]]:
+def _labels_by_settings(columns: Sequence[TableColumn], systems: Systems) -> dict[str, list[str]]:
     """Return settings in words, each with the metrics that have them."""
     labels: dict[str, list[str]] = {}
     for column in columns:
-        of_column = [score for (_, metric), score in scores.items() if metric == column.metric]
-        settings = of_column[0].settings if of_column else {}
+        scores = systems.scores_of(column.metric).values()
+        settings = next((score.settings for score in scores if score), {})
         words = "; ".join(f"{name}: {value}" for name, value in settings.items())
         if words:
             labels.setdefault(words.replace("_", " "), []).append(column.label)

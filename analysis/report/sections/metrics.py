@@ -76,14 +76,12 @@ def metric_section(report: TableReport, subject: Subject) -> Section:
 
 def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tuple[Table, ...]:
     """Return a table in the shape of each paper whose metrics were measured, and of all others."""
-    scores = {(score.condition, score.name): score for score in metrics.conditions}
     systems = systems_of(metrics, subject)
     measured = {score.name for score in metrics.conditions if not math.isnan(score.value)}
     papers = _papers(measured, PAPER_OF.get(protocol, ""))
     tables = [
         metric_table(
             PAPER_TABLES[paper],
-            scores,
             systems,
             caption=f"Automatic metrics in the shape of the table of {TITLES[paper]}, computed "
             "as there.",
@@ -110,7 +108,6 @@ def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tup
         tables.append(
             metric_table(
                 columns[start:end],
-                scores,
                 systems,
                 caption="Further automatic metrics, continued." if part else f"{caption}.",
                 name=f"metrics-{part + 1}" if parts > 1 else "metrics-all",
@@ -138,6 +135,7 @@ def systems_of(metrics: StudyMetrics, subject: Subject) -> Systems:
         names.append(subject.broken)
     return Systems(
         names=tuple(names),
+        scores={(score.condition, score.name): score for score in metrics.conditions},
         recorded=subject.recorded,
         broken=subject.broken if subject.broken not in subject.conditions else None,
         generative=subject.generative,
@@ -177,7 +175,7 @@ def played_pairs_section(subject: Subject) -> Section | None:
     if motion is None:
         return None
     explanation = (
-        "For every two conditions, this shows the segment in which the first was preferred most "
+        "For each pair of conditions, this shows the segment in which the first was preferred most "
         "and the one in which it was preferred least, sorted by win share. They are extremes, "
         "chosen after the answers were seen: they are examples, not evidence of how conditions "
         "differ. You can turn the bodies around. The body is the study's avatar, even where "

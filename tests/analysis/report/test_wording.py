@@ -1,59 +1,43 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from analysis.report import wording
-from analysis.report.wording import share_words
 from analysis.stats.clustered_mean import clustered_mean
 
 
 @pytest.mark.parametrize(
-    ("value", "text"),
+    ("formatted", "value", "text"),
     [
-        (0.634, ".63"),
-        (0.0, ".00"),
-        (1.0, "1.00"),
-        (-0.021, "−.02"),
-        (-0.001, ".00"),
-        (0.999, "1.00"),
-        (math.nan, "–"),
+        (wording.share, 0.634, ".63"),
+        (wording.share, 0.0, ".00"),
+        (wording.share, 1.0, "1.00"),
+        (wording.share, -0.021, "−.02"),
+        (wording.share, -0.001, ".00"),
+        (wording.share, 0.999, "1.00"),
+        (wording.share, math.nan, "–"),
+        (wording.p_value, 0.0004, f"<{wording.NO_BREAK}.001"),
+        (wording.p_value, 0.0123, ".012"),
+        (wording.p_value, 0.0996, ".10"),
+        (wording.p_value, 0.34, ".34"),
+        (wording.p_value, 0.999, "1"),
+        (wording.p_value, math.nan, "–"),
+        (wording.quantity, 1234.5, "1234"),
+        (wording.quantity, 48.53, "48.5"),
+        (wording.quantity, 0.01234, "0.0123"),
+        (wording.quantity, -2.5, "−2.50"),
+        (wording.quantity, 1e-15, "0"),
+        (wording.quantity, math.nan, "–"),
     ],
 )
-def test_shares_have_two_digits_and_no_leading_zero(value: float, text: str) -> None:
-    assert wording.share(value) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0004, f"<{wording.NO_BREAK}.001"),
-        (0.0123, ".012"),
-        (0.0996, ".10"),
-        (0.34, ".34"),
-        (0.999, "1"),
-        (math.nan, "–"),
-    ],
-)
-def test_p_values_have_sensible_digits(value: float, text: str) -> None:
-    assert wording.p_value(value) == text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (1234.5, "1234"),
-        (48.53, "48.5"),
-        (0.01234, "0.0123"),
-        (-2.5, "−2.50"),
-        (1e-15, "0"),
-        (math.nan, "–"),
-    ],
-)
-def test_quantities_have_three_significant_digits(value: float, text: str) -> None:
-    assert wording.quantity(value) == text
+def test_shares_p_values_and_quantities_have_sensible_digits(
+    formatted: Callable[[float], str], value: float, text: str
+) -> None:
+    assert formatted(value) == text
 
 
 def test_a_heading_keeps_capitals_of_its_own() -> None:
@@ -71,17 +55,20 @@ def test_decimals_follow_the_smallest_value_that_is_none() -> None:
     assert wording.decimals([], digits=2) == 0
 
 
-def test_an_estimate_stands_with_its_interval_or_with_the_reason() -> None:
+def test_an_estimate_has_its_interval_or_the_reason_why_not() -> None:
     values = np.array([1, 1, 0, 1.0])
-    people, items = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
-    found = clustered_mean(values, people, items)
-    assert share_words(found).replace(wording.NO_BREAK, " ") == ".75 [.00, 1.00]"
-    alone = clustered_mean(values, np.zeros(4), items)
-    assert share_words(alone) == ".75 (no interval: one participant)"
-    nobody = clustered_mean(np.zeros(0), np.zeros(0), np.zeros(0))
-    assert share_words(nobody) == "– (no answers)"
+    participants, segments = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
+    for estimate, words in (
+        (clustered_mean(values, participants, segments), ".75 [.00, 1.00]"),
+        (clustered_mean(values, np.zeros(4), segments), ".75 (no interval: one participant)"),
+        (clustered_mean(np.zeros(0), np.zeros(0), np.zeros(0)), "– (no answers)"),
+    ):
+        assert wording.share_words(estimate).replace(wording.NO_BREAK, " ") == words
 
 
-def test_counts_read_as_words() -> None:
+def test_counts_and_places_are_written_as_people_say_them() -> None:
     assert wording.count(1, "segment") == "1 segment"
     assert wording.count(2016, "answer") == "2,016 answers"
+    assert [wording.ordinal(place) for place in (1, 2, 3, 4, 11, 12, 13, 21, 22)] == [
+        *("1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "22nd")
+    ]

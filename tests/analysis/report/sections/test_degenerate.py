@@ -20,38 +20,36 @@ Analyse = Callable[[str, pd.DataFrame], TableReport]
 Sections = Mapping[str, tuple[Section, ...]]
 
 PROTOCOLS = tuple(TABLES)
-ALIKE = {"pairwise": 3, "rating": 4, "mismatch": 3}
 
 
-def small(protocol: str, participants: int = 3) -> pd.DataFrame:
-    return TABLES[protocol](participants=participants, segments=3)
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_one_participant_gives_a_sentence_and_tables(protocol: str, analyse: Analyse) -> None:
-    report = analyse(protocol, small(protocol, participants=1))
-    (section,) = headline(report)
-    assert "one participant" in section.paragraphs[0]
-    assert not section.pictures
-    assert section.tables[0].rows
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_answers_that_are_all_alike_give_a_sentence(protocol: str, analyse: Analyse) -> None:
-    table = small(protocol)
+def all_alike(table: pd.DataFrame, protocol: str) -> pd.DataFrame:
     column = "rank" if protocol == "ranking" else "response"
-    table[column] = ALIKE.get(protocol, 1)
-    (section,) = headline(analyse(protocol, table))
-    assert "nothing to test" in section.paragraphs[0]
-    assert not section.pictures
+    return table.assign(**{column: {"pairwise": 3, "rating": 4, "mismatch": 3}.get(protocol, 1)})
 
 
+CASES: dict[str, tuple[Callable[[pd.DataFrame, str], pd.DataFrame], str]] = {
+    "one participant": (
+        lambda table, _: table[table["participant"] == "p00"],
+        "Only one participant's answers",
+    ),
+    "equal answers": (all_alike, "nothing to test"),
+    "everybody excluded": (lambda table, _: table.assign(excluded=True), "No answer is left"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_where_everybody_is_excluded_nothing_is_drawn(protocol: str, analyse: Analyse) -> None:
-    report = analyse(protocol, small(protocol).assign(excluded=True))
-    for section in headline(report):
-        assert "No answer is left" in section.paragraphs[0]
+def test_where_there_is_nothing_to_draw_a_sentence_says_why(
+    protocol: str, case: str, analyse: Analyse
+) -> None:
+    change, reason = CASES[case]
+    table = TABLES[protocol](participants=3, segments=3)
+    found = headline(analyse(protocol, change(table, protocol)))
+    assert found or case == "everybody excluded"
+    for section in found:
+        assert reason in section.paragraphs[0]
         assert not section.pictures
+        assert section.tables[0].rows
 
 
 def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse: Analyse) -> None:
@@ -73,7 +71,7 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
 def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
     protocol: str, analyse: Analyse, sections: Sections
 ) -> None:
-    alone = headline(analyse(protocol, small(protocol, participants=1)))
+    alone = headline(analyse(protocol, TABLES[protocol](participants=1, segments=3)))
     for section in (*alone, *(one for found in sections.values() for one in found)):
         said = [c.text for t in section.tables for row in t.rows for c in row]
         said += [note for t in section.tables for note in t.notes]

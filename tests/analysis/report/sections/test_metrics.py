@@ -18,7 +18,6 @@ from analysis.report.sections.metrics import (
     metrics_not_tabled,
 )
 from analysis.report.subject import Subject
-from analysis.report.tables import booktabs
 
 NAMES = ("ground_truth", "ours", "camn", "broken")
 GEN = {"ours": True, "camn": False}
@@ -150,13 +149,6 @@ def test_metrics_without_any_score_are_listed_with_the_reason() -> None:
         scores("new metric", [math.nan] * 4, reason="no network: train one"),
     )
     assert [cell.text for cell in found[-1].rows[0]] == ["new metric", "no network: train one"]
-
-
-def test_the_tables_make_latex_with_bold_and_underlined_cells() -> None:
-    (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]))
-    text = booktabs(table)
-    assert r"\textbf{3.00}" in text
-    assert r"\underline{4.00}" in text
 
 
 def test_files_that_could_not_be_used_are_named_without_their_folders() -> None:

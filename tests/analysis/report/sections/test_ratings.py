@@ -7,7 +7,6 @@ import pytest
 
 from analysis.report.content import Section
 from analysis.report.sections.ratings import distribution_pictures
-from analysis.report.wording import ordinal
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
@@ -137,9 +136,3 @@ def test_mean_ranks_first_places_and_worths_stand_in_one_section(
         one.condition: one.estimate for one in worths.conditions
     }
     assert "rank " in told(named_picture(ranking_section, "worths"))
-
-
-def test_places_are_counted_as_people_say_them() -> None:
-    assert [ordinal(place) for place in (1, 2, 3, 4, 11, 12, 13, 21, 22)] == [
-        *("1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "22nd")
-    ]

@@ -203,13 +203,10 @@ def test_a_condition_without_video_is_named() -> None:
     assert section.paragraphs[1] == ("There is no readable video of this segment of theirs.")
 
 
-def test_where_there_are_none_the_reason_stands_in_their_place() -> None:
+def test_without_stills_the_reason_stands_in_their_place_and_a_table_has_no_such_section() -> None:
     section = stills_section(subject_with_stills(no_stills="There are no videos yet."))
     assert section is not None
     assert section.paragraphs == ("There are no videos yet.",)
-
-
-def test_a_table_of_answers_has_no_such_section() -> None:
     assert stills_section(subject_with_stills()) is None
 
 
