@@ -9,8 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.metrics.emotion_accuracy import EmotionConfusion
-from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.result import Better, EmotionConfusion, MetricResult
 from motion.errors import InputError
 
 

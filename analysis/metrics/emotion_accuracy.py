@@ -8,40 +8,14 @@ classified without error either, so that their accuracy stands beside it as one 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy.stats import binomtest
 
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.result import EmotionConfusion, Metric, MetricResult
 
 NAME: Final = "gesture emotion accuracy"
-
-
-@dataclass(frozen=True, kw_only=True)
-class EmotionConfusion:
-    """Which emotions the gestures of one condition were taken for.
-
-    Attributes
-    ----------
-    condition : str
-        Whose gestures.
-    network : str
-        Hash of the network's file.
-    spoken : tuple of str
-        Emotions of the speech, in the order of the network's labels, with at least one clip each.
-    named : tuple of str
-        All emotions that the network tells apart.
-    counts : tuple of tuple of int
-        Clips: a row for each spoken emotion, a column for each named one.
-    """
-
-    condition: str
-    network: str
-    spoken: tuple[str, ...]
-    named: tuple[str, ...]
-    counts: tuple[tuple[int, ...], ...]
 
 
 def emotion_confusion(

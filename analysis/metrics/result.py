@@ -1,4 +1,4 @@
-"""What every metric returns: a number that says how it came about."""
+"""The results of metrics: scores with their settings, and confusions of emotions."""
 
 from __future__ import annotations
 
@@ -112,3 +112,28 @@ class Metric:
 def _shared(settings: tuple[tuple[str, str], ...]) -> Mapping[str, str]:
     """Return one read-only mapping for all scores of equal settings: there are a great many."""
     return MappingProxyType(dict(settings))
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmotionConfusion:
+    """The emotions that a network named for the gestures of one condition.
+
+    Attributes
+    ----------
+    condition : str
+        The condition.
+    network : str
+        Hash of the network's file.
+    spoken : tuple of str
+        Emotions of the speech, in the order of the network's labels, with at least one clip each.
+    named : tuple of str
+        All emotions that the network classifies.
+    counts : tuple of tuple of int
+        Clips by spoken emotion (rows) and named emotion (columns).
+    """
+
+    condition: str
+    network: str
+    spoken: tuple[str, ...]
+    named: tuple[str, ...]
+    counts: tuple[tuple[int, ...], ...]

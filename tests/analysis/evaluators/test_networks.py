@@ -8,10 +8,8 @@ import torch
 from torch import nn
 
 from analysis.evaluators.networks import (
-    AUTOENCODER_TINY,
     EMOTION_FULL,
     EMOTION_TINY,
-    MOTION_FULL,
     AutoencoderConfig,
     AutoencoderNetwork,
     EmotionConfig,
@@ -64,11 +62,6 @@ def test_windows_of_any_length_are_rebuilt_in_their_shape(window: int) -> None:
     windows = torch.randn(3, window, 7)
     assert network.embed(windows).shape == (3, 4)
     assert network(windows).shape == windows.shape
-
-
-def test_the_full_autoencoder_has_the_features_of_beat() -> None:
-    assert (MOTION_FULL.features, MOTION_FULL.window, MOTION_FULL.frame_rate) == (300, 34, 15)
-    assert AUTOENCODER_TINY.features == 32
 
 
 @pytest.mark.parametrize(

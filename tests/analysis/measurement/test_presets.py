@@ -9,10 +9,6 @@ from analysis.report.sections.metrics import PAPER_TABLES
 from motion.errors import InputError
 
 
-def test_every_paper_has_its_preset() -> None:
-    assert {"amuse", "beat", "diffsheg", "genea", "s2ue", "talkshow"} <= set(PRESETS)
-
-
 def test_what_two_presets_share_is_measured_once() -> None:
     together = combined(["beat", "diffsheg", "beat"])
     assert together.beats == PRESETS["beat"].beats == PRESETS["diffsheg"].beats

@@ -17,8 +17,7 @@ from analysis.measurement.score_tables import (
     write_scores,
 )
 from analysis.measurement.scores import ClipScore, ConditionScore, SkippedFile, StudyMetrics
-from analysis.metrics.emotion_accuracy import EmotionConfusion
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import EmotionConfusion, MetricResult
 from motion.errors import InputError
 
 

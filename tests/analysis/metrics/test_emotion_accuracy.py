@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import pytest
 
-from analysis.metrics.emotion_accuracy import EmotionConfusion, emotion_accuracy, emotion_confusion
+from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
+from analysis.metrics.result import EmotionConfusion
 
 LABELS = ("neutral", "anger", "fear")
 

@@ -137,16 +137,12 @@ def test_samples_of_different_networks_do_not_compare() -> None:
         frechet(embeddings(np.zeros((5, 3))), embeddings(np.zeros((5, 4))))
 
 
-def test_most_of_the_bias_is_gone() -> None:
-    one, other = np.random.default_rng(0).standard_normal((2, 1000, 16))
-    found = frechet_extrapolated(embeddings(one), embeddings(other)).value
-    assert abs(found) < 0.25 * frechet_of_samples(one, other)
-
-
-def test_a_real_distance_stays() -> None:
-    one, other = np.random.default_rng(1).standard_normal((2, 1000, 8))
-    found = frechet_extrapolated(embeddings(one), embeddings(other + 1.0)).value
-    assert found == pytest.approx(8, rel=0.1)
+def test_extrapolation_removes_the_bias_and_keeps_a_real_distance() -> None:
+    x, y = np.random.default_rng(0).standard_normal((2, 1000, 16))
+    without_bias = frechet_extrapolated(embeddings(x), embeddings(y)).value
+    assert abs(without_bias) < 0.25 * frechet_of_samples(x, y)
+    x, y = np.random.default_rng(1).standard_normal((2, 1000, 8))
+    assert frechet_extrapolated(embeddings(x), embeddings(y + 1.0)).value == pytest.approx(8, 0.1)
 
 
 def test_too_few_samples_have_no_line_to_extend() -> None:
@@ -156,22 +152,21 @@ def test_too_few_samples_have_no_line_to_extend() -> None:
     assert "63 samples are fewer than 4 x 16 dimensions" in found.reason
 
 
-@pytest.mark.parametrize("values", [np.zeros(3), np.zeros((3, 0)), np.zeros((2, 3, 4))])
-def test_embeddings_are_a_table(values: FloatArray) -> None:
-    with pytest.raises(InputError, match="shape"):
-        embeddings(values)
-
-
-def test_a_value_that_is_not_finite_is_named_by_its_row() -> None:
-    values = np.zeros((4, 2))
-    values[2, 1] = np.nan
-    with pytest.raises(InputError, match="row 2"):
-        embeddings(values)
-
-
-def test_every_row_needs_the_name_of_its_clip() -> None:
-    with pytest.raises(InputError, match="1 clips are named for 2"):
-        embeddings(np.zeros((2, 2)), ["a"])
+@pytest.mark.parametrize(
+    ("values", "clips", "message"),
+    [
+        (np.zeros(3), None, "shape"),
+        (np.zeros((3, 0)), None, "shape"),
+        (np.zeros((2, 3, 4)), None, "shape"),
+        (np.array([[0.0, 0], [0, 0], [0, np.nan]]), None, "row 2"),
+        (np.zeros((2, 2)), ["a"], "1 clips are named for 2"),
+    ],
+)
+def test_embeddings_are_a_finite_table_with_a_clip_for_every_row(
+    values: FloatArray, clips: list[str] | None, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        embeddings(values, clips)
 
 
 def test_samples_are_cut_to_the_smaller_one_and_the_same_every_time() -> None:

@@ -93,11 +93,8 @@ def test_words_never_need_more_room_than_there_is(name: str, lines: int) -> None
         assert width / POINTS_PER_INCH <= 1.1 + 1e-6
 
 
-def test_words_that_fit_stay_as_they_are() -> None:
-    assert fit_text("no difference", 2, size=8) == "no difference"
-    assert fit_text("", 2, size=8) == ""
-
-
-def test_words_that_are_cut_end_in_dots() -> None:
+def test_only_words_that_do_not_fit_are_shortened() -> None:
+    for text in ("no difference", ""):
+        assert fit_text(text, 2, size=8) == text
     assert fit_text(NAMES[1], 1, size=8).endswith("…")
     assert "…" not in fit_text(NAMES[1], 1, size=8, lines=9)

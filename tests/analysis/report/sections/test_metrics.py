@@ -1,15 +1,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import pytest
 
 from analysis.evaluators import network_names
 from analysis.measurement.scores import ConditionScore, SkippedFile, StudyMetrics
-from analysis.metrics.emotion_accuracy import EmotionConfusion
-from analysis.metrics.result import Better
+from analysis.metrics.result import Better, EmotionConfusion
 from analysis.report.content import Table
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.sections.metrics import (
@@ -115,17 +114,12 @@ def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number()
     assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
 
 
-def test_an_error_of_recorded_motion_against_itself_is_none() -> None:
-    found = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0])[1:]
-    (table,) = tables(found, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
-    note = "(a) holistic FMD of ground truth: recorded motion is not compared with itself."
-    assert note in table.notes
-
-
-def test_what_limits_a_score_is_a_footnote_too() -> None:
-    (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d"))
-    assert all("(a)" in text for text in column(table, "FMD ↓"))
-    assert "(a) holistic FMD: n < 2d." in table.notes
+def test_recorded_motion_without_a_distance_and_remarks_are_explained_in_footnotes() -> None:
+    fmd = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d")[1:]
+    (table,) = tables(fmd, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
+    notes = " ".join(table.notes)
+    assert "of ground truth: recorded motion is not compared with itself." in notes
+    assert "holistic FMD of ours, camn and broken: n < 2d." in notes
 
 
 def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_files() -> None:
@@ -191,39 +185,33 @@ def test_every_protocol_has_a_table_without_its_papers_metrics(protocol: str) ->
     assert table.caption == "Automatic metrics."
 
 
-def places(
-    scores: Sequence[float], better: Better, recorded: float = math.nan, *, decimals: int = 2
-) -> tuple[set[int], set[int]]:
-    best, second = first_and_second(scores, better, recorded, decimals)
-    return set(best), set(second)
-
-
 @pytest.mark.parametrize(
-    ("better", "best", "second"),
-    [("lower", {1}, {0}), ("higher", {3}, {2}), ("near the reference", {2}, {0})],
+    ("scores", "better", "recorded", "decimals", "best", "second"),
+    [
+        ([3.0, 1.0, 5.0, 9.0], "lower", 4.9, 2, {1}, {0}),
+        ([3.0, 1.0, 5.0, 9.0], "higher", 4.9, 2, {3}, {2}),
+        ([3.0, 1.0, 5.0, 9.0], "near the reference", 4.9, 2, {2}, {0}),
+        pytest.param([0.911, 0.912, 0.5, 0.4], "higher", math.nan, 2, {0, 1}, {2}, id="as printed"),
+        pytest.param(
+            [30.6, 30.4, 0.0], "near the reference", 49.8, 0, {0}, {1}, id="distance as printed"
+        ),
+        pytest.param([math.nan, 2.0, 3.0], "lower", math.nan, 2, {1}, {2}, id="missing score"),
+        pytest.param([1.0], "lower", math.nan, 2, set(), set(), id="one score"),
+        pytest.param([2.0, 2.0], "lower", math.nan, 2, set(), set(), id="equal scores"),
+        pytest.param([math.nan] * 2, "lower", math.nan, 2, set(), set(), id="no score"),
+        pytest.param([], "lower", math.nan, 2, set(), set(), id="no condition"),
+        pytest.param([1.0, 2.0], "unsaid", 1.0, 2, set(), set(), id="no direction"),
+        pytest.param(
+            [1.0, 2.0], "near the reference", math.nan, 2, set(), set(), id="no recorded score"
+        ),
+    ],
 )
-def test_each_direction_has_its_own_best(better: Better, best: set[int], second: set[int]) -> None:
-    assert places([3.0, 1.0, 5.0, 9.0], better, 4.9) == (best, second)
-
-
-def test_equal_scores_share_a_rank_as_far_as_they_are_printed() -> None:
-    assert places([0.911, 0.912, 0.5, 0.4], "higher") == ({0, 1}, {2})
-
-
-def test_missing_scores_have_no_rank() -> None:
-    assert places([math.nan, 2.0, 3.0], "lower") == ({1}, {2})
-
-
-@pytest.mark.parametrize("scores", [[1.0], [2.0, 2.0], [math.nan, math.nan], []])
-def test_none_is_best_where_all_are_alike(scores: list[float]) -> None:
-    assert places(scores, "lower") == (set(), set())
-
-
-def test_no_direction_and_unknown_recordings_rank_nothing() -> None:
-    assert places([1.0, 2.0], "unsaid", 1.0) == (set(), set())
-    assert places([1.0, 2.0], "near the reference")[0] == set()
-
-
-def test_nearness_is_that_of_the_printed_numbers() -> None:
-    found = places([30.6, 30.4, 0.0], "near the reference", 49.8, decimals=0)
-    assert found == ({0}, {1})
+def test_the_best_and_the_second_best_scores_are_those_of_the_printed_numbers(
+    scores: list[float],
+    better: Better,
+    recorded: float,
+    decimals: int,
+    best: set[int],
+    second: set[int],
+) -> None:
+    assert first_and_second(scores, better, recorded, decimals) == (best, second)

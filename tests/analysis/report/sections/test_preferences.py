@@ -30,19 +30,19 @@ def results(report: TableReport) -> PairwiseResults:
     return report.results
 
 
-def test_every_part_of_every_bar_tells_its_count(
+def test_hints_and_the_text_alternative_have_every_number(
     all_pairs: TableReport, sections: Sections
 ) -> None:
     (section,) = sections["all pairs"]
-    said = hints(named_picture(section, "preferences"))
-    assert len(said) == 3 * 2 * 5
-    for one in results(all_pairs).comparisons:
-        for level, count in zip(
-            (f"clearly {one.a}", f"slightly {one.a}", "no difference"),
-            one.counts.values(),
-            strict=False,
-        ):
-            assert any(f"{level}: {count} of {one.n}" in text for text in said)
+    picture = named_picture(section, "preferences")
+    assert len(hints(picture)) == 3 * 2 * 5
+    for comparison in results(all_pairs).comparisons:
+        a, b = comparison.a, comparison.b
+        levels = (f"clearly {a}", f"slightly {a}", "no difference")
+        for level, count in zip(levels, comparison.counts.values(), strict=False):
+            assert f"{level}: {count} of {comparison.n}" in " ".join(hints(picture))
+        assert f"{a} against {b}:" in told(picture)
+        assert f"win share {wording.share(comparison.win_share.estimate)}" in told(picture)
 
 
 def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
@@ -74,15 +74,6 @@ def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
         )
     ]
     assert [text for text in said if text in shares][: len(shares)] == shares
-
-
-def test_the_text_alternative_says_every_number(all_pairs: TableReport, sections: Sections) -> None:
-    (section,) = sections["all pairs"]
-    said = told(named_picture(section, "preferences"))
-    for one in results(all_pairs).comparisons:
-        share = wording.share(one.win_share.estimate)
-        assert f"{one.a} against {one.b}:" in said
-        assert f"win share {share}" in said
 
 
 def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
