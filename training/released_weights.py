@@ -40,7 +40,10 @@ def read_saved(file: Path) -> object:
         pass
     try:
         return torch.load(file, map_location="cpu", weights_only=True)
-    except (pickle.UnpicklingError, RuntimeError, EOFError, ValueError, KeyError) as error:
+    except (
+        *(pickle.UnpicklingError, OSError, RuntimeError, EOFError),
+        *(ValueError, LookupError, TypeError),
+    ) as error:
         raise not_weights_error(file, str(error).partition("\n")[0]) from None
 
 

@@ -1,12 +1,8 @@
-"""The published networks, with the names of their weights, and reading these from checkpoints.
-
-Nothing but numbers is read from a checkpoint.
-"""
+"""The published networks, with the published names of their weights, and loading checkpoints."""
 
 from __future__ import annotations
 
 import argparse
-import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -15,6 +11,7 @@ import torch
 from torch import Tensor, nn
 
 from motion.errors import InputError
+from training.released_weights import fill, not_weights_error, read_saved
 
 _SLOPE: Final = 0.2
 """Of the leaky rectifiers between convolutions."""
@@ -29,10 +26,10 @@ _GROUPS: Final = 10
 
 _WIDTHS: Final = (256, 512, 1024)
 
-_LEFT: Final = 12
-"""Frames of a window that are left after the convolutions."""
+_CONVOLVED_FRAMES: Final = 12
+"""Frames of a window after the convolutions."""
 
-_WRITTEN_AS_TRUE: Final = 1.0
+_SLOPE_OF_TRUE: Final = 1.0
 """Of those between full layers: published as ``LeakyReLU(True)``, whose slope is 1."""
 
 
@@ -71,8 +68,8 @@ class _SkeletonResidual(nn.Module):
         self.common = nn.Sequential(*pool, nn.Tanh())
 
     def forward(self, values: Tensor) -> Tensor:
-        found: Tensor = self.common(self.residual(values) + self.shortcut(values))
-        return found
+        pooled: Tensor = self.common(self.residual(values) + self.shortcut(values))
+        return pooled
 
 
 class _SkeletonConvolution(nn.Module):
@@ -125,8 +122,8 @@ class TalkShowNetwork(nn.Module):
 
     def forward(self, motion: Tensor) -> Tensor:
         """Return the features."""
-        found: Tensor = self.encoder(motion.transpose(1, 2))
-        return found.transpose(1, 2)
+        features: Tensor = self.encoder(motion.transpose(1, 2))
+        return features.transpose(1, 2)
 
 
 class _ShowConvolved(nn.Module):
@@ -136,8 +133,8 @@ class _ShowConvolved(nn.Module):
         self.norm = nn.BatchNorm1d(size)
 
     def normed(self, values: Tensor) -> Tensor:
-        found: Tensor = self.norm(self.conv(values))
-        return found
+        normed: Tensor = self.norm(self.conv(values))
+        return normed
 
     def forward(self, values: Tensor) -> Tensor:
         return nn.functional.leaky_relu(self.normed(values), _SLOPE)
@@ -151,8 +148,8 @@ class _Halved(_ShowConvolved):
         self.residual_layer = nn.Conv1d(entries, size, 4, stride=2, padding=1)
 
     def forward(self, values: Tensor) -> Tensor:
-        together = self.normed(values) + self.residual_layer(values)
-        return nn.functional.leaky_relu(together, _SLOPE)
+        total = self.normed(values) + self.residual_layer(values)
+        return nn.functional.leaky_relu(total, _SLOPE)
 
 
 class _Stack(_ShowConvolved):
@@ -163,10 +160,10 @@ class _Stack(_ShowConvolved):
         self._layers = nn.ModuleList([_ShowConvolved(size, size), _ShowConvolved(size, size)])
 
     def forward(self, values: Tensor) -> Tensor:
-        found = values
+        hidden = values
         for layer in self._layers:
-            found = layer(found)
-        return nn.functional.relu(self.normed(found) + values)
+            hidden = layer(hidden)
+        return nn.functional.relu(self.normed(hidden) + values)
 
 
 class YoonNetwork(nn.Module):
@@ -193,8 +190,8 @@ class YoonNetwork(nn.Module):
 
     def forward(self, windows: Tensor) -> Tensor:
         """Return the mean of the latent distribution, which is the published feature."""
-        found: Tensor = self.pose_encoder(windows)
-        return found
+        features: Tensor = self.pose_encoder(windows)
+        return features
 
 
 class _PoseEncoder(nn.Module):
@@ -211,14 +208,16 @@ class _PoseEncoder(nn.Module):
             nn.Conv1d(third, last, 3),
         )
         self.out_net = nn.Sequential(
-            *_connected(last * _LEFT, wide), *_connected(wide, narrow), nn.Linear(narrow, features)
+            *_connected(last * _CONVOLVED_FRAMES, wide),
+            *_connected(wide, narrow),
+            nn.Linear(narrow, features),
         )
         self.fc_mu = nn.Linear(features, features)
 
     def forward(self, windows: Tensor) -> Tensor:
         convolved = self.net(windows.transpose(1, 2))
-        found: Tensor = self.fc_mu(self.out_net(convolved.flatten(1)))
-        return found
+        features: Tensor = self.fc_mu(self.out_net(convolved.flatten(1)))
+        return features
 
 
 def _convolved(entries: int, size: int, kernel: int, stride: int) -> nn.Sequential:
@@ -227,109 +226,60 @@ def _convolved(entries: int, size: int, kernel: int, stride: int) -> nn.Sequenti
 
 
 def _connected(entries: int, size: int) -> tuple[nn.Module, ...]:
-    return nn.Linear(entries, size), nn.BatchNorm1d(size), nn.LeakyReLU(_WRITTEN_AS_TRUE)
-
-
-_PREFIX: Final = "module."
-"""Of every name in a checkpoint that several graphics processors wrote."""
-
-_SHOWN: Final = 3
+    return nn.Linear(entries, size), nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE_OF_TRUE)
 
 
 def load_weights(network: nn.Module, file: Path, place: tuple[str, ...]) -> None:
-    """Put the weights of a checkpoint into `network`, and set it to evaluation.
+    """Load the weights of a checkpoint into a network, and set it to evaluation.
 
     Parameters
     ----------
-    network : nn.Module
-        With the published names. What the file holds beside its parts, such as a decoder, is left.
+    network : Module
+        With the published names. Other parts in the file, such as a decoder, are ignored.
     file : Path
-        What ``torch.save`` wrote. Only tensors, plain values and the ``argparse.Namespace`` in
-        which training scripts keep their options are unpickled; the latter is a bag of attributes
-        whose unpickling runs no code.
+        Written by ``torch.save``. Only tensors, plain values and the ``argparse.Namespace`` in
+        which training scripts keep their options are unpickled; unpickling the latter runs no code.
     place : tuple of str
-        The keys below which the weights lie; a file may also hold the weights alone.
+        Keys of the weights in the file, which may also hold the weights alone.
 
     Raises
     ------
     InputError
         If the file is missing, holds other objects, or holds another network's weights.
     """
-    found = _read(file)
-    for key in place:
-        if isinstance(found, Mapping) and isinstance(found.get(key), Mapping):
-            found = found[key]
-    if not isinstance(found, Mapping):
-        raise _unusable(file, "it holds no named weights", place)
-    weights = {str(name).removeprefix(_PREFIX): weight for name, weight in found.items()}
-    wanted = network.state_dict()
-    _check_layout(wanted, weights, file, place)
-    network.load_state_dict({name: weights[name] for name in wanted})
-    network.eval().requires_grad_(False)
-
-
-def _read(file: Path) -> object:
     if not file.is_file():
         raise InputError("there is no such file", where=file, remedy="Check the path")
     try:
         with torch.serialization.safe_globals([argparse.Namespace]):
-            found: object = torch.load(file, map_location="cpu", weights_only=True)
-    except pickle.UnpicklingError as error:
-        raise InputError(
-            f"the checkpoint holds objects that are not loaded, because loading them could run "
-            f"code: {_first_line(error)}",
-            where=file,
-            remedy="If you trust the file, save its weights alone, where its authors' code runs: "
-            "checkpoint = torch.load(FILE, weights_only=False); checkpoint.pop('args', None); "
-            "torch.save(checkpoint, NEW_FILE)",
-        ) from error
-    except (OSError, RuntimeError, EOFError, ValueError, LookupError, TypeError) as error:
-        raise InputError(
-            f"the file cannot be read as a checkpoint: {_first_line(error)}",
-            where=file,
-            remedy="Give the file as it was published, and download it again if it is damaged",
-        ) from error
-    return found
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).strip().partition("\n")[0][:200]
-
-
-def _check_layout(
-    wanted: Mapping[str, Tensor],
-    found: Mapping[str, object],
-    file: Path,
-    place: tuple[str, ...],
-) -> None:
-    """Raise where the weights are not those of the published network."""
-    missing = [name for name in wanted if not isinstance(found.get(name), Tensor)]
-    if missing:
-        raise _unusable(file, f"{_some(missing)} missing", place)
-    other = [
-        f"{name} {tuple(there.shape)} instead of {tuple(weight.shape)}"
-        for name, weight in wanted.items()
-        if isinstance(there := found[name], Tensor) and there.shape != weight.shape
-    ]
-    parts = {name.partition(".")[0] for name in wanted}
-    more = [name for name in found if name.partition(".")[0] in parts and name not in wanted]
-    # A variational encoder has a second head, which no feature uses.
-    more = [name for name in more if ".fc_logvar." not in name]
-    if other:
-        raise _unusable(file, f"{_some(other)} of another shape", place)
-    if more:
-        raise _unusable(file, f"{_some(more)} unknown", place)
-
-
-def _some(names: list[str]) -> str:
-    shown = ", ".join(names[:_SHOWN]) + (", …" if len(names) > _SHOWN else "")
-    return f"{len(names)} weights ({shown}) are"
-
-
-def _unusable(file: Path, why: str, place: tuple[str, ...]) -> InputError:
-    return InputError(
-        f"the file does not hold the published network: {why}",
-        where=file,
-        remedy=f"Give the released checkpoint of this preset, with the weights under "
-        f"{'.'.join(place)!r}",
+            content = read_saved(file)
+    except InputError as error:
+        raise InputError(error.what, where=file, remedy=_REMEDY) from error
+    for key in place:
+        if isinstance(content, Mapping) and isinstance(content.get(key), Mapping):
+            content = content[key]
+    if not isinstance(content, Mapping):
+        raise not_weights_error(file, "it holds no named weights")
+    parts = {name.partition(".")[0] for name in network.state_dict()}
+    # A variational encoder has a second head, fc_logvar, which no feature uses.
+    weights = {
+        name: weight
+        for name, weight in ((str(n).removeprefix("module."), w) for n, w in content.items())
+        if isinstance(weight, Tensor)
+        and name.partition(".")[0] in parts
+        and ".fc_logvar." not in name
+    }
+    fill(
+        network,
+        weights,
+        file,
+        "the published network",
+        f"Give the released checkpoint of this preset, with the weights under {'.'.join(place)!r}",
     )
+
+
+_REMEDY: Final = (
+    "Give the file as it was published. If it holds other objects and you trust it, save its "
+    "weights alone, where its authors' code runs: "
+    "checkpoint = torch.load(FILE, weights_only=False); checkpoint.pop('args', None); "
+    "torch.save(checkpoint, NEW_FILE)"
+)

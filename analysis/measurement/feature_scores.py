@@ -13,11 +13,7 @@ from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
 from analysis.measurement.scores import ClipScore, ConditionScore, counted, whole_condition
 from analysis.metrics.diversity import feature_variance
-from analysis.metrics.emotion_accuracy import (
-    EmotionConfusion,
-    emotion_accuracy,
-    emotion_confusion,
-)
+from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
 from analysis.metrics.frechet import (
     FAILED,
     RULES,
@@ -27,7 +23,7 @@ from analysis.metrics.frechet import (
     published_distance,
 )
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.result import Better, Metric, MetricResult
+from analysis.metrics.result import Better, EmotionConfusion, Metric, MetricResult
 from analysis.metrics.samples import Embeddings, drawn, embeddings
 
 ENOUGH: Final = 0.5

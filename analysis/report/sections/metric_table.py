@@ -248,7 +248,7 @@ def _labels_by_settings(columns: Sequence[TableColumn], systems: Systems) -> dic
 
 def first_and_second(
     scores: Sequence[float], better: Better, recorded: float, decimals: int
-) -> tuple[frozenset[int], frozenset[int]]:
+) -> tuple[set[int], set[int]]:
     """Return the indices of the best scores and of the second best.
 
     Scores that are printed alike share a rank. If all are printed alike, none is best.
@@ -273,10 +273,9 @@ def first_and_second(
             distances[index] = round(distance, decimals)
     ranks = sorted(set(distances.values()))
     if len(ranks) < 2:
-        return frozenset(), frozenset()
+        return set(), set()
     best, second = (
-        frozenset(index for index, distance in distances.items() if distance == rank)
-        for rank in ranks[:2]
+        {index for index, distance in distances.items() if distance == rank} for rank in ranks[:2]
     )
     return best, second
 
