@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
@@ -161,21 +161,32 @@ def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bo
     if videos:
         for path in sorted(folder.videos.rglob("*.mp4")):
             _copy(folder, to, path)
-    return [*_outside(folder, study)]
+    remarks = [*_outside(folder, study)]
+    if not videos and any(to.root.glob("motion/*/*.npz")) and not to.speech.exists():
+        remarks.append(
+            "Segments are known by the finished videos alone, which were not copied: whoever "
+            "repeats the metrics needs them too (--with-videos)."
+        )
+    return remarks
 
 
 def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
     """Yield the files that metrics read, where the study has any."""
     table = folder.speech / "segments.csv"
+    segments: Sequence[Segment] = ()
     if table.exists():
         yield table
         segments = folder.segments()
-        yield from (folder.speech / wav for wav in dict.fromkeys(s.wav for s in segments))
-        annotated = (folder.semantics(segment.name) for segment in segments)
-        yield from (file for file in annotated if file.is_file())
-        for condition in dict.fromkeys((*study.conditions, study.catch.condition)):
-            clips = (folder.clip(condition, segment.name) for segment in segments)
-            yield from (clip for clip in clips if clip.is_file())
+    elif all(made.videos for made in study.conditions.values()) and any(
+        folder.videos.glob("*/*.mp4")
+    ):
+        segments = folder.segments_of(study)
+    yield from (folder.speech / wav for wav in dict.fromkeys(s.wav for s in segments) if wav)
+    annotated = (folder.semantics(segment.name) for segment in segments)
+    yield from (file for file in annotated if file.is_file())
+    for condition in dict.fromkeys((*study.conditions, study.catch.condition)):
+        clips = (folder.clip(condition, segment.name) for segment in segments)
+        yield from (clip for clip in clips if clip.is_file())
     yield from sorted(folder.evaluators.glob("*.safetensors"))
     matrix = study.video.expression_matrix
     if matrix and _is_within(folder, matrix):

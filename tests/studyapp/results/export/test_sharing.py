@@ -17,7 +17,7 @@ from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
-from tests.studyapp.results.conftest import leave
+from tests.studyapp.results.conftest import leave, with_motion
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 
 Answered = Callable[[str], StudyFolder]
@@ -221,6 +221,20 @@ def test_what_metrics_are_measured_from_is_copied_and_nothing_else(
     assert [re.findall("smplx.npz is licensed", remark) for remark in remarks] == [
         ["smplx.npz is licensed"]
     ]
+
+
+@pytest.mark.parametrize("videos", [True, False])
+def test_motion_beside_finished_videos_is_copied_and_needs_the_videos(
+    answered: Answered, tmp_path: Path, *, videos: bool
+) -> None:
+    folder = with_motion(answered("pairwise"), "ours", "theirs")
+    shutil.rmtree(folder.speech)
+    copy = StudyFolder(tmp_path / "copy")
+
+    remarks = copy_study(folder, folder.study(), copy, videos=videos)
+
+    assert any(name.startswith("motion/ours/") for name in names(copy.root))
+    assert any("--with-videos" in remark for remark in remarks) is not videos
 
 
 def test_what_lies_outside_the_study_is_named_and_not_copied(
