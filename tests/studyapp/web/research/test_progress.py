@@ -10,12 +10,14 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
+from studyapp.session.arrivals import Arrival
 from studyapp.session.intake import decided
+from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
-from tests.support.studies.taking_part_steps import Participant
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def test_what_is_counted_leads_to_those_counted(people: list[Participant], log_in: LogIn) -> None:
@@ -98,6 +100,21 @@ def test_the_overview_draws_places_done_over_time(
 
     assert curve["aria-label"] == "1 of 4 places are done."
     assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
+
+
+def test_the_overview_counts_who_was_screened_out_and_names_nobody(
+    stored: Database, log_in: LogIn, clock: SetClock
+) -> None:
+    viewer = log_in("viewer")
+    assert "screened out" not in viewer.get("/research/").text
+
+    for name in ("p1", "p1", "p2"):
+        arrival = Arrival(recruiter_participant=name)
+        note_screen_out(stored, arrival, "eligibility", clock, named=True)
+
+    text = viewer.get("/research/").text
+    assert "2 people were screened out before the trials: 2 by the questions about" in text
+    assert "p1" not in text
 
 
 def test_a_rehearsal_is_shown_apart_and_is_not_changed(
