@@ -14,7 +14,11 @@ from pathlib import Path
 import httpx
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
+from sqlalchemy import select
+from sqlalchemy.orm import selectinload
 
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.server import free_port
 from tests.functional.looking import LAPTOP
 
@@ -189,6 +193,15 @@ def begin_study(page: Page, address: str) -> None:
     page.get_by_role("button", name="I agree").click()
     page.get_by_role("button", name="Begin").click()
     expect(page.locator(".play").first).to_be_visible()
+
+
+def study_session_of(page: Page, database: Database) -> StudySession:
+    """Return what is stored of the participant whose page this is, with its trials and videos."""
+    token = page.url.partition("/take/")[2].partition("/")[0]
+    query = select(StudySession).where(StudySession.token == token)
+    trials = selectinload(StudySession.trials).selectinload(Trial.videos)
+    with database.reading() as session:
+        return session.scalars(query.options(trials)).one()
 
 
 def expect_trial(page: Page, number: int) -> None:

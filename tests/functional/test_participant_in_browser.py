@@ -6,7 +6,6 @@ With ``SCREENSHOTS=folder`` in the environment pages are also taken in every siz
 from __future__ import annotations
 
 import shutil
-import time
 from pathlib import Path
 
 import pytest
@@ -14,8 +13,14 @@ from playwright.sync_api import Page, Route, expect
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Response, StudySession, Trial
-from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS
+from studyapp.database.tables import Response, StudySession
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    begin_study,
+    expect_trial,
+    study_session_of,
+    wait_until,
+)
 from tests.functional.looking import SIZES, photograph
 from tests.support.studies.redefining import redefine
 
@@ -31,53 +36,23 @@ def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -
     return folder
 
 
-def take_part(page: Page, address: str) -> None:
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    page.get_by_role("button", name="Begin").click()
-    expect_trial(page, 1)
-    expect_script(page)
-
-
-def expect_script(page: Page) -> None:
-    """Wait for the script, which shows the player's buttons and listens to keys."""
-    expect(page.locator("#play")).to_be_visible()
-
-
-def expect_trial(page: Page, number: int) -> None:
-    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6")
-
-
 def play(page: Page) -> None:
     page.get_by_role("button", name="Play both").click()
     expect(page.locator("#watched")).to_have_text("Watched ✓")
 
 
 def wait_for_video(page: Page, condition: str) -> None:
-    """Wait until `condition` holds of the video; the page forbids scripts that watch by eval."""
-    deadline = time.monotonic() + PATIENCE_MS / 1000
-    while not page.evaluate(f"document.querySelector('video').{condition}"):
-        assert time.monotonic() < deadline, f"the video never was: {condition}"
-        page.wait_for_timeout(50)
+    """Wait until `condition` holds of the video."""
+    wait_until(page, lambda: page.evaluate(f"document.querySelector('video').{condition}"))
 
 
 def choose(page: Page, question: str, label: str) -> None:
     page.locator(f"[data-question={question}]").get_by_text(label, exact=True).click()
 
 
-def trials(page: Page, database: Database) -> list[Trial]:
-    """Return the trials of the participant whose page this is."""
-    token = page.url.rsplit("/", 1)[1]
-    with database.reading() as session:
-        study_session = session.scalars(
-            select(StudySession).where(StudySession.token == token)
-        ).one()
-        return list(study_session.trials)
-
-
 def answers(page: Page, database: Database) -> list[tuple[int, str, int]]:
     """Return what is stored of the participant whose page this is."""
-    ids = {trial.id: trial.position for trial in trials(page, database)}
+    ids = {trial.id: trial.position for trial in study_session_of(page, database).trials}
     with database.reading() as session:
         rows = session.scalars(select(Response).order_by(Response.id))
         return [(ids[r.trial_id], r.question, r.value) for r in rows if r.trial_id in ids]
@@ -88,7 +63,7 @@ def test_video_questions_and_next_are_in_view_without_scrolling(
     page: Page, address: str, size: str
 ) -> None:
     page.set_viewport_size(SIZES[size])
-    take_part(page, address)
+    begin_study(page, address)
     wait_for_video(page, "readyState >= 1")
 
     for part in ("#pair", "#controls", "#answers", "#next"):
@@ -102,7 +77,7 @@ def test_video_questions_and_next_are_in_view_without_scrolling(
 def test_a_refresh_keeps_what_was_watched_and_chosen(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     play(page)
     choose(page, "emotion", "no difference")
 
@@ -116,7 +91,7 @@ def test_a_refresh_keeps_what_was_watched_and_chosen(
 
 
 def test_the_back_button_is_harmless(page: Page, address: str, database: Database) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     where = page.url
     play(page)
     choose(page, "rhythm", "clearly A")
@@ -139,7 +114,7 @@ def test_the_back_button_is_harmless(page: Page, address: str, database: Databas
 def test_a_double_click_on_next_answers_one_trial(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     play(page)
     choose(page, "rhythm", "clearly A")
     choose(page, "emotion", "slightly B")
@@ -168,7 +143,7 @@ def test_a_double_click_on_start_takes_one_place(
 def test_next_says_what_is_missing_and_sends_nothing(
     page: Page, address: str, database: Database
 ) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     choose(page, "rhythm", "clearly A")
 
     page.get_by_role("button", name="Next").click()
@@ -180,7 +155,7 @@ def test_next_says_what_is_missing_and_sends_nothing(
 
 
 def test_skipping_to_the_end_does_not_count(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     wait_for_video(page, "readyState >= 1")
 
     page.evaluate("document.querySelector('video').currentTime = 0.9")
@@ -191,7 +166,7 @@ def test_skipping_to_the_end_does_not_count(page: Page, address: str) -> None:
 
 
 def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
 
     page.locator("#volume").fill("0")
     page.get_by_role("button", name="Play both").click()
@@ -201,7 +176,7 @@ def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: s
 
 
 def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
 
     page.keyboard.press("1")
     expect(page.locator("[name=rhythm][value='-2']")).to_be_checked()
@@ -214,7 +189,7 @@ def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> 
 
 
 def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> None:
-    take_part(page, address)
+    begin_study(page, address)
 
     page.keyboard.press("Tab")
     expect(page.locator("#play")).to_be_focused()
@@ -232,7 +207,7 @@ def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> N
 
 
 def test_a_lost_connection_loses_no_answer(page: Page, address: str, database: Database) -> None:
-    take_part(page, address)
+    begin_study(page, address)
     play(page)
     choose(page, "rhythm", "clearly A")
     choose(page, "emotion", "clearly A")
@@ -255,7 +230,7 @@ def test_only_the_next_video_is_fetched_ahead_and_only_after_watching(
 ) -> None:
     fetched: list[str] = []
     page.on("request", lambda r: fetched.append(r.url) if "/media/" in r.url else None)
-    take_part(page, address)
+    begin_study(page, address)
     following = address + (page.locator("#pair").get_attribute("data-following") or "")
     wait_for_video(page, "readyState >= 4")
     assert following not in fetched
@@ -277,16 +252,15 @@ def test_a_video_that_does_not_play_can_be_left_behind(
     page: Page, address: str, database: Database
 ) -> None:
     page.route("**/media/**", garbled)
-    take_part(page, address)
+    begin_study(page, address)
 
     expect(page.get_by_role("alert")).to_have_text("This video cannot be played.")
     page.get_by_role("button", name="This video does not play").click()
 
     expect_trial(page, 2)
-    assert [trial.unplayable_at is not None for trial in trials(page, database)][:2] == [
-        True,
-        False,
-    ]
+    first, second, *_ = study_session_of(page, database).trials
+    assert first.unplayable_at is not None
+    assert second.unplayable_at is None
     assert answers(page, database) == []
 
 
@@ -294,7 +268,7 @@ def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
     page: Page, address: str, database: Database
 ) -> None:
     page.context.add_init_script("delete window.BroadcastChannel")
-    take_part(page, address)
+    begin_study(page, address)
     second = page.context.new_page()
     second.goto(page.url)
     for window in (page, second):
@@ -321,7 +295,7 @@ def test_a_browser_that_forbids_storage_can_take_part(
         "Object.defineProperty(window, 'sessionStorage',"
         " { get() { throw new DOMException('forbidden', 'SecurityError'); } })"
     )
-    take_part(page, address)
+    begin_study(page, address)
     play(page)
     choose(page, "rhythm", "clearly A")
     choose(page, "emotion", "clearly A")

@@ -12,15 +12,17 @@ from playwright.sync_api import Browser, Locator, Page, Response, Route, expect
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Trial, Video
+from studyapp.database.tables import Video
 from tests.functional.browsing import (
     IN_A_BROWSER,
     PATIENCE_MS,
     begin_study,
     expect_playing,
+    expect_trial,
     expect_watched,
     follow,
     playing_on,
+    study_session_of,
     wait_until,
 )
 from tests.support.studies.finished_study import write_finished_study, write_short_video
@@ -192,12 +194,8 @@ def test_a_broken_video_is_named_and_the_trial_left(
 
     page.route("**/media/**", break_one)
     follow(page.get_by_role("button", name="I agree"))
-    token = page.url.rsplit("/", 1)[1]
-    with database.reading() as session:
-        trial = session.scalars(
-            select(Trial).where(Trial.position == 1, Trial.study_session.has(token=token))
-        ).one()
-        second = trial.videos[1].token
+    trial = study_session_of(page, database).trials[0]
+    second = trial.videos[1].token
     broken.append(second)
     page.get_by_role("button", name="Begin").click()
 
@@ -208,7 +206,7 @@ def test_a_broken_video_is_named_and_the_trial_left(
     button.focus()
     page.keyboard.press("Enter")
 
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of")
+    expect_trial(page, 2)
     with database.reading() as session:
         videos = session.scalars(select(Video).where(Video.trial_id == trial.id)).all()
         assert {v.token for v in videos if v.unplayable_at is not None} == {second}
@@ -297,7 +295,6 @@ def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
     page = browser.new_page()  # the browser itself complains of status 429
     page.set_default_timeout(PATIENCE_MS)
     begin_study(page, address)
-    token = page.url.rsplit("/", 1)[1]
     refused: list[str] = []
 
     def refuse(route: Route) -> None:
@@ -315,12 +312,8 @@ def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
     expect(page.locator("#problem")).to_be_hidden()
     page.unroute("**/watched/**")
 
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of")
-    with database.reading() as session:
-        trial = session.scalars(
-            select(Trial).where(Trial.position == 1, Trial.study_session.has(token=token))
-        ).one()
-        videos = [video.token for video in trial.videos]
+    expect_trial(page, 2)
+    videos = [video.token for video in study_session_of(page, database).trials[0].videos]
     assert [played(database, video) for video in videos] == pytest.approx([1.0, 1.0], abs=0.1)
     page.close()
 

@@ -11,8 +11,14 @@ from playwright.sync_api import Browser, Page, ViewportSize, expect
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, WatchRecord
-from tests.functional.browsing import IN_A_BROWSER, follow, playing_on
+from studyapp.database.tables import FormAnswer, Response, Trial, WatchRecord
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    expect_trial,
+    follow,
+    playing_on,
+    study_session_of,
+)
 from tests.functional.looking import LAPTOP, photograph
 from tests.support.studies.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.redefining import redefine
@@ -49,12 +55,6 @@ def press(page: Page, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).click()
 
 
-def study_session(page: Page, database: Database) -> StudySession:
-    token = page.url.split("/take/")[1].split("/")[0]
-    with database.reading() as session:
-        return session.scalars(select(StudySession).where(StudySession.token == token)).one()
-
-
 def enter(page: Page, address: str) -> None:
     page.goto(address)
     page.get_by_label("yes").check()
@@ -65,7 +65,7 @@ def enter(page: Page, address: str) -> None:
 
 
 def hear(page: Page, database: Database) -> None:
-    digits = study_session(page, database).sound_digits
+    digits = study_session_of(page, database).sound_digits
     page.get_by_label("The digits you hear").fill(digits)
     page.keyboard.press("Enter")
     heading(page, "A few questions about you")
@@ -79,7 +79,7 @@ def begin(page: Page) -> None:
 
 
 def take_trial(page: Page, number: int) -> None:
-    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 4")
+    expect_trial(page, number)
     press(page, "Play both")
     for question in ("rhythm", "emotion"):
         page.locator(f"[data-question={question}]").get_by_text("slightly A", exact=True).click()
@@ -119,7 +119,7 @@ def test_the_whole_way_from_eligibility_to_the_code(
     press(page, "Copy the code")
     expect(page.locator("#copied")).not_to_be_empty()
     code = page.locator("#completion-code").inner_text()
-    done = study_session(page, database)
+    done = study_session_of(page, database)
     assert (done.completion_code, done.recruiter_participant) == (code, "p1")
     assert (done.sound_tries, done.rested_at_position) == (0, 3)
     values = select(Response.value).join(Response.trial).where(Trial.study_session_id == done.id)
@@ -168,7 +168,7 @@ def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: 
     press(page, "Go on here")
     expect(second.get_by_role("dialog")).to_be_visible()
     take_trial(page, 1)
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
+    expect_trial(page, 2)
 
 
 def test_a_phone_is_asked_to_come_back_on_another_device(browser: Browser, address: str) -> None:
@@ -196,8 +196,8 @@ def test_withdrawing_deletes_what_was_answered(
     hear(page, database)
     begin(page)
     take_trial(page, 1)
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
-    mine = study_session(page, database).id
+    expect_trial(page, 2)
+    mine = study_session_of(page, database).id
     with database.reading() as session:
         before = [
             len(session.scalars(select(t)).all()) for t in (Response, WatchRecord, FormAnswer)
@@ -213,4 +213,4 @@ def test_withdrawing_deletes_what_was_answered(
         after = [len(session.scalars(select(t)).all()) for t in (Response, WatchRecord, FormAnswer)]
         assert session.scalars(select(Trial).where(Trial.study_session_id == mine)).all() == []
     assert all(then < earlier for then, earlier in zip(after, before, strict=True))
-    assert study_session(page, database).withdrawn_at is not None
+    assert study_session_of(page, database).withdrawn_at is not None
