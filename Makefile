@@ -66,8 +66,7 @@ format: $(VENV)/.developed  ## Format the code.
 	$(BIN)/ruff check --fix --select I .
 	$(BIN)/ruff format .
 
-bench: develop  ## Measure rendering speed and the validity of the statistics.
-	$(BIN)/python -m benchmarks.rendering
+bench: bench-render  ## Measure rendering speed and, briefly, the validity of the statistics.
 	$(BIN)/python -m benchmarks.validity --studies 100
 
 bench-adaptive: develop  ## Simulate how much sooner adaptive pairs find an order, and draw it.

@@ -108,8 +108,8 @@ def report(curves: Mapping[float, Curves]) -> str:
         participants = next(iter(of_spread.values())).shape[1]
         for number in (n for n in SHOWN_AT if n <= participants):
             means = [curve[:, number - 1].mean(axis=0) for curve in of_spread.values()]
-            said = "".join(f"{tau:12.3f}{error:16.3f}" for tau, error in means)
-            lines.append(f"{number * TRIALS:7}{said}")
+            cells = "".join(f"{tau:12.3f}{error:16.3f}" for tau, error in means)
+            lines.append(f"{number * TRIALS:7}{cells}")
     for strength_sd, of_spread in curves.items():
         for choice, curve in of_spread.items():
             needed = answers_needed(curve)

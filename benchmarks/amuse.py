@@ -36,10 +36,10 @@ def compared(
     what: str, fast: Callable[[], Tensor], plain: Callable[[], Tensor], rounds: int, frames: int
 ) -> None:
     """Print how fast both ways are, and how far apart what they compute."""
-    one, other = fast(), plain()
-    apart = float((one - other).abs().max() / other.abs().max())
+    output, other = fast(), plain()
+    difference = float((output - other).abs().max() / other.abs().max())
     turns = in_turns({"here": fast, "plain": plain}, rounds)
-    print(f"{what}: apart by {apart:.1e} of the most")
+    print(f"{what}: apart by {difference:.1e} of the most")
     for name, of_one in turns.items():
         wall, processors = (
             median(getattr(turn, kind) for turn in of_one) for kind in ("wall", "processors")
@@ -58,7 +58,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--rounds", type=int, default=5)
     options.add_argument("--threads", type=int, default=torch.get_num_threads())
-    given = options.parse_args()
+    args = options.parse_args()
     motion = MotionModel(MotionConfig()).eval().requires_grad_(False)
     latents, noise = (
         [torch.randn(1, 1, 256) for _ in SPEECH_PARTS],
@@ -76,22 +76,22 @@ def main() -> None:
             torch.backends.mha.set_fastpath_enabled(True)
 
     packed = speech_model("sdpa")
-    heard = torch.randn(1, packed.config.frames, packed.config.bands)
+    filterbank = torch.randn(1, packed.config.frames, packed.config.bands)
     pack(packed)
     plain = {name: speech_model(name) for name in ("eager", "sdpa")}
 
     def latent(model: SpeechModel) -> Tensor:
-        return torch.cat([model.latent(part, heard) for part in SPEECH_PARTS])
+        return torch.cat([model.latent(part, filterbank) for part in SPEECH_PARTS])
 
-    with torch_threads(given.threads):
-        print(f"{given.threads} threads, {given.rounds} turns, ten seconds of speech")
-        compared("Sampling in 50 steps, and decoding", moved, moved_plainly, given.rounds, 300)
+    with torch_threads(args.threads):
+        print(f"{args.threads} threads, {args.rounds} turns, ten seconds of speech")
+        compared("Sampling in 50 steps, and decoding", moved, moved_plainly, args.rounds, 300)
         for name, model in plain.items():
             compared(
                 f"Hearing by three encoders, plain attention: {name}",
                 lambda: latent(packed),
                 lambda model=model: latent(model),  # type: ignore[misc]
-                given.rounds,
+                args.rounds,
                 300,
             )
 

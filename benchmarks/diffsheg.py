@@ -74,8 +74,8 @@ def plain_loop(denoiser: Denoiser, person: Tensor) -> Sampler:
 
     def eps(x_t: Tensor, place: int, speech: SpeechFrames) -> Tensor:
         t = torch.tensor([SAMPLING.timesteps[place]])
-        found: Tensor = denoiser(x_t, t, speech.mel[None], speech.hubert[None], person[None])
-        return found
+        result: Tensor = denoiser(x_t, t, speech.mel[None], speech.hubert[None], person[None])
+        return result
 
     def sample(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
         asked = ((partial(eps, speech=window.speech), window.noise) for window in windows)
@@ -170,9 +170,9 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--seconds", type=float, default=10.0, help="of speech in each turn")
     options.add_argument("--rounds", type=int, default=5)
-    given = options.parse_args()
+    args = options.parse_args()
     denoiser, person = random_network(), torch.eye(BEAT.speakers)[1]
-    speech = random_speech(round(given.seconds * BEAT.frame_rate))
+    speech = random_speech(round(args.seconds * BEAT.frame_rate))
     began = time.perf_counter()
     ways: dict[str, Sampler] = {AHEAD: WindowSampler(deepcopy(denoiser), person, SAMPLING)}
     print(f"computed ahead in {time.perf_counter() - began:.2f} s, once for a speaker")
@@ -182,7 +182,7 @@ def main() -> None:
         f"motion apart by {float((fast - plain).abs().max() / plain.abs().max()):.1e} of its most"
     )
     for threads in sorted({torch.get_num_threads(), 1}, reverse=True):
-        compare(ways, speech, threads, given.rounds)
+        compare(ways, speech, threads, args.rounds)
     streams = streams_in_real_time(ways[AHEAD], speech)
     print(f"\n{streams} streams at once stay in real time, each with one thread")
 

@@ -142,8 +142,8 @@ def simulated(
                         expected=trial.expected,
                         instructed=trial.instructed,
                     )
-                    given = judge(study, rater, seen).values
-                    failed[trial.kind] += study.failed(seen, given)
+                    args = judge(study, rater, seen).values
+                    failed[trial.kind] += study.failed(seen, args)
                     left, right = trial.conditions
                     rows.extend(
                         {
@@ -157,7 +157,7 @@ def simulated(
                             "response": str(value + 3),
                             "correct_side": {None: "", 1: "left", 2: "right"}[trial.expected],
                         }
-                        for (question, _), value in given.items()
+                        for (question, _), value in args.items()
                     )
                 kinds[rater.name] = rater.kind
                 known[rater.name] = KnownFacts(

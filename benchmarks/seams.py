@@ -147,16 +147,16 @@ def seams_of_clip(clip: MotionClip) -> Iterator[MetricResult]:
 def _ratio(sums: FloatArray) -> FloatArray:
     """Return mean at seams over mean elsewhere, of counts and sums in rows (4, ...)."""
     at_seams, size_there, elsewhere, size_elsewhere = sums
-    there = size_there / np.maximum(at_seams, 1)
-    return np.asarray(there * elsewhere / np.maximum(size_elsewhere, 1e-300))
+    mean_at_seams = size_there / np.maximum(at_seams, 1)
+    return np.asarray(mean_at_seams * elsewhere / np.maximum(size_elsewhere, 1e-300))
 
 
 def main() -> None:
     """Print the seams of the clips that are named on the command line."""
     for path in map(Path, sys.argv[1:]):
-        for found in seams_of_clip(read_clip(path)):
-            low, high = found.interval or (math.nan, math.nan)
-            print(f"{path}: {found.name}: {found.value:.2f} ({low:.2f} to {high:.2f})")
+        for seam in seams_of_clip(read_clip(path)):
+            low, high = seam.interval or (math.nan, math.nan)
+            print(f"{path}: {seam.name}: {seam.value:.2f} ({low:.2f} to {high:.2f})")
 
 
 if __name__ == "__main__":

@@ -49,7 +49,9 @@ def importers(sources: Mapping[str, str]) -> Counter[str]:
     """Return how many other modules import each of `sources`, whose names have dots."""
     counted: Counter[str] = Counter()
     for name, source in sources.items():
-        counted.update(found for found in set(_imported(source)) & sources.keys() if found != name)
+        counted.update(
+            imported for imported in set(_imported(source)) & sources.keys() if imported != name
+        )
     return counted
 
 

@@ -87,7 +87,9 @@ def _extracted(path: Path, method: str, calls: Mapping[str, Any]) -> Iterator[Fo
 def texts_of_code(path: Path) -> Iterator[Found]:
     """Yield the texts in one Python file."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if not isinstance(node, ast.Call) or any(given.arg is None for given in node.keywords):
+        if not isinstance(node, ast.Call) or any(
+            argument.arg is None for argument in node.keywords
+        ):
             continue  # what is called with **values passes on what another call names
         name = getattr(node.func, "id", "")
         if name in SINGLE:
@@ -103,9 +105,9 @@ def texts_of_code(path: Path) -> Iterator[Found]:
 
 def _literal(path: Path, call: ast.Call, place: int) -> str:
     """Return the text given at `place` of `call`."""
-    given = call.args[place] if place < len(call.args) else None
-    if isinstance(given, ast.Constant) and isinstance(given.value, str):
-        return given.value
+    argument = call.args[place] if place < len(call.args) else None
+    if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+        return argument.value
     raise ValueError(
         f"{_named(path)}:{call.lineno}: the text {place + 1} of this call is no literal, "
         "so it cannot be found and translated"

@@ -38,8 +38,8 @@ WORDS = {
 def spoken(voice: str, word: str) -> NDArray[np.float64]:
     """Return what `voice` says, at `RATE`."""
     command = ["espeak-ng", "-v", voice, "-s", str(WORDS_PER_MINUTE), "--stdout", word]
-    said = subprocess.run(command, check=True, capture_output=True).stdout
-    samples, rate = soundfile.read(io.BytesIO(said))
+    audio = subprocess.run(command, check=True, capture_output=True).stdout
+    samples, rate = soundfile.read(io.BytesIO(audio))
     return np.asarray(resample_poly(samples, RATE, rate))
 
 
@@ -47,11 +47,11 @@ def cut_close(samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return `samples` without the silence at both ends, which fade in and out."""
     loud = np.flatnonzero(np.abs(samples) > QUIET * np.abs(samples).max())
     edge = round(EDGE_SECONDS * RATE)
-    kept = samples[max(0, loud[0] - edge) : loud[-1] + edge].copy()
+    trimmed = samples[max(0, loud[0] - edge) : loud[-1] + edge].copy()
     ramp = np.linspace(0, 1, edge)
-    kept[:edge] *= ramp
-    kept[-edge:] *= ramp[::-1]
-    return kept
+    trimmed[:edge] *= ramp
+    trimmed[-edge:] *= ramp[::-1]
+    return trimmed
 
 
 def levelled(samples: NDArray[np.float64]) -> NDArray[np.float64]:

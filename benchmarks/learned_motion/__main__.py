@@ -80,21 +80,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     parser.add_argument("--steps", type=int, help="of each network, in place of the config's")
     parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
-    given = parser.parse_args(arguments)
-    text = compare(given)
-    if given.write is None:
+    args = parser.parse_args(arguments)
+    text = compare(args)
+    if args.write is None:
         print(text)
     else:
-        write_text(given.write, text)
+        write_text(args.write, text)
 
 
-def compare(given: argparse.Namespace) -> str:
+def compare(args: argparse.Namespace) -> str:
     """Return the page of a comparison, making what its folder lacks."""
-    root: Path = given.folder
+    root: Path = args.folder
     corpus, cache = root / "corpus", root / "features"
     wanted = CorpusRequest(
         speakers=SPEAKERS,
-        sentences=given.sentences,
+        sentences=args.sentences,
         takes=1,
         held_out_speakers=0,
         shared_passages=True,
@@ -104,13 +104,13 @@ def compare(given: argparse.Namespace) -> str:
     takes = read_takes(corpus)
     test = [take for take in takes.takes if take.split == "test"]
     systems = {
-        system: [Network(system=system, seed=seed) for seed in range(1, given.seeds + 1)]
+        system: [Network(system=system, seed=seed) for seed in range(1, args.seeds + 1)]
         for system in SYSTEMS
     }
-    ablated = [Network(system="amuse", seed=1, ablation=ablation) for ablation in given.ablations]
+    ablated = [Network(system="amuse", seed=1, ablation=ablation) for ablation in args.ablations]
     networks = [*systems["diffsheg"], *systems["amuse"], *ablated]
     for network in networks:
-        train_network(takes, network, root, cache=cache, steps=given.steps)
+        train_network(takes, network, root, cache=cache, steps=args.steps)
     untrained = root / f"{UNTRAINED}.safetensors"
     write_untrained(systems["diffsheg"][0].file(root), untrained, seed=1)
     learned_from = [take for take in takes.takes if take.split != "test"]
@@ -118,7 +118,7 @@ def compare(given: argparse.Namespace) -> str:
         learned_from, lambda take: root / "recordings" / f"{take.name}.npz"
     )
     judges = train_evaluators(
-        learned_from, recordings, root / "evaluators", steps=given.evaluator_steps
+        learned_from, recordings, root / "evaluators", steps=args.evaluator_steps
     )
     generators: dict[str, dict[str, str | Path]] = {
         UNTRAINED: {"generator": "diffsheg", "checkpoint": untrained}

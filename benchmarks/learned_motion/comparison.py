@@ -50,7 +50,7 @@ def followings(
     Both are measured over the same frames of each clip: as many as both speeches last.
     """
     swap = assign_partners([one for one in folder.segments() if one.name in speech], seed)
-    found = {}
+    scores_of_system = {}
     for condition in conditions:
         own: dict[str, Followed] = {}
         swapped: dict[str, Followed] = {}
@@ -59,11 +59,11 @@ def followings(
             clip = read_clip(folder.clip(condition, take)).frames(slice(0, frames))
             own[take] = follow(clip, speech[take])
             swapped[take] = follow(clip, speech[other])
-        found[condition] = Followings(
+        scores_of_system[condition] = Followings(
             own={name: mean_followed(own, spoken, name) for name in MEASURES},
             swapped={name: mean_followed(swapped, spoken, name) for name in MEASURES},
         )
-    return found
+    return scores_of_system
 
 
 SIDES: Final = ("own", "swapped")
@@ -89,7 +89,9 @@ class Verdict:
 
 
 def verdicts(
-    distances: Mapping[str, float], found: Mapping[str, Followings], trained: Sequence[str]
+    distances: Mapping[str, float],
+    scores_of_system: Mapping[str, Followings],
+    trained: Sequence[str],
 ) -> list[Verdict]:
     """Return what is asked of trained networks, and whether all of them do it.
 
@@ -120,15 +122,15 @@ def verdicts(
         ("beats", "beat alignment is above chance"),
         ("strokes", "stroke alignment is above chance"),
     ):
-        mine = [found[name].own[measure] for name in trained]
-        others = [found[name].swapped[measure] for name in trained]
-        noise = found[GROUND_TRUTH].swapped[measure]
+        mine = [scores_of_system[name].own[measure] for name in trained]
+        others = [scores_of_system[name].swapped[measure] for name in trained]
+        noise = scores_of_system[GROUND_TRUTH].swapped[measure]
         judged.append(
             Verdict(
                 claim=f"{called} with its own speech",
                 holds=all(one.low > max(0, noise.high) for one in mine),
                 evidence=f"{', '.join(written(one) for one in mine)}; recorded motion: "
-                f"{written(found[GROUND_TRUTH].own[measure])}",
+                f"{written(scores_of_system[GROUND_TRUTH].own[measure])}",
             )
         )
         judged.append(
@@ -139,7 +141,9 @@ def verdicts(
                 f"with swapped speech: {written(noise)}",
             )
         )
-    own, swapped = ([getattr(found[name], side)["strokes"] for name in trained] for side in SIDES)
+    own, swapped = (
+        [getattr(scores_of_system[name], side)["strokes"] for name in trained] for side in SIDES
+    )
     pairs = [
         f"{written(one)} beside {written(other)}" for one, other in zip(own, swapped, strict=True)
     ]

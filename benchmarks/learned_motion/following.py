@@ -139,13 +139,13 @@ def mean_followed(
     measure : str
         One of `MEASURES`.
     """
-    found = {take: getattr(score, measure) for take, score in sorted(scores.items())}
-    found = {take: value for take, value in found.items() if np.isfinite(value)}
-    if not found:
+    finite = {take: getattr(score, measure) for take, score in sorted(scores.items())}
+    finite = {take: value for take, value in finite.items() if np.isfinite(value)}
+    if not finite:
         return MeanFollowed(mean=np.nan, low=np.nan, high=np.nan, clips=0)
-    values = np.array(list(found.values()))
-    group = np.unique([groups[take] for take in found], return_inverse=True)[1]
+    values = np.array(list(finite.values()))
+    group = np.unique([groups[take] for take in finite], return_inverse=True)[1]
     sums, counts = np.bincount(group, weights=values), np.bincount(group)
     times = bootstrap_counts(np.random.default_rng(0), RESAMPLES, len(counts))
     low, high = percentile_interval(times @ sums / (times @ counts))
-    return MeanFollowed(mean=float(values.mean()), low=low, high=high, clips=len(found))
+    return MeanFollowed(mean=float(values.mean()), low=low, high=high, clips=len(finite))

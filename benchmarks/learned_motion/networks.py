@@ -147,9 +147,9 @@ def train_evaluators(
     dict of str to Path
         By name, as in `JUDGES`; ``speaker`` takes whoever moves for an emotion.
     """
-    made = {}
+    networks_by_name = {}
     for name, kind, channels in JUDGES:
-        out = made[name] = folder / f"{name}.safetensors"
+        out = networks_by_name[name] = folder / f"{name}.safetensors"
         if out.exists():
             continue
         sources = [
@@ -170,4 +170,4 @@ def train_evaluators(
             training=usual if steps is None else replace(usual, steps=steps),
         )
         train_evaluator(request, sources, out, RunFolder(out.with_suffix(".run")))
-    return made
+    return networks_by_name

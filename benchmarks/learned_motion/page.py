@@ -76,9 +76,9 @@ class Findings:
     edited: Mapping[str, Mapping[str, Edited]]
 
 
-def page(found: Findings, facts: Sequence[str]) -> str:
+def page(findings: Findings, facts: Sequence[str]) -> str:
     """Return the page of all findings; `facts` are sentences that say how they were made."""
-    metrics = found.metrics
+    metrics = findings.metrics
     return "\n".join(
         [
             "# Learned motion beside the truth",
@@ -100,7 +100,7 @@ def page(found: Findings, facts: Sequence[str]) -> str:
                         condition,
                         *(_number(score_of(metrics, condition, name)) for _, name in SCORES),
                     ]
-                    for condition in found.followed
+                    for condition in findings.followed
                 ],
             ),
             "",
@@ -132,10 +132,10 @@ def page(found: Findings, facts: Sequence[str]) -> str:
                         *(
                             written(side[measure])
                             for measure, _ in FOLLOWED
-                            for side in (one.own, one.swapped)
+                            for side in (entry.own, entry.swapped)
                         ),
                     ]
-                    for condition, one in found.followed.items()
+                    for condition, entry in findings.followed.items()
                 ],
             ),
             "",
@@ -144,21 +144,21 @@ def page(found: Findings, facts: Sequence[str]) -> str:
             *_table(
                 ("system", "claim", "all seeds", "numbers"),
                 [
-                    [system, one.claim, "yes" if one.holds else "**no**", one.evidence]
-                    for system, judged in found.judged.items()
-                    for one in judged
+                    [system, entry.claim, "yes" if entry.holds else "**no**", entry.evidence]
+                    for system, judged in findings.judged.items()
+                    for entry in judged
                 ],
             ),
             "",
-            *_heard(found.heard),
-            *(line for way, edited in found.edited.items() for line in _edited(way, edited)),
+            *_heard(findings.heard),
+            *(line for way, edited in findings.edited.items() for line in _edited(way, edited)),
             "Spoken and named, recorded test takes:",
             "",
             *(
                 line
-                for one in metrics.confusions
-                if one.condition == GROUND_TRUTH
-                for line in _confusion(one)
+                for entry in metrics.confusions
+                if entry.condition == GROUND_TRUTH
+                for line in _confusion(entry)
             ),
             "",
             "## How",
@@ -180,7 +180,7 @@ def _heard(heard: Mapping[str, Mapping[str, float]]) -> list[str]:
         "",
         *_table(
             ("speech model of", *HEARD.values()),
-            [[name, *(_number(one[key]) for key in HEARD)] for name, one in heard.items()],
+            [[name, *(_number(entry[key]) for key in HEARD)] for name, entry in heard.items()],
         ),
         "",
     ]
@@ -198,9 +198,9 @@ GIVEN: Final = MappingProxyType(
 
 def _edited(way: str, edited: Mapping[str, Edited]) -> list[str]:
     """Return what edits do, and the confusion of Figure A.12, counts of all seeds."""
-    counts = sum(np.array(one.confusion.counts) for one in edited.values())
-    told = next(iter(edited.values())).confusion
-    everything = replace(told, counts=tuple(map(tuple, np.asarray(counts).tolist())))
+    counts = sum(np.array(entry.confusion.counts) for entry in edited.values())
+    recognised = next(iter(edited.values())).confusion
+    everything = replace(recognised, counts=tuple(map(tuple, np.asarray(counts).tolist())))
     return [
         f"## Another emotion {way}",
         "",
@@ -222,14 +222,14 @@ def _edited(way: str, edited: Mapping[str, Edited]) -> list[str]:
             [
                 [
                     name,
-                    _number(one.accuracy),
-                    _number(one.speaker_before),
-                    _number(one.speaker_after),
-                    _number(one.speed),
-                    written(one.strokes_before),
-                    written(one.strokes_after),
+                    _number(entry.accuracy),
+                    _number(entry.speaker_before),
+                    _number(entry.speaker_after),
+                    _number(entry.speed),
+                    written(entry.strokes_before),
+                    written(entry.strokes_after),
                 ]
-                for name, one in edited.items()
+                for name, entry in edited.items()
             ],
         ),
         "",
@@ -242,7 +242,9 @@ def _edited(way: str, edited: Mapping[str, Edited]) -> list[str]:
 
 def _confusion(confusion: EmotionConfusion) -> list[str]:
     rows = zip(confusion.spoken, confusion.counts, strict=True)
-    return _table(("", *confusion.named), [[told, *map(str, counts)] for told, counts in rows])
+    return _table(
+        ("", *confusion.named), [[recognised, *map(str, counts)] for recognised, counts in rows]
+    )
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -26,10 +26,10 @@ _TURNS: Final = 11
 """The least of as many times counts: other work of a machine only ever adds."""
 
 
-def textbook_frechet(one: FloatArray, other: FloatArray) -> float:
+def textbook_frechet(samples: FloatArray, others: FloatArray) -> float:
     """Return the Fréchet distance by a matrix square root of the product of covariances."""
-    shift = one.mean(axis=0) - other.mean(axis=0)
-    first, second = np.cov(one, rowvar=False), np.cov(other, rowvar=False)
+    shift = samples.mean(axis=0) - others.mean(axis=0)
+    first, second = np.cov(samples, rowvar=False), np.cov(others, rowvar=False)
     root = np.real(sqrtm(first @ second))
     return float(shift @ shift + np.trace(first) + np.trace(second) - 2 * np.trace(root))
 
@@ -38,16 +38,16 @@ def main() -> None:
     """Print milliseconds, their ratio, and what each says of a sample and itself."""
     chance = np.random.default_rng(0)
     for count, dimensions in SHAPES:
-        one, other = chance.standard_normal((2, count, dimensions))
+        samples, others = chance.standard_normal((2, count, dimensions))
         ours, textbook = _least(
-            partial(frechet_of_samples, one, other), partial(textbook_frechet, one, other)
+            partial(frechet_of_samples, samples, others), partial(textbook_frechet, samples, others)
         )
-        named = f"frechet_n{count}_d{dimensions}"
-        print(f"{named}_ms: {1000 * ours:.3g}")
-        print(f"{named}_sqrtm_ms: {1000 * textbook:.3g}")
-        print(f"{named}_times_faster: {textbook / ours:.1f}")
-        print(f"{named}_self_distance: {frechet_of_samples(one, one):.1e}")
-        print(f"{named}_sqrtm_self_distance: {textbook_frechet(one, one):.1e}")
+        prefix = f"frechet_n{count}_d{dimensions}"
+        print(f"{prefix}_ms: {1000 * ours:.3g}")
+        print(f"{prefix}_sqrtm_ms: {1000 * textbook:.3g}")
+        print(f"{prefix}_times_faster: {textbook / ours:.1f}")
+        print(f"{prefix}_self_distance: {frechet_of_samples(samples, samples):.1e}")
+        print(f"{prefix}_sqrtm_self_distance: {textbook_frechet(samples, samples):.1e}")
 
 
 def _least(*functions: Callable[[], object]) -> list[float]:

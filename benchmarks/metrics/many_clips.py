@@ -45,9 +45,9 @@ def made_speech(seconds: float, chance: np.random.Generator) -> Audio:
     starts = np.cumsum(chance.gamma(4, 1 / (4 * _SYLLABLES_PER_SECOND), round(6 * seconds)))
     loudness = np.zeros_like(time_axis)
     for start in starts[starts < seconds - 0.05]:
-        reach = slice(int(start * _SAMPLE_RATE), int((start + 0.18) * _SAMPLE_RATE))
-        shape = np.hanning(len(loudness[reach]))
-        loudness[reach] = np.maximum(loudness[reach], chance.uniform(0.2, 1) * shape)
+        burst = slice(int(start * _SAMPLE_RATE), int((start + 0.18) * _SAMPLE_RATE))
+        shape = np.hanning(len(loudness[burst]))
+        loudness[burst] = np.maximum(loudness[burst], chance.uniform(0.2, 1) * shape)
     voice = np.sin(2 * np.pi * np.cumsum(120 + 25 * np.sin(2 * time_axis)) / _SAMPLE_RATE)
     noise = chance.standard_normal(len(time_axis))
     return Audio((0.4 * loudness * (0.7 * voice + 0.3 * noise)).astype(np.float32), _SAMPLE_RATE)
@@ -106,15 +106,15 @@ def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> No
 
 def peak_memory() -> float:
     """Return the most memory that any one process of this run has held, in MiB."""
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    own_peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     others = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    return max(own, others) / 1024
+    return max(own_peak, others) / 1024
 
 
 def processor_seconds() -> float:
     """Return the processor time that this process and its finished children have used."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(one.ru_utime + one.ru_stime for one in used)
+    return sum(usage.ru_utime + usage.ru_stime for usage in used)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -125,18 +125,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--preset", action="append", choices=sorted(PRESETS))
     parser.add_argument("--evaluator", action="append", type=Path, default=[])
-    given = parser.parse_args(arguments)
-    segments = max(1, given.clips // (len(CONDITIONS) + 1))
+    args = parser.parse_args(arguments)
+    segments = max(1, args.clips // (len(CONDITIONS) + 1))
     clips = segments * (len(CONDITIONS) + 1)
     with tempfile.TemporaryDirectory(prefix="bench-metrics-") as folder:
         root = Path(folder)
         began = time.perf_counter()
-        make_folders(root, segments, given.seconds, patterns=min(segments, 40))
+        make_folders(root, segments, args.seconds, patterns=min(segments, 40))
         print(f"clips: {clips}")
         print(f"making_s: {time.perf_counter() - began:.1f}", flush=True)
         for run in ("cold", "kept"):
             began, used = time.perf_counter(), processor_seconds()
-            metrics = _measured(root, given.preset or tuple(PRESETS), given)
+            metrics = _measured(root, args.preset or tuple(PRESETS), args)
             write_scores(metrics, root / f"{run}.parquet")
             taken = time.perf_counter() - began
             print(f"{run}_s: {taken:.1f}")
@@ -147,22 +147,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"scores_mib: {(root / 'kept.parquet').stat().st_size / 2**20:.1f}")
 
 
-def _measured(root: Path, presets: Sequence[str], given: argparse.Namespace) -> StudyMetrics:
+def _measured(root: Path, presets: Sequence[str], args: argparse.Namespace) -> StudyMetrics:
     return measure_folders(
         root / "generated",
         root / "recorded",
         root / "speech",
         presets=presets,
-        processes=given.processes,
-        evaluators=given.evaluator,
+        processes=args.processes,
+        evaluators=args.evaluator,
         cache=root / "kept",
     )
 
 
-def _varied(clip: MotionClip, chance: np.random.Generator, apart: float) -> MotionClip:
+def _varied(clip: MotionClip, chance: np.random.Generator, amount: float) -> MotionClip:
     """Return the clip begun elsewhere, with gestures larger or smaller, and a little noise."""
     shift = int(chance.integers(len(clip)))
-    size = 1 + apart * chance.uniform(-0.5, 0.5)
+    size = 1 + amount * chance.uniform(-0.5, 0.5)
     poses = np.roll(clip.poses, shift, axis=0) * np.float32(size)
     poses += chance.normal(0, 0.002, (1, *poses.shape[1:])).astype(np.float32)
     return replace(

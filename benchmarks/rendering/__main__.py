@@ -48,7 +48,7 @@ _CLIPS_PER_PROCESS: Final = 3
 
 _STIMULI, _STIMULUS_SECONDS = 200, 10.0
 
-_SAID: Final = {
+_LABELS: Final = {
     "clip": "our clip: skin, draw, encode",
     "frames": "our frames, kept without loss for pairs",
     "compose": "our pair composed from kept frames",
@@ -196,15 +196,15 @@ def _print(
     for name, measured in runs.items():
         memory = median(run.peak_mb for run in measured)
         print(
-            f"{_SAID[name]:46} {median(run.rate for run in measured):8.1f}"
+            f"{_LABELS[name]:46} {median(run.rate for run in measured):8.1f}"
             f"  {median(run.milliseconds for run in measured):12.1f}"
             f"  {'' if np.isnan(memory) else round(memory):>7}"
         )
     cores = os.cpu_count() or 1
     ours = {name: median(run[name] for run in all_cores) for name in all_cores[0]}
     pairs = [_pair(*both) for both in zip(runs["frames"], runs["compose"], strict=True)]
-    for said, pair_rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
-        print(f"{'our pair: both sides drawn, composed, ' + said:46} {pair_rate:8.1f}")
+    for label, pair_rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
+        print(f"{'our pair: both sides drawn, composed, ' + label:46} {pair_rate:8.1f}")
     print(f"{f'our composing, {cores} processes':46} {ours['compose']:8.1f}")
     print(
         "Ratios to other programs take our rate with one process a core, as the others use all"

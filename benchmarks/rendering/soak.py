@@ -51,11 +51,11 @@ def resident_mb(clip: MotionClip, look: Look) -> tuple[float, float]:
     with tempfile.TemporaryDirectory() as name, Stage(body, camera, look) as stage:
         folder = Path(name)
         with (
-            VideoWriter(folder / "soak.mkv", size, size, rate) as kept,
+            VideoWriter(folder / "soak.mkv", size, size, rate) as writer,
             VideoWriter(folder / "soak.mp4", size, size, rate, silence) as shown,
         ):
             for number, frame in enumerate(stage.video_frames(clip), start=1):
-                kept.write(frame)
+                writer.write(frame)
                 shown.write(frame)
                 if number in (len(clip) // 10, len(clip)):
                     seen.append(_resident_mb())

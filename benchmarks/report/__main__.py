@@ -46,7 +46,7 @@ def _measure(name: str, answers: int, folder: Path) -> None:
         command = ["--responses", str(table), "--protocol", name, "--out", str(folder / "out")]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     start = time.perf_counter()
-    said = subprocess.run(  # noqa: S603 - our own command line
+    done = subprocess.run(  # noqa: S603 - our own command line
         [sys.executable, "-c", _REPORT, *command], check=True, capture_output=True, text=True
     )
     seconds = time.perf_counter() - start
@@ -54,7 +54,7 @@ def _measure(name: str, answers: int, folder: Path) -> None:
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     print(f"report_{name}_processor_s: {processor:.1f}")
     print(f"report_{name}_s: {seconds:.1f}")
-    print(f"report_{name}_gib: {int(said.stdout.split()[-1]) / 2**20:.2f}", flush=True)
+    print(f"report_{name}_gib: {int(done.stdout.split()[-1]) / 2**20:.2f}", flush=True)
 
 
 _REPORT: Final = """

@@ -118,7 +118,9 @@ def _write_trials(connection: Connection, people: range, chance: np.random.Gener
     right = (left + chance.integers(1, len(CONDITIONS), count)) % len(CONDITIONS)
     taste = np.repeat(chance.normal(0, 0.6, len(people)), TRIALS)
     net = (left - right) * 0.4 * (1 + taste)
-    given = [np.digitize(net + chance.logistic(size=count), THRESHOLDS) - 2 for _ in QUESTIONS]
+    simulated_answers = [
+        np.digitize(net + chance.logistic(size=count), THRESHOLDS) - 2 for _ in QUESTIONS
+    ]
     seconds = chance.gamma(6, 4, count).round(2)
     trials, videos, stimuli, responses, records = [], [], [], [], []
     for index in range(count):
@@ -184,7 +186,7 @@ def _write_trials(connection: Connection, people: range, chance: np.random.Gener
                 "reasons": [],
                 "answered_at": NOON,
             }
-            for question, values in zip(QUESTIONS, given, strict=True)
+            for question, values in zip(QUESTIONS, simulated_answers, strict=True)
         ]
     for model, rows in (
         (Trial, trials),

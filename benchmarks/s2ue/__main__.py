@@ -50,37 +50,37 @@ def main() -> None:
     tables.add_argument("--seeds", type=int, default=3, help="trainings of each variant")
     tables.add_argument("--only", nargs="+", choices=list(ABLATIONS), default=list(ABLATIONS))
     tables.add_argument("--write", type=Path, metavar="FILE", help="a page with marks for it")
-    given = parser.parse_args()
-    if given.what == "speed":
-        speed(given.rounds)
+    args = parser.parse_args()
+    if args.what == "speed":
+        speed(args.rounds)
         return
-    if given.what == "seams":
-        for found in seams(given.checkpoint, given.speech):
-            low, high = found.interval or (math.nan, math.nan)
-            print(f"{found.name}: {found.value:.2f} ({low:.2f} to {high:.2f}), {found.n} seams")
+    if args.what == "seams":
+        for seam in seams(args.checkpoint, args.speech):
+            low, high = seam.interval or (math.nan, math.nan)
+            print(f"{seam.name}: {seam.value:.2f} ({low:.2f} to {high:.2f}), {seam.n} seams")
         return
-    if given.what == "draws":
-        windows = windows_of(read_takes(given.corpus), given.folder, "test", stride=34)
+    if args.what == "draws":
+        windows = windows_of(read_takes(args.corpus), args.folder, "test", stride=34)
         face = FaceLandmarks.of_default_body()
-        for path in given.networks:
+        for path in args.networks:
             print(f"{path.stem}: {drawn_together(load_network(path, face), windows):.3f}")
         return
     lines = []
     with torch_threads(1):
         rows = table(
-            given.corpus,
-            given.folder,
-            steps=given.steps,
-            seeds=given.seeds,
-            ablations=given.only,
+            args.corpus,
+            args.folder,
+            steps=args.steps,
+            seeds=args.seeds,
+            ablations=args.only,
         )
         for line in rows:
             print(line, flush=True)
             lines.append(line)
-    if given.write is not None:
-        before, rest = given.write.read_text("utf-8").split(BEGIN)
+    if args.write is not None:
+        before, rest = args.write.read_text("utf-8").split(BEGIN)
         after = rest.split(END)[1]
-        write_text(given.write, "\n".join([before + BEGIN, *lines, END + after]))
+        write_text(args.write, "\n".join([before + BEGIN, *lines, END + after]))
 
 
 if __name__ == "__main__":

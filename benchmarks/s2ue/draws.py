@@ -28,7 +28,7 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
     """
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
-    told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
+    told = {name: torch.from_numpy(array) for name, array in windows.batch(rows).items()}
     people = torch.from_numpy(trained.speakers.one_hot(windows.speakers(rows)))
     means = []
     for draw in range(DRAWS):
@@ -42,21 +42,21 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
                 told["motion"][:, : config.seeds],
             )
         means.append(values[:, config.seeds :].mean(dim=1).double().numpy())
-    found = np.stack(means)
+    draws = np.stack(means)
     return alike(
-        found[..., :BONE_VALUES].reshape(DRAWS, -1), found[..., BONE_VALUES:].reshape(DRAWS, -1)
+        draws[..., :BONE_VALUES].reshape(DRAWS, -1), draws[..., BONE_VALUES:].reshape(DRAWS, -1)
     )
 
 
 def alike(body: FloatArray, face: FloatArray) -> float:
     """Return how far the same draws are alike in body and face, each (draws, values)."""
-    one, other = ((values - values.mean(axis=0)) for values in (body, face))
-    one, other = one @ one.T, other @ other.T
+    first, second = ((values - values.mean(axis=0)) for values in (body, face))
+    first, second = first @ first.T, second @ second.T
     chance = np.random.default_rng(1)
-    orders = [chance.permutation(len(one)) for _ in range(_SHUFFLES)]
-    null = float(np.mean([_rv(one, other[np.ix_(order, order)]) for order in orders]))
-    return (_rv(one, other) - null) / (1 - null)
+    orders = [chance.permutation(len(first)) for _ in range(_SHUFFLES)]
+    null = float(np.mean([_rv(first, second[np.ix_(order, order)]) for order in orders]))
+    return (_rv(first, second) - null) / (1 - null)
 
 
-def _rv(one: FloatArray, other: FloatArray) -> float:
-    return float((one * other).sum() / np.sqrt((one * one).sum() * (other * other).sum()))
+def _rv(first: FloatArray, second: FloatArray) -> float:
+    return float((first * second).sum() / np.sqrt((first * first).sum() * (second * second).sum()))

@@ -80,9 +80,9 @@ class Measure:
             list(zip(*pair, strict=True))
             for pair in zip(self._points(values), self._points(self.recorded), strict=True)
         )
-        found = dict.fromkeys(COLUMNS, float("nan"))
+        row_values = dict.fromkeys(COLUMNS, float("nan"))
         if face:
-            found["MALE"], found["MAcE-LM"] = (
+            row_values["MALE"], row_values["MAcE-LM"] = (
                 mean(
                     point_error(
                         one, two, frame_rate=RATE, settings=how, scale=self._scales[1]
@@ -91,9 +91,9 @@ class Measure:
                 )
                 for how in (MALE, MACE_LANDMARKS)
             )
-            found["FLD"] = self._distance(values, "face", slice(BONE_VALUES, None))
+            row_values["FLD"] = self._distance(values, "face", slice(BONE_VALUES, None))
         if pose:
-            found["MAJE"], found["MAcE-P"] = (
+            row_values["MAJE"], row_values["MAcE-P"] = (
                 mean(
                     point_error(
                         one, two, frame_rate=RATE, settings=how, scale=self._scales[0]
@@ -102,10 +102,10 @@ class Measure:
                 )
                 for how in (MAJE, MACE_POSES)
             )
-            found["FGD"] = self._distance(values, "pose", slice(BONE_VALUES))
+            row_values["FGD"] = self._distance(values, "pose", slice(BONE_VALUES))
         if face and pose:
-            found["synchrony"] = self.synchrony(values[:, SEEDS:])
-        return found
+            row_values["synchrony"] = self.synchrony(values[:, SEEDS:])
+        return row_values
 
     def _points(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return joints and landmarks, (windows, T, points, 3)."""
@@ -163,9 +163,9 @@ def seams(checkpoint: Path, speech: Sequence[Path]) -> Iterator[MetricResult]:
     segment = Segment(
         name="all", wav="all.wav", start=0, end=audio.duration, speaker="all", emotion="neutral"
     )
-    made = S2ue(S2ueSettings(checkpoint=checkpoint))
+    generator = S2ue(S2ueSettings(checkpoint=checkpoint))
     spoken = SpeechSegment(segment=segment, audio=audio)
-    yield from seams_of_clip(made.generate(spoken, seed=1, frame_rate=_RATE))
+    yield from seams_of_clip(generator.generate(spoken, seed=1, frame_rate=_RATE))
 
 
 def speed(rounds: int) -> None:
@@ -186,13 +186,13 @@ def speed(rounds: int) -> None:
         write_network(
             path, S2ueNetwork(network=network, speakers=speakers, vectors=StandIn().description)
         )
-        made = S2ue(S2ueSettings(checkpoint=path))
+        generator = S2ue(S2ueSettings(checkpoint=path))
         turns = []
         for _ in range(rounds + 1):
             wall, processors = time.perf_counter(), time.process_time()
-            values = np.concatenate(list(made.stream([sound], seed=1)))
+            values = np.concatenate(list(generator.stream([sound], seed=1)))
             told = time.perf_counter() - wall
-            made.clip_of(values)
+            generator.clip_of(values)
             turns.append((told, time.perf_counter() - wall, time.process_time() - processors))
     for name, seconds in zip(
         ("motion, by the clock", "clip, by the clock", "clip, of processors"),

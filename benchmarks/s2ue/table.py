@@ -58,13 +58,13 @@ def table(
     yield f"| | {' | '.join(COLUMNS)} |"
     yield f"|---{'|---' * len(COLUMNS)}|"
     for ablation in (*ablations, None):
-        found = []
+        rows_of_seeds = []
         for seed in range(seeds):
             network = load_network(files[ablation, seed], face)
             config = network.network.config
             moved = _moved(network, recorded)
-            found.append(measure(moved, face=config.faces, pose=config.poses))
-        yield _row((ablation or "full model").replace("_", " "), found)
+            rows_of_seeds.append(measure(moved, face=config.faces, pose=config.poses))
+        yield _row((ablation or "full model").replace("_", " "), rows_of_seeds)
     for name, values in _recordings(recorded).items():
         score = measure.synchrony(measure.recorded[:, SEEDS:], values[:, SEEDS:])
         yield _row(name, [dict.fromkeys(COLUMNS, float("nan")) | {"synchrony": score}])
@@ -89,7 +89,7 @@ def _recordings(windows: Windows) -> Mapping[str, FloatArray]:
 
     def drawn(same: bool) -> FloatArray:
         fits = (names[:, None] != names) & ((speakers[:, None] == speakers) == same)
-        return motion[[chance.choice(np.flatnonzero(one)) for one in fits]]
+        return motion[[chance.choice(np.flatnonzero(entry)) for entry in fits]]
 
     return {
         "recorded": motion,
@@ -116,7 +116,7 @@ def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
     """Return motion of all windows (windows, T, values), from recorded seeds."""
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
-    told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
+    told = {name: torch.from_numpy(entry) for name, entry in windows.batch(rows).items()}
     people = trained.speakers.one_hot(windows.speakers(rows))
     noise = torch.randn(
         (len(rows), *config.latents),
@@ -134,8 +134,8 @@ def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
     return values.numpy().astype(np.float64)
 
 
-def _row(name: str, found: Sequence[Found]) -> str:
-    cells = (_cell([one[column] for one in found]) for column in COLUMNS)
+def _row(name: str, rows_of_seeds: Sequence[Found]) -> str:
+    cells = (_cell([entry[column] for entry in rows_of_seeds]) for column in COLUMNS)
     return f"| {name} | {' | '.join(cells)} |"
 
 
@@ -143,5 +143,5 @@ def _cell(values: Sequence[float]) -> str:
     """Return the mean of seeds and, of several, the least and the largest."""
     if np.isnan(values).any():
         return "–"
-    middle, low, high = (f"{one:.3g}" for one in (mean(values), min(values), max(values)))
+    middle, low, high = (f"{entry:.3g}" for entry in (mean(values), min(values), max(values)))
     return middle if len(values) == 1 else f"{middle} ({low}–{high})"

@@ -212,11 +212,11 @@ def arrival_lines(server: StudyServer, database: FreshDatabase, seconds: float) 
     took, used = time.perf_counter() - started, _used(server, database) - before
     arrived = len(coming.seconds.get("start", []))
     lines = [f"{backend}_arrivals_per_s: {arrived / took:.0f}"]
-    for whose, spent in zip(("server", "database", "client"), used, strict=True):
+    for process, spent in zip(("server", "database", "client"), used, strict=True):
         each = spent / arrived if arrived else math.nan
-        lines.append(f"{backend}_arrival_{whose}_cpu_ms: {each:.1f}")
-    rest = [kind for kind in lived.seconds if kind not in ARRIVAL]
-    for name, kinds in (("arrival", ARRIVAL), ("rest", rest)):
+        lines.append(f"{backend}_arrival_{process}_cpu_ms: {each:.1f}")
+    other_kinds = [kind for kind in lived.seconds if kind not in ARRIVAL]
+    for name, kinds in (("arrival", ARRIVAL), ("rest", other_kinds)):
         taken = [second for kind in kinds for second in lived.seconds.get(kind, [])]
         for share in (50, 99):
             quantile = _quantile_ms(taken, share / 100)

@@ -43,7 +43,7 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
     What they see is noted in `ledger`; who could not begin is not among those returned.
     """
 
-    async def one(number: int) -> Arrived | None:
+    async def arrival(number: int) -> Arrived | None:
         visitor = Visitor(wire=Wire(HOST, port), ledger=ledger, chance=_chance(seed, number))
         with suppress(StrandedError):
             address = await visitor.enrol()
@@ -53,7 +53,7 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
             return Arrived(visitor=visitor, address=address, page=page)
         return None
 
-    came = await asyncio.gather(*(one(number) for number in range(count)))
+    came = await asyncio.gather(*(arrival(number) for number in range(count)))
     return [arrived for arrived in came if arrived is not None]
 
 
@@ -62,10 +62,10 @@ async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> No
 
     What they see is noted in `ledger`; that they are cut short at the end is no error.
     """
-    async with beside(_trials(one, ledger) for one in arrived):
+    async with beside(_trials(arrival, ledger) for arrival in arrived):
         await asyncio.sleep(seconds)
-    for one in arrived:
-        one.visitor.wire.close()
+    for arrival in arrived:
+        arrival.visitor.wire.close()
 
 
 async def keep_arriving(port: int, *, at_once: int, seconds: float, ledger: Ledger) -> None:
@@ -88,7 +88,7 @@ async def live(port: int, *, count: int, seconds: float, ledger: Ledger) -> None
     They come within the first third, each at a moment of their own.
     """
 
-    async def one(number: int) -> None:
+    async def arrival(number: int) -> None:
         chance = _chance(1, number)
         await asyncio.sleep(chance.uniform(0, seconds / 3))
         async with Wire(HOST, port) as wire:
@@ -96,7 +96,7 @@ async def live(port: int, *, count: int, seconds: float, ledger: Ledger) -> None
             with suppress(StrandedError):
                 await visitor.take_part()
 
-    tasks = [asyncio.create_task(one(number)) for number in range(count)]
+    tasks = [asyncio.create_task(arrival(number)) for number in range(count)]
     await asyncio.wait(tasks, timeout=seconds)
     for task in tasks:
         task.cancel()

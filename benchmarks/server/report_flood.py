@@ -71,10 +71,10 @@ class Waits:
 
 def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
     """Serve the study in `folder`, and measure it in turns of `seconds`."""
-    said = folder / "said"
+    log = folder / "said"
     # The clock runs as it does for people: nobody may send more than a page does.
     with (
-        study_server(folder, said, database_url=database.url, speed=1.0) as server,
+        study_server(folder, log, database_url=database.url, speed=1.0) as server,
         _flooder(server.port) as flooding,
     ):
         return asyncio.run(_measure(server.port, flooding, seconds))
@@ -101,16 +101,16 @@ async def _measure(port: int, flooding: Event, seconds: float) -> Waits:
 async def _taking_part(arrived: list[Arrived], ledger: Ledger) -> AsyncIterator[None]:
     """Let everybody who has `arrived` take part in real time during the block."""
 
-    async def go_on(number: int, one: Arrived) -> None:
+    async def go_on(number: int, arrival: Arrived) -> None:
         await asyncio.sleep(BEFORE * number / len(arrived))
-        visitor = replace(one.visitor, ledger=ledger, in_real_time=True)
+        visitor = replace(arrival.visitor, ledger=ledger, in_real_time=True)
         with suppress(StrandedError):
-            await visitor.go_on(one.address, one.page)
+            await visitor.go_on(arrival.address, arrival.page)
 
-    async with beside(go_on(number, one) for number, one in enumerate(arrived)):
+    async with beside(go_on(number, arrival) for number, arrival in enumerate(arrived)):
         yield
-    for one in arrived:
-        one.visitor.wire.close()
+    for arrival in arrived:
+        arrival.visitor.wire.close()
 
 
 @contextmanager

@@ -39,15 +39,15 @@ def _ordinal(side: int, large: int) -> None:
     if missing:
         print(f"clmm_beside_r: skipped, {missing}")
     else:
-        found = beside_r(made_answers(side, side))
+        comparison = beside_r(made_answers(side, side))
         print(f"clmm_answers: {side * side}")
-        print(f"clmm_s: {found.seconds:.3f}")
-        print(f"clmm_r_s: {found.seconds_r:.3f}")
-        print(f"clmm_times_faster: {found.times_faster:.1f}")
-        print(f"clmm_estimates_apart: {found.estimates_apart:.1e}")
-        print(f"clmm_errors_apart: {found.errors_apart:.1e}")
-        print(f"clmm_log_likelihood_apart: {found.log_likelihood_apart:.1e}")
-        print(f"clmm_agrees: {'yes' if found.agrees else 'no'}")
+        print(f"clmm_s: {comparison.seconds:.3f}")
+        print(f"clmm_r_s: {comparison.seconds_r:.3f}")
+        print(f"clmm_times_faster: {comparison.times_faster:.1f}")
+        print(f"clmm_estimates_apart: {comparison.estimates_apart:.1e}")
+        print(f"clmm_errors_apart: {comparison.errors_apart:.1e}")
+        print(f"clmm_log_likelihood_apart: {comparison.log_likelihood_apart:.1e}")
+        print(f"clmm_agrees: {'yes' if comparison.agrees else 'no'}")
     answers = made_answers(large, large)
     whole, seconds = timed(partial(fitted, answers))
     _, reduced = timed(partial(fitted, answers, effect=False))
@@ -59,12 +59,12 @@ def _ordinal(side: int, large: int) -> None:
 
 def _bootstrap(resamples: int) -> None:
     for participants, items in ((1000, 100), (316, 316)):
-        found = beside_gather(participants, items, resamples=resamples)
-        named = f"bootstrap_{participants}x{items}"
-        print(f"{named}_s: {found.seconds:.3f}")
-        print(f"{named}_gather_s: {found.seconds_gather:.3f}")
-        print(f"{named}_times_faster: {found.times_faster:.1f}")
-        print(f"{named}_deviations_apart: {found.deviations_apart:.1e}", flush=True)
+        comparison = beside_gather(participants, items, resamples=resamples)
+        prefix = f"bootstrap_{participants}x{items}"
+        print(f"{prefix}_s: {comparison.seconds:.3f}")
+        print(f"{prefix}_gather_s: {comparison.seconds_gather:.3f}")
+        print(f"{prefix}_times_faster: {comparison.times_faster:.1f}")
+        print(f"{prefix}_deviations_apart: {comparison.deviations_apart:.1e}", flush=True)
 
 
 def _strengths(count: int) -> None:
@@ -72,12 +72,12 @@ def _strengths(count: int) -> None:
     if missing:
         print(f"bradley_terry_beside_choix: skipped, {missing}")
         return
-    found = beside_choix(made_votes(count))
+    comparison = beside_choix(made_votes(count))
     print(f"bradley_terry_votes: {count}")
-    print(f"bradley_terry_ms: {1000 * found.seconds:.1f}")
-    print(f"bradley_terry_choix_ms: {1000 * found.seconds_choix:.1f}")
-    print(f"bradley_terry_times_faster: {found.times_faster:.1f}")
-    print(f"bradley_terry_strengths_apart: {found.strengths_apart:.1e}", flush=True)
+    print(f"bradley_terry_ms: {1000 * comparison.seconds:.1f}")
+    print(f"bradley_terry_choix_ms: {1000 * comparison.seconds_choix:.1f}")
+    print(f"bradley_terry_times_faster: {comparison.times_faster:.1f}")
+    print(f"bradley_terry_strengths_apart: {comparison.strengths_apart:.1e}", flush=True)
 
 
 if __name__ == "__main__":

@@ -32,9 +32,9 @@ def timed(work: Callable[[], Found], *, turns: int = 1) -> tuple[Found, float]:
     least = float("inf")
     for _ in range(turns):
         began = time.process_time()
-        found = work()
+        result = work()
         least = min(least, time.process_time() - began)
-    return found, least
+    return result, least
 
 
 @dataclass(frozen=True, kw_only=True)

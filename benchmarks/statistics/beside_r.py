@@ -108,17 +108,17 @@ def beside_r(answers: Preferences, *, turns: int = 3) -> BesideR:
     subprocess.CalledProcessError
         If R fails.
     """
-    found, seconds = timed(partial(fitted, answers), turns=turns)
+    our_fit, seconds = timed(partial(fitted, answers), turns=turns)
     theirs = _by_r(answers)
     # R gives the thresholds first.
-    estimates = np.array([*found.thresholds, *found.estimates.values()])
-    errors = np.array([*found.threshold_errors, *found.standard_errors.values()])
+    estimates = np.array([*our_fit.thresholds, *our_fit.estimates.values()])
+    errors = np.array([*our_fit.threshold_errors, *our_fit.standard_errors.values()])
     return BesideR(
         seconds=seconds,
         seconds_r=theirs["seconds"],
         estimates_apart=float(np.abs(estimates - theirs["estimates"]).max()),
         errors_apart=float(np.abs(errors / theirs["errors"] - 1).max()),
-        log_likelihood_apart=abs(found.log_likelihood - theirs["log_likelihood"]),
+        log_likelihood_apart=abs(our_fit.log_likelihood - theirs["log_likelihood"]),
     )
 
 
@@ -141,5 +141,5 @@ def _by_r(answers: Preferences) -> dict[str, Any]:
             check=True,
             text=True,
         )
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    our_fit: dict[str, Any] = json.loads(done.stdout)
+    return our_fit

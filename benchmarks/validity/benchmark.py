@@ -45,15 +45,18 @@ def measure(
     for number, design in enumerate(experiment.designs):
         counted = []
         for which, effect in enumerate(experiment.protocol.effects):
-            made = replace(design, effect=effect)
-            truths = experiment.protocol.truths(made)
+            with_effect = replace(design, effect=effect)
+            truths = experiment.protocol.truths(with_effect)
             seeds = np.random.SeedSequence([seed, number, which]).spawn(count)
             blocks = [seeds[start : start + BLOCK] for start in range(0, count, BLOCK)]
             total: dict[str, Tally] = {}
             for part in map_(
-                _simulated, repeat(experiment.protocol), repeat(made), repeat(truths), blocks
+                _simulated, repeat(experiment.protocol), repeat(with_effect), repeat(truths), blocks
             ):
-                total = {name: total.get(name, Tally()) + own for name, own in part.items()}
+                total = {
+                    name: total.get(name, Tally()) + measured_rows
+                    for name, measured_rows in part.items()
+                }
             counted.append(total)
         for name, without in counted[0].items():
             rows.append(
@@ -91,28 +94,30 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with _processes(asked.processes) as pool:
         for experiment in EXPERIMENTS:
             if experiment.name in asked.only:
-                own = measure(experiment, studies=asked.studies, seed=asked.seed, pool=pool)
-                rows += own
-                print("\n".join(map(_line, own)), flush=True)
+                measured_rows = measure(
+                    experiment, studies=asked.studies, seed=asked.seed, pool=pool
+                )
+                rows += measured_rows
+                print("\n".join(map(_line, measured_rows)), flush=True)
                 if asked.write:
                     count = _count(experiment, asked.studies)
                     write_sections(
-                        asked.write, experiment.name, own, studies=count, seed=asked.seed
+                        asked.write, experiment.name, measured_rows, studies=count, seed=asked.seed
                     )
     print()
     numbers: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         numbers.setdefault((row.experiment, row.number), []).append(row)
-    for (name, number), own in numbers.items():
-        naive = " (as papers do)" if own[0].naive else ""
-        print(f"{name}: {number}{naive}: {overall(own)}")
+    for (name, number), measured_rows in numbers.items():
+        naive = " (as papers do)" if measured_rows[0].naive else ""
+        print(f"{name}: {number}{naive}: {overall(measured_rows)}")
     print()
-    for (name, number), own in numbers.items():
-        found = [row.realised for row in own]
+    for (name, number), measured_rows in numbers.items():
+        outcomes = [row.realised for row in measured_rows]
         key = re.sub(r"[^a-z0-9]+", "_", f"{name} {number}".lower().replace("'", "")).strip("_")
-        print(f"{key}_most_false_positives: {max(r.false_positives.value for r in found):.3f}")
-        if not np.isnan(found[0].coverage.value):
-            print(f"{key}_least_coverage: {min(r.coverage.value for r in found):.3f}")
+        print(f"{key}_most_false_positives: {max(r.false_positives.value for r in outcomes):.3f}")
+        if not np.isnan(outcomes[0].coverage.value):
+            print(f"{key}_least_coverage: {min(r.coverage.value for r in outcomes):.3f}")
     print(f"studies: {asked.studies}")
     print(f"seconds: {time.monotonic() - began:.0f}")
 
@@ -124,14 +129,14 @@ _HEAD: Final = "{:18} {:20} {:40} {:>11} {:>11} {:>11} {:>5}  {}"
 
 
 def _line(row: Row) -> str:
-    found = row.realised
+    outcomes = row.realised
     shares = [
         "-" if np.isnan(share.value) else f"{share.value:.3f}±{share.error:.3f}"
-        for share in (found.false_positives, found.coverage, found.power)
+        for share in (outcomes.false_positives, outcomes.coverage, outcomes.power)
     ]
-    verdict = f"as papers do: {found.verdict}" if row.naive else found.verdict
+    verdict = f"as papers do: {outcomes.verdict}" if row.naive else outcomes.verdict
     return _HEAD.format(
-        row.experiment, row.size, row.number, *shares, f"{found.silent:.2f}", verdict
+        row.experiment, row.size, row.number, *shares, f"{outcomes.silent:.2f}", verdict
     )
 
 

@@ -59,10 +59,10 @@ def write_sections(path: Path, name: str, rows: Sequence[Row], *, studies: int, 
     studies, seed : int
         How many were simulated of each design and effect, and what drew them.
     """
-    there = path.read_text("utf-8") if path.exists() else ""
+    text = path.read_text("utf-8") if path.exists() else ""
     sections = {
         part.split("\n", 1)[0]: f"## {part.rstrip()}\n"
-        for part in re.split(r"^## ", there, flags=re.MULTILINE)[1:]
+        for part in re.split(r"^## ", text, flags=re.MULTILINE)[1:]
     }
     sections[_heading(name)] = _section(name, rows, studies, seed)
     write_text(path, document(sections))
@@ -72,9 +72,9 @@ def document(sections: Mapping[str, str]) -> str:
     """Return the document of sections by heading; it says which kinds of studies are missing."""
     names = [experiment.name for experiment in EXPERIMENTS]
     missing = [name for name in names if _heading(name) not in sections]
-    found = [sections[_heading(name)] for name in names if name not in missing]
+    outcome = [sections[_heading(name)] for name in names if name not in missing]
     gap = f"Not here yet: {'; '.join(missing)}.\n"
-    return "\n".join([HEAD, *([gap] if missing else []), *found])
+    return "\n".join([HEAD, *([gap] if missing else []), *outcome])
 
 
 def _heading(name: str) -> str:
@@ -93,20 +93,19 @@ def _section(name: str, rows: Sequence[Row], studies: int, seed: int) -> str:
         f"| {' | '.join((*_COLUMNS, 'verdict'))} |",
         f"|{'---|' * (len(_COLUMNS) + 1)}",
     ]
-    for number, own in numbers.items():
-        naive = " (as papers do)" if own[0].naive else ""
-        lines.append(
-            f"| **{number}**{naive} | | | | | | **{overall(own).replace(' x ', ' × ')}** |"
-        )
-        lines += [_line(row) for row in own]
+    for number, measured_rows in numbers.items():
+        naive = " (as papers do)" if measured_rows[0].naive else ""
+        verdict = overall(measured_rows).replace(" x ", " × ")
+        lines.append(f"| **{number}**{naive} | | | | | | **{verdict}** |")
+        lines += [_line(row) for row in measured_rows]
     return "\n".join(lines) + "\n"
 
 
 def _line(row: Row) -> str:
-    found: Realised = row.realised
-    shares = (found.false_positives, found.coverage, found.power)
-    cells = ["", row.size.replace(" x ", " × "), *map(_share, shares), f"{found.silent:.2f}"]
-    return f"| {' | '.join(cells)} | {found.verdict} |"
+    outcome: Realised = row.realised
+    shares = (outcome.false_positives, outcome.coverage, outcome.power)
+    cells = ["", row.size.replace(" x ", " × "), *map(_share, shares), f"{outcome.silent:.2f}"]
+    return f"| {' | '.join(cells)} | {outcome.verdict} |"
 
 
 def _share(share: Share) -> str:

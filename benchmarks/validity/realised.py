@@ -177,11 +177,11 @@ def tally(
     generators: Iterable[np.random.Generator],
 ) -> dict[str, Tally]:
     """Simulate one study with each of `generators` and count, by name of conclusion."""
-    found: dict[str, Tally] = {}
+    tallies: dict[str, Tally] = {}
     for generator in generators:
         for name, conclusion in protocol.conclude(design, generator).items():
-            found[name] = found.get(name, Tally()) + _counted(conclusion, truths.get(name))
-    return found
+            tallies[name] = tallies.get(name, Tally()) + _counted(conclusion, truths.get(name))
+    return tallies
 
 
 def _counted(conclusion: Conclusion, truth: float | None) -> Tally:

@@ -143,18 +143,21 @@ def tastes(
             return scale * sd / math.sqrt(3) * generator.standard_t(3, (count, width))
         return scale * sd * generator.standard_normal((count, width))
 
-    found = drawn(design.participants, design.participant_sd)[people]
-    found = found + drawn(design.items, design.item_sd)[items]
+    utilities = drawn(design.participants, design.participant_sd)[people]
+    utilities = utilities + drawn(design.items, design.item_sd)[items]
     if design.process == "taste of items":
         cells = people * design.items + items
-        found = found + drawn(design.participants * design.items, design.participant_sd)[cells]
+        utilities = (
+            utilities + drawn(design.participants * design.items, design.participant_sd)[cells]
+        )
     if design.process == "drift":
         first = np.searchsorted(people, np.arange(design.participants))
         time = (np.arange(people.size) - first[people]) / design.items - 0.5
-        found = (
-            found + 2 * time[:, None] * drawn(design.participants, design.participant_sd)[people]
+        utilities = (
+            utilities
+            + 2 * time[:, None] * drawn(design.participants, design.participant_sd)[people]
         )
-    return found
+    return utilities
 
 
 def preferences(

@@ -17,11 +17,11 @@ def test_the_figure_is_drawn_and_its_numbers_are_told(tmp_path: Path) -> None:
 
     with Image.open(tmp_path / "adaptive.png") as picture:
         assert picture.width > 600
-    said = report(curves)
+    printed = report(curves)
     for choice in CHOICES:
         assert curves[1.0][choice].shape == (2, 5, 2)
-        assert f"{curves[1.0][choice][:, 4, 0].mean():.3f}" in said
-        assert f"answers_until_known_{choice}_sd_1: " in said
+        assert f"{curves[1.0][choice][:, 4, 0].mean():.3f}" in printed
+        assert f"answers_until_known_{choice}_sd_1: " in printed
 
 
 def test_an_order_counts_as_known_from_the_first_participant_who_makes_it_so() -> None:

@@ -25,11 +25,11 @@ def ratio(values: np.ndarray, windows: Windows = WINDOWS) -> float:
 
 
 def test_motion_without_seams_has_a_ratio_of_one() -> None:
-    found = seam_acceleration(wandering(), WINDOWS, of="points")
-    assert found.value == pytest.approx(1, abs=0.1)
-    assert found.interval is not None
-    assert found.interval[0] < 1 < found.interval[1]
-    assert found.n == 19
+    result = seam_acceleration(wandering(), WINDOWS, of="points")
+    assert result.value == pytest.approx(1, abs=0.1)
+    assert result.interval is not None
+    assert result.interval[0] < 1 < result.interval[1]
+    assert result.n == 19
 
 
 @pytest.mark.parametrize("frame", [0, 2, 4])
@@ -66,9 +66,9 @@ def test_the_ratio_is_that_of_accelerations_there_and_elsewhere() -> None:
 def test_where_there_is_nothing_to_compare_the_reason_is_said(
     values: np.ndarray, reason: str
 ) -> None:
-    found = seam_acceleration(values, WINDOWS, of="points")
-    assert math.isnan(found.value)
-    assert reason in found.reason
+    result = seam_acceleration(values, WINDOWS, of="points")
+    assert math.isnan(result.value)
+    assert reason in result.reason
 
 
 def test_a_clip_says_where_its_windows_begin() -> None:
@@ -82,9 +82,9 @@ def test_a_clip_says_where_its_windows_begin() -> None:
     )
     with pytest.raises(InputError, match="does not say where"):
         list(seams_of_clip(clip))
-    told = clip.with_provenance(window_frames="34", window_overlap="4", window_frame_rate="15")
-    assert windows_of(told) == WINDOWS
-    found = list(seams_of_clip(told))
-    names = [one.name.partition("(")[2] for one in found]
+    stated = clip.with_provenance(window_frames="34", window_overlap="4", window_frame_rate="15")
+    assert windows_of(stated) == WINDOWS
+    result = list(seams_of_clip(stated))
+    names = [seam.name.partition("(")[2] for seam in result]
     assert names == ["arms and head)", "fingers)", "face)"]
-    assert all(0.7 < one.value < 1.4 for one in found)
+    assert all(0.7 < seam.value < 1.4 for seam in result)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.report.figures.style import STYLE
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
@@ -90,7 +91,10 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
     assert "can be served" in motionjury("check", "lab")
     motionjury("rehearse", "lab", "--seed", 1)
     motionjury("metrics", "lab", "--processes", 1)
-    motionjury("report", "lab")
+    with pytest.MonkeyPatch.context() as patch:
+        # Fonts of this type are embedded several times as fast.
+        patch.setitem(STYLE, "pdf.fonttype", 3)
+        motionjury("report", "lab")
     return home / "lab"
 
 

@@ -85,14 +85,14 @@ def test_every_text_is_translated(catalogue: Catalog) -> None:
 
 def test_a_translation_has_the_places_and_marks_of_its_text(catalogue: Catalog) -> None:
     for message in entries(catalogue):
-        forms, said = texts(message), translations(message)
+        forms, translated = texts(message), translations(message)
         # The form for many things is the one that every language has.
-        assert places(said[-1]) == places(forms[-1]), message.id
-        assert all(places(form) <= places(forms[-1]) for form in said), message.id
-        assert {tuple(sorted(TAG.findall(form))) for form in said} == {
+        assert places(translated[-1]) == places(forms[-1]), message.id
+        assert all(places(form) <= places(forms[-1]) for form in translated), message.id
+        assert {tuple(sorted(TAG.findall(form))) for form in translated} == {
             tuple(sorted(TAG.findall(form))) for form in forms
         }, message.id
-        for form in said:
+        for form in translated:
             assert form.strip() == form or message.id == ", ", message.id
             assert "%" not in PLACE.sub("", form).replace("%%", ""), message.id
 

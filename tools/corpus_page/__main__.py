@@ -34,18 +34,18 @@ def main() -> None:
     parser.add_argument(
         "--write", type=Path, metavar="FILE", help="a page with marks for the tables"
     )
-    given = parser.parse_args()
-    takes = read_measured(given.folder)
-    size = sum(path.stat().st_size for path in given.folder.rglob("*") if path.is_file())
+    args = parser.parse_args()
+    takes = read_measured(args.folder)
+    size = sum(path.stat().st_size for path in args.folder.rglob("*") if path.is_file())
     text = "\n".join(tables(takes, size))
-    if given.write is None:
+    if args.write is None:
         print(text)
         return
-    before, _, rest = given.write.read_text(encoding="utf-8").partition(BEGIN)
+    before, _, rest = args.write.read_text(encoding="utf-8").partition(BEGIN)
     _, mark, after = rest.partition(END)
     if not mark:
-        raise SystemExit(f"{given.write}: there is no place between {BEGIN} and {END}")
-    write_text(given.write, f"{before}{BEGIN}\n{text}\n{END}{after}")
+        raise SystemExit(f"{args.write}: there is no place between {BEGIN} and {END}")
+    write_text(args.write, f"{before}{BEGIN}\n{text}\n{END}{after}")
 
 
 def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
@@ -65,9 +65,9 @@ def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
     yield ""
     yield "| told by the nearest mean | right | chance | test takes |"
     yield "|---|---|---|---|"
-    for found in told(takes):
-        right = f"{found.share:.0%}" if found.takes else "– (there is no such take)"
-        yield f"| {found.what} | {right} | {found.chance:.0%} | {found.takes} |"
+    for line in told(takes):
+        right = f"{line.share:.0%}" if line.takes else "– (there is no such take)"
+        yield f"| {line.what} | {right} | {line.chance:.0%} | {line.takes} |"
     yield ""
     yield "| wrists | mean | median | 95th percentile |"
     yield "|---|---|---|---|"

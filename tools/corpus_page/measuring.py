@@ -307,8 +307,8 @@ def _summary(values: FloatArray) -> FloatArray:
 
 def _thinned(values: FloatArray, frame_rate: float) -> FloatArray:
     """Return the frames nearest to those at the rate at which the pace is measured."""
-    wanted = np.arange(0, len(values), frame_rate / FRAME_RATE)
-    return np.asarray(values[np.minimum(np.round(wanted).astype(int), len(values) - 1)])
+    moments = np.arange(0, len(values), frame_rate / FRAME_RATE)
+    return np.asarray(values[np.minimum(np.round(moments).astype(int), len(values) - 1)])
 
 
 def _heard(heard: SpeechCurves) -> FloatArray:

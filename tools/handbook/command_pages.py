@@ -38,10 +38,10 @@ def commands() -> dict[str, click.Context]:
         Sorted; subcommands come right behind the command that they belong to.
     """
     top = click.Context(group, info_name=_PROGRAM)
-    found: dict[str, click.Context] = {}
+    contexts: dict[str, click.Context] = {}
     for path, context in _below(group, top):
-        found[" ".join(path)] = context
-    return found
+        contexts[" ".join(path)] = context
+    return contexts
 
 
 def _below(
@@ -51,10 +51,10 @@ def _below(
         command = above.get_command(context, name)
         if command is None or command.hidden:
             continue
-        own = click.Context(command, info_name=name, parent=context)
-        yield (*path, name), own
+        own_names = click.Context(command, info_name=name, parent=context)
+        yield (*path, name), own_names
         if isinstance(command, click.Group):
-            yield from _below(command, own, (*path, name))
+            yield from _below(command, own_names, (*path, name))
 
 
 def summary(context: click.Context) -> str:
@@ -112,7 +112,7 @@ def block(name: str, words: str) -> str:
 
 def blocks(page: str) -> dict[str, str]:
     """Return the parts of a page that the program writes, marks included, by what they are of."""
-    return {found["name"]: found[0] for found in _BLOCK.finditer(page)}
+    return {contexts["name"]: contexts[0] for contexts in _BLOCK.finditer(page)}
 
 
 def by_hand(page: str) -> str:
@@ -135,18 +135,20 @@ def pages(before: Mapping[str, str]) -> dict[str, str]:
     """
     every = commands()
     tops = [name for name in every if " " not in name]
-    made = {name: _page(name, every, before.get(name, _empty(name))) for name in tops}
+    written = {name: _page(name, every, before.get(name, _empty(name))) for name in tops}
     table = ["| command | |", "|---|---|"]
     table += [f"| [`{name}`]({name}.md) | {summary(every[name])} |" for name in tops]
     index = before.get(INDEX, f"# The commands\n\n{block('all commands', '')}\n")
-    return {**made, INDEX: _replaced(index, {"all commands": "\n".join(table)})}
+    return {**written, INDEX: _replaced(index, {"all commands": "\n".join(table)})}
 
 
 def _page(name: str, every: Mapping[str, click.Context], before: str) -> str:
-    own = [each for each in every if each.split()[0] == name]
-    words = {f"motionjury {each}": described(every[each]) for each in own}
-    there = blocks(before)
-    new = "".join(f"## `{each}`\n\n{block(each, '')}\n\n" for each in words if each not in there)
+    own_names = [each for each in every if each.split()[0] == name]
+    words = {f"motionjury {each}": described(every[each]) for each in own_names}
+    old_blocks = blocks(before)
+    new = "".join(
+        f"## `{each}`\n\n{block(each, '')}\n\n" for each in words if each not in old_blocks
+    )
     before = before.replace("## Example", f"{new}## Example", 1)
     return _replaced(before, words)
 
@@ -160,7 +162,9 @@ def _empty(name: str) -> str:
 def _replaced(page: str, words: Mapping[str, str]) -> str:
     """Return `page` with the program's words anew; a block of what is gone is taken out."""
     text = _BLOCK.sub(
-        lambda found: block(found["name"], words[found["name"]]) if found["name"] in words else "",
+        lambda contexts: (
+            block(contexts["name"], words[contexts["name"]]) if contexts["name"] in words else ""
+        ),
         page,
     )
     return re.sub(r"\n{3,}", "\n\n", text)

@@ -34,10 +34,10 @@ class Fenced:
 
 def fenced_blocks(page: str) -> list[Fenced]:
     """Return all fenced blocks of a page, in order."""
-    found = []
+    blocks = []
     for block in _FENCE.finditer(page):
         language, *words = block["info"].split() or [""]
-        found.append(
+        blocks.append(
             Fenced(
                 language=language,
                 words=tuple(words),
@@ -46,7 +46,7 @@ def fenced_blocks(page: str) -> list[Fenced]:
                 end=block.end(),
             )
         )
-    return found
+    return blocks
 
 
 def follows(page: str, before: Fenced, after: Fenced) -> bool:

@@ -64,10 +64,10 @@ def shortened(lines: list[str], kept: str) -> list[str]:
     kept : str
         How many, such as ``6+2``.
     """
-    found = _KEPT.fullmatch(kept)
-    if found is None:
+    match = _KEPT.fullmatch(kept)
+    if match is None:
         raise ValueError(f"{kept!r} says not how many lines to keep; write it as 6+2")
-    first, last = map(int, found.groups())
+    first, last = map(int, match.groups())
     if len(lines) <= first + last + 1:
         return lines
     return [*lines[:first], LEFT_OUT, *lines[len(lines) - last :]]
@@ -156,18 +156,18 @@ def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> 
         text=True,
         start_new_session=True,
     )
-    said = []
+    output_lines = []
     try:
         for line in cast("IO[str]", server.stdout):
-            said.append(line)
+            output_lines.append(line)
             if _IS_SERVED in line:
                 break
         else:
-            raise InputError(f"the server ended: {''.join(said)}")
+            raise InputError(f"the server ended: {''.join(output_lines)}")
     finally:
         os.killpg(server.pid, signal.SIGINT)
         server.communicate(timeout=60)
-    return "".join(said)
+    return "".join(output_lines)
 
 
 def _edit(path: Path, words: str, *, without: Sequence[str]) -> None:
@@ -185,8 +185,8 @@ def _edit(path: Path, words: str, *, without: Sequence[str]) -> None:
 
 def _merge(into: tomlkit.TOMLDocument | Table, new: tomlkit.TOMLDocument | Table) -> None:
     for key, value in new.items():
-        there = into.get(key)
-        if isinstance(value, Table) and isinstance(there, Table):
-            _merge(there, value)
+        old_value = into.get(key)
+        if isinstance(value, Table) and isinstance(old_value, Table):
+            _merge(old_value, value)
         else:
             into[key] = value

@@ -63,50 +63,50 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--segments", type=int, default=2, help="of each emotion")
     parser.add_argument("--participants", type=int, default=60, help="simulated ones")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    given = parser.parse_args(arguments)
+    args = parser.parse_args(arguments)
     try:
-        line, made = make(given)
+        line, trained = make(args)
     except InputError as error:
         raise SystemExit(f"Error: {error}") from error
     study = StudyFolder(line.folder / STUDY)
-    text = measured(study, line.took(), made)
-    if given.write is None:
+    text = measured(study, line.took(), trained)
+    if args.write is None:
         print(text)
         return
-    write_text(given.write, with_measured(given.write.read_text("utf-8"), text))
+    write_text(args.write, with_measured(args.write.read_text("utf-8"), text))
     for kind in ("bodies", "faces"):
-        picture = given.write.with_name(f"{given.write.stem}-{kind}.png")
+        picture = args.write.with_name(f"{args.write.stem}-{kind}.png")
         write_picture(line.folder / f"{kind}.png", picture)
 
 
-def make(given: argparse.Namespace) -> tuple[Line, list[Network]]:
+def make(args: argparse.Namespace) -> tuple[Line, list[Network]]:
     """Make what the folder lacks of the study, from the corpus to the report."""
-    root: Path = given.folder.resolve()
+    root: Path = args.folder.resolve()
     root.mkdir(parents=True, exist_ok=True)
     line = Line(root)
-    corpus = root / "corpus" if given.corpus is None else given.corpus.resolve()
-    if given.corpus is None:
+    corpus = root / "corpus" if args.corpus is None else args.corpus.resolve()
+    if args.corpus is None:
         line.run("corpus", *places([corpus], root), *CORPUS)
     wanted: dict[str, Path | None] = {
-        name: getattr(given, name.replace("-", "_")) for name in NETWORKS
+        name: getattr(args, name.replace("-", "_")) for name in NETWORKS
     }
-    made = networks(line, corpus, wanted, given.steps)
+    trained = networks(line, corpus, wanted, args.steps)
     takes = read_takes(corpus).takes
     study, recordings = StudyFolder(root / STUDY), StudyFolder(root / RECORDINGS)
     for folder, chosen in (
         (recordings, learned_takes(takes, LEARNED_FROM)),
-        (study, shown_takes(takes, given.segments)),
+        (study, shown_takes(takes, args.segments)),
     ):
         if not folder.definition.exists():
             line.run("init", *places([folder.root], root), "--template", TEMPLATE)
-        _set(folder, given.participants)
+        _set(folder, args.participants)
         with line.step(f"import of {len(chosen)} recordings") as is_due:
             if is_due:
                 bring(folder, chosen)
-    evaluators(line, RECORDINGS, study.evaluators, given.evaluator_steps)
-    depends = digest(*(network.file for network in made))
-    _place(study, made)
-    processes = ("--processes", str(given.processes))
+    evaluators(line, RECORDINGS, study.evaluators, args.evaluator_steps)
+    depends = digest(*(network.file for network in trained))
+    _place(study, trained)
+    processes = ("--processes", str(args.processes))
     line.run("generate", STUDY, of=depends)
     line.run("render", STUDY, *processes, of=depends)
     line.run("check", STUDY, of=depends)
@@ -117,7 +117,7 @@ def make(given: argparse.Namespace) -> tuple[Line, list[Network]]:
     strip = ("figure", "strip", STUDY, "--segment", segment, "--moments", "5", "--inches", "3.3")
     line.run(*strip, "--output", "bodies.png", of=depends)
     line.run(*strip, "--closeup", "--no-wave", "--output", "faces.png", of=depends)
-    return line, made
+    return line, trained
 
 
 def _set(folder: StudyFolder, participants: int) -> None:
@@ -131,11 +131,11 @@ def _set(folder: StudyFolder, participants: int) -> None:
     write_text(folder.definition, tomlkit.dumps(document))
 
 
-def _place(study: StudyFolder, made: Sequence[Network]) -> None:
+def _place(study: StudyFolder, trained: Sequence[Network]) -> None:
     """Put the networks where the template names them."""
     folder = study.root / "networks"
     folder.mkdir(exist_ok=True)
-    for network in made:
+    for network in trained:
         shutil.copyfile(network.file, folder / f"{network.name}.safetensors")
 
 

@@ -77,8 +77,8 @@ class Line:
     @contextmanager
     def step(self, name: str, *, of: str = "") -> Iterator[bool]:
         """Tell whether a step is still to be done, and keep what it takes; see `run`."""
-        kept = self._kept()
-        known = kept.get(name, {})
+        record = self._kept()
+        known = record.get(name, {})
         is_due = known.get("done_of") != of
         if not is_due:
             yield False
@@ -91,32 +91,32 @@ class Line:
             done_of = of
         finally:
             same = known.get("of") == of
-            kept = self._kept()
-            kept[name] = {
+            record = self._kept()
+            record[name] = {
                 "of": of,
                 "done_of": done_of,
                 "seconds": time.perf_counter() - clock + (known["seconds"] if same else 0),
                 "processor": _processor_seconds() - processor + (known["processor"] if same else 0),
             }
-            write_text(self.folder / _KEPT, json.dumps(kept, indent=1) + "\n")
+            write_text(self.folder / _KEPT, json.dumps(record, indent=1) + "\n")
 
     def took(self) -> dict[str, Took]:
         """Return what each step took, in the order in which they were first run."""
         return {
-            name: Took(seconds=one["seconds"], processor=one["processor"])
-            for name, one in self._kept().items()
+            name: Took(seconds=entry["seconds"], processor=entry["processor"])
+            for name, entry in self._kept().items()
         }
 
     def _kept(self) -> dict[str, Any]:
         path = self.folder / _KEPT
-        kept: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.exists() else {}
-        return kept
+        record: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.exists() else {}
+        return record
 
 
 def _processor_seconds() -> float:
     """Return the processor time of this process and of those that it has waited for."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(one.ru_utime + one.ru_stime for one in used)
+    return sum(entry.ru_utime + entry.ru_stime for entry in used)
 
 
 def places(paths: Sequence[Path], folder: Path) -> list[str]:

@@ -59,22 +59,25 @@ def networks(
     line: Line, corpus: Path, given: Mapping[str, Path | None], steps: int | None
 ) -> list[Network]:
     """Return the four networks of the three systems; those that are not given are trained."""
-    made: dict[str, Network] = {}
+    trained: dict[str, Network] = {}
     for name in NETWORKS:
         file = given.get(name)
         if file is not None:
             if not file.is_file():
                 raise InputError("there is no such network", where=file, remedy="Check the path")
-            made[name] = Network(name=name, file=file.resolve(), is_given=True)
+            trained[name] = Network(name=name, file=file.resolve(), is_given=True)
             continue
         out = line.folder / "networks" / f"{name}.safetensors"
         words = ["train", name, "--data", *places([corpus], line.folder), "--config", "tiny"]
         if name == "amuse":
-            words += ["--speech-model", *places([made["amuse-speech"].file], line.folder)]
+            words += ["--speech-model", *places([trained["amuse-speech"].file], line.folder)]
         words += ["--out", *places([out], line.folder), *_of_steps(steps)]
-        line.run(*words, of=digest(*(one.file for one in made.values())) if name == "amuse" else "")
-        made[name] = Network(name=name, file=out, is_given=False)
-    return list(made.values())
+        line.run(
+            *words,
+            of=digest(*(network.file for network in trained.values())) if name == "amuse" else "",
+        )
+        trained[name] = Network(name=name, file=out, is_given=False)
+    return list(trained.values())
 
 
 def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> None:

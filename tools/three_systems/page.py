@@ -57,7 +57,7 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
         Which ones moved.
     """
     results = json.loads((study.report / "results.json").read_text("utf-8"))
-    said = study.study()
+    definition = study.study()
     metrics = _Metrics.of(results)
     segments = study.segments()
     people = results["participants"]
@@ -77,7 +77,7 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
             "and segments, behind their true values, which are on another scale "
             "and from another zero: the order counts.",
             "",
-            *_preferences(results, said),
+            *_preferences(results, definition),
             "",
             "## Beside every metric of the three papers",
             "",
@@ -130,12 +130,13 @@ class _Metrics:
         """Return those of `results.json`."""
         return cls(
             scores={
-                (one["condition"], one["metric"]): one for one in results["metrics"]["conditions"]
+                (entry["condition"], entry["metric"]): entry
+                for entry in results["metrics"]["conditions"]
             },
             taus={
-                (one["metric"], question): one["kendall"]
-                for question, found in results["metrics_against_people"].items()
-                for one in found["metrics"]
+                (entry["metric"], question): entry["kendall"]
+                for question, ranking_of_metrics in results["metrics_against_people"].items()
+                for entry in ranking_of_metrics["metrics"]
             },
             conditions=tuple(results["conditions_shown"]),
             questions=tuple(results["questions"]),
@@ -144,14 +145,14 @@ class _Metrics:
     def row(self, column: TableColumn) -> list[str]:
         """Return a metric's scores of all conditions and its agreement with each question."""
         name = column.metric
-        scores = [self.scores.get((one, name), {}) for one in self.conditions]
-        unit = next((one["unit"] for one in scores if one.get("unit")), "")
+        scores = [self.scores.get((entry, name), {}) for entry in self.conditions]
+        unit = next((entry["unit"] for entry in scores if entry.get("unit")), "")
         taus = [self.taus.get((name, question), {}) for question in self.questions]
         return [
             f"{column.block} {column.label}".strip() + (f", {unit}" if unit else ""),
             _ARROWS.get(column.better, ""),
-            *(_number(one.get("value")) for one in scores),
-            *(_number(one.get("estimate"), ".2f") for one in taus),
+            *(_number(entry.get("value")) for entry in scores),
+            *(_number(entry.get("estimate"), ".2f") for entry in taus),
         ]
 
     def reasons(self) -> list[str]:
@@ -160,8 +161,8 @@ class _Metrics:
         for paper in PAPERS:
             for column in PAPER_TABLES[paper]:
                 for condition in self.conditions:
-                    one = self.scores.get((condition, column.metric), {})
-                    for why in filter(None, (one.get("reason"), one.get("remark"))):
+                    entry = self.scores.get((condition, column.metric), {})
+                    for why in filter(None, (entry.get("reason"), entry.get("remark"))):
                         whom = about.setdefault(why, {})
                         name = f"{_WHOSE[paper]} {column.label}"
                         whom.setdefault(name, []).append(f"`{condition}`")
@@ -172,17 +173,19 @@ class _Metrics:
         ]
 
 
-def _preferences(results: Mapping[str, Any], said: Any) -> Iterator[str]:
-    given = default_population(said).quality
+def _preferences(results: Mapping[str, Any], definition: Any) -> Iterator[str]:
+    given = default_population(definition).quality
     questions = results["questions"]
     rows = []
     for condition in results["conditions_shown"]:
         row = [f"`{condition}`"]
         for question in questions:
             standings = results["bradley_terry"][question]["conditions"]
-            found = next(one for one in standings if one["condition"] == condition)
+            ranking_of_metrics = next(
+                entry for entry in standings if entry["condition"] == condition
+            )
             strength, low, high = (
-                _number(found[key], ".2f") for key in ("estimate", "low", "high")
+                _number(ranking_of_metrics[key], ".2f") for key in ("estimate", "low", "high")
             )
             row += [f"{given[condition][question]:.2f}", f"{strength} [{low}, {high}]"]
         rows.append(row)
@@ -196,18 +199,18 @@ def _metric_tables(metrics: _Metrics) -> Iterator[str]:
     for paper in PAPERS:
         yield f"**{TITLES[paper]}**"
         yield ""
-        head = ("metric", "better", *(f"`{one}`" for one in metrics.conditions))
+        head = ("metric", "better", *(f"`{entry}`" for entry in metrics.conditions))
         taus = (f"τ, {question}" for question in metrics.questions)
-        yield from _table((*head, *taus), (metrics.row(one) for one in PAPER_TABLES[paper]))
+        yield from _table((*head, *taus), (metrics.row(entry) for entry in PAPER_TABLES[paper]))
         yield ""
 
 
 def _times(took: Mapping[str, Took]) -> Iterator[str]:
     rows = [
-        [f"`{name}`" if name.startswith("motionjury") else name, _duration(one.processor)]
-        for name, one in took.items()
+        [f"`{name}`" if name.startswith("motionjury") else name, _duration(entry.processor)]
+        for name, entry in took.items()
     ]
-    rows.append(["all of it", _duration(sum(one.processor for one in took.values()))])
+    rows.append(["all of it", _duration(sum(entry.processor for entry in took.values()))])
     yield from _table(("step", "processor time"), rows)
 
 

@@ -66,9 +66,9 @@ def no_truths(_: Design) -> Mapping[str, float]:
     return {}
 
 
-def of_mean(found: Estimate) -> Conclusion:
+def of_mean(value: Estimate) -> Conclusion:
     """Return what a clustered mean says."""
-    return Conclusion(p_value=found.p_value, low=found.low, high=found.high)
+    return Conclusion(p_value=value.p_value, low=value.low, high=value.high)
 
 
 def of_error(estimate: float, error: float, freedom: float = math.inf) -> Conclusion:
@@ -84,24 +84,24 @@ def of_error(estimate: float, error: float, freedom: float = math.inf) -> Conclu
     )
 
 
-def of_two_way(strengths: Floats, found: TwoWayErrors | None) -> Conclusion:
+def of_two_way(strengths: Floats, value: TwoWayErrors | None) -> Conclusion:
     """Return what the first strength's two-way error says."""
-    if found is None or not np.isfinite(strengths).all():
+    if value is None or not np.isfinite(strengths).all():
         return Conclusion(p_value=math.nan)
-    return of_error(float(strengths[0]), float(found.errors[0]), float(found.freedoms[0]))
+    return of_error(float(strengths[0]), float(value.errors[0]), float(value.freedoms[0]))
 
 
-def of_ranks(strengths: Floats, found: TwoWayErrors | None, *, effect: float) -> Conclusion:
+def of_ranks(strengths: Floats, value: TwoWayErrors | None, *, effect: float) -> Conclusion:
     """Return whether rank intervals tell conditions apart, and whether all hold the truth.
 
     The first condition is the best where there is an effect; all others are equally good, so that
     each of them may have any of their ranks. The interval is 1 to 1 where all ranks are inside,
     2 to 2 where one is not; the truth of it is 1.
     """
-    if found is None or not np.isfinite(strengths).all():
+    if value is None or not np.isfinite(strengths).all():
         return Conclusion(p_value=math.nan)
     count = len(strengths)
-    ranks = rank_intervals(strengths, difference_tests(strengths, found))
+    ranks = rank_intervals(strengths, difference_tests(strengths, value))
     first_shared = 2 if effect > 0 else 1
     inside = ranks[0][0] == 1 and (effect > 0 or ranks[0][1] == count)
     inside &= all(best <= first_shared and worst == count for best, worst in ranks[1:])

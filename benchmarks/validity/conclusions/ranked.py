@@ -43,20 +43,20 @@ def conclude_rankings(design: Design, generator: np.random.Generator) -> Mapping
     """Return the conclusions of one study."""
     judged = judgements(design, len(RANKED), generator)
     placed = ranks(judged, generator)
-    found = _fitted(placed, judged.participants, judged.items)
+    fit = _fitted(placed, judged.participants, judged.items)
     first = rank_summaries(placements(_table(placed, judged.participants, judged.items), RANKED))[0]
     goodness = (1 + len(RANKED) - placed).astype(np.float64)
     by_person = np.column_stack([group_means(column, judged.participants) for column in goodness.T])
     return {
         MEAN_RANK: of_mean(first.mean_rank),
         FIRST: of_mean(first.first_share),
-        WORTH: of_two_way(found.strengths, found.two_way),
-        RANKS: of_ranks(found.strengths, found.two_way, effect=design.effect),
-        BY_PARTICIPANT: of_error(found.strengths[0], found.errors[0]),
+        WORTH: of_two_way(fit.strengths, fit.two_way),
+        RANKS: of_ranks(fit.strengths, fit.two_way, effect=design.effect),
+        BY_PARTICIPANT: of_error(fit.strengths[0], fit.errors[0]),
         MEANS_FRIEDMAN: Conclusion(
             p_value=friedman(Blocks(conditions=RANKED, means=by_person)).p_value
         ),
-        NAIVE_WORTH: of_error(found.strengths[0], found.errors_by_model[0]),
+        NAIVE_WORTH: of_error(fit.strengths[0], fit.errors_by_model[0]),
         NAIVE_FRIEDMAN: Conclusion(
             p_value=friedman(Blocks(conditions=RANKED, means=goodness)).p_value
         ),

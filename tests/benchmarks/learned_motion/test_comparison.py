@@ -32,10 +32,10 @@ def following(own: float, swapped: float) -> Followings:
 def judged(
     distances: dict[str, float] | None = None, own: float = 0.3, swapped: float = 0.01
 ) -> dict[str, bool]:
-    found = {name: following(own, swapped) for name in ("trained_1", "trained_2")}
-    found[GROUND_TRUTH] = following(0.7, 0.03)
-    made = verdicts(GOOD | (distances or {}), found, ("trained_1", "trained_2"))
-    return {one.claim: one.holds for one in made}
+    followings_of = {name: following(own, swapped) for name in ("trained_1", "trained_2")}
+    followings_of[GROUND_TRUTH] = following(0.7, 0.03)
+    made = verdicts(GOOD | (distances or {}), followings_of, ("trained_1", "trained_2"))
+    return {verdict.claim: verdict.holds for verdict in made}
 
 
 def test_a_network_that_does_all_is_told_so() -> None:
@@ -105,21 +105,21 @@ EDITED = Edited(
 )
 def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed: int) -> None:
     judged = edit_verdicts(BY_NAME, [EDITED, worse])
-    assert [number for number, one in enumerate(judged) if not one.holds] == [failed]
+    assert [number for number, verdict in enumerate(judged) if not verdict.holds] == [failed]
 
 
 def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_ones() -> None:
-    found = {
+    followings_of = {
         GROUND_TRUTH: following(0.7, 0.0),
         UNTRAINED: following(0.0, 0.0),
         "trained_1": following(0.3, 0.2),
     }
     distances = {"trained_1": 3.25, UNTRAINED: 10.0, RULE_BASED: 8.0}
-    judged = {"diffsheg": verdicts(distances, found, ("trained_1",))}
+    judged = {"diffsheg": verdicts(distances, followings_of, ("trained_1",))}
     text = page(
         Findings(
             metrics=METRICS,
-            followed=found,
+            followed=followings_of,
             judged=judged,
             heard={"amuse_1": dict.fromkeys(HEARD, 0.5)},
             edited={BY_NAME: {"amuse_1": EDITED, "amuse_2": EDITED}},

@@ -51,26 +51,26 @@ def speech(seed: int) -> Speech:
 
 
 def test_wrists_that_move_as_the_process_says_follow_it() -> None:
-    said = speech(1)
-    found = follow(swinging(said.wrist_speed, said.jaw_open), said)
-    assert found.wrist_speed > 0.95
-    assert found.jaw_open == pytest.approx(1, abs=1e-6)
+    spoken = speech(1)
+    score = follow(swinging(spoken.wrist_speed, spoken.jaw_open), spoken)
+    assert score.wrist_speed > 0.95
+    assert score.jaw_open == pytest.approx(1, abs=1e-6)
 
 
 def test_what_does_not_move_follows_nothing_and_says_so() -> None:
-    found = follow(swinging(np.zeros(FRAMES)), speech(1))
-    assert math.isnan(found.wrist_speed)
-    assert math.isnan(found.jaw_open)
-    assert math.isnan(found.beats)
+    score = follow(swinging(np.zeros(FRAMES)), speech(1))
+    assert math.isnan(score.wrist_speed)
+    assert math.isnan(score.jaw_open)
+    assert math.isnan(score.beats)
 
 
 def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> None:
-    said = speech(1)
+    spoken = speech(1)
     moment = (np.arange(FRAMES) + 0.5) / RATE
-    since = np.abs(moment[:, None] - said.strokes).min(axis=1)
+    since = np.abs(moment[:, None] - spoken.strokes).min(axis=1)
     resting = swinging(np.minimum(since, 0.3))
-    elsewhere = replace(said, strokes=said.strokes + 0.45)
-    assert follow(resting, said).strokes > 0.4
+    elsewhere = replace(spoken, strokes=spoken.strokes + 0.45)
+    assert follow(resting, spoken).strokes > 0.4
     assert follow(resting, elsewhere).strokes < 0
 
 
@@ -85,10 +85,10 @@ def mean_of(values: dict[str, float], groups: dict[str, str]) -> MeanFollowed:
 
 def test_the_mean_lies_in_its_interval_and_leaves_undefined_clips_out() -> None:
     values = {f"t{number}": 0.1 * number for number in range(10)} | {"still": math.nan}
-    found = mean_of(values, {take: take for take in values})
-    assert found.clips == 10
-    assert found.mean == pytest.approx(0.45)
-    assert found.low < 0.45 < found.high
+    score = mean_of(values, {take: take for take in values})
+    assert score.clips == 10
+    assert score.mean == pytest.approx(0.45)
+    assert score.low < 0.45 < score.high
 
 
 def test_takes_of_one_text_are_drawn_together() -> None:

@@ -10,11 +10,11 @@ def test_the_benchmark_measures_every_clip_twice_and_prints_numbers(
 ) -> None:
     many_clips.main(["--clips", "10", "--seconds", "1.5", "--processes", "1", "--preset", "genea"])
     lines = [line.split(": ") for line in capsys.readouterr().out.splitlines()]
-    found = {name: float(value) for name, value in lines}
-    assert found["clips"] == 10
-    assert found["clip_scores"] == 20
-    assert found["cold_clips_per_s"] > 0
-    assert found["kept_clips_per_s"] > 0
+    values = {name: float(value) for name, value in lines}
+    assert values["clips"] == 10
+    assert values["clip_scores"] == 20
+    assert values["cold_clips_per_s"] > 0
+    assert values["kept_clips_per_s"] > 0
 
 
 def test_the_benchmark_prints_a_number_behind_every_name(

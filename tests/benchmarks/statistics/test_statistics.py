@@ -20,10 +20,10 @@ def test_it_agrees_with_r_on_the_answers_it_times() -> None:
     if missing:
         pytest.skip(missing)
 
-    found = beside_r(made_answers(12, 8), turns=1)
+    comparison = beside_r(made_answers(12, 8), turns=1)
 
-    assert found.agrees
-    assert found.seconds_r > 0
+    assert comparison.agrees
+    assert comparison.seconds_r > 0
 
 
 @pytest.mark.skipif(bool(why_not_choix()), reason="choix is not installed")

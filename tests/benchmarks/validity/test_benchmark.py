@@ -32,8 +32,8 @@ SMALL = Design(participants=12, items=10, effect=0.0, participant_sd=1.0, item_s
 
 
 def measured(experiment: Experiment, studies: int, design: Design = SMALL) -> dict[str, Row]:
-    one = replace(experiment, designs=(design,), share=1.0)
-    return {row.number: row for row in measure(one, studies=studies, seed=7)}
+    small_experiment = replace(experiment, designs=(design,), share=1.0)
+    return {row.number: row for row in measure(small_experiment, studies=studies, seed=7)}
 
 
 @cache
@@ -91,12 +91,12 @@ def test_conditions_that_differ_by_the_margin_are_seldom_found_equivalent() -> N
 
 def test_how_the_work_is_shared_out_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("benchmarks.validity.benchmark.BLOCK", 2)
-    one = replace(VOTES, designs=(SMALL,))
+    small_experiment = replace(VOTES, designs=(SMALL,))
 
     with ThreadPoolExecutor(2) as pool:
-        shared = measure(one, studies=5, seed=1, pool=pool)
+        shared = measure(small_experiment, studies=5, seed=1, pool=pool)
 
-    assert repr(shared) == repr(measure(one, studies=5, seed=1))
+    assert repr(shared) == repr(measure(small_experiment, studies=5, seed=1))
 
 
 def test_the_command_ends_with_names_and_values_and_writes_each_kind_of_study_once(
@@ -181,9 +181,9 @@ NOTHING = Design(participants=5, items=4, effect=0.0, participant_sd=0.6, item_s
 
 
 def test_the_true_win_share_is_what_many_answers_tend_to() -> None:
-    made = preferences(LARGE, np.random.default_rng(1))
+    answers = preferences(LARGE, np.random.default_rng(1))
 
-    assert made.wins.mean() == pytest.approx(true_win_share(LARGE), abs=0.01)
+    assert answers.wins.mean() == pytest.approx(true_win_share(LARGE), abs=0.01)
     assert true_win_share(NOTHING) == pytest.approx(0.5)
 
 
@@ -192,13 +192,13 @@ def test_the_true_rating_difference_is_what_many_ratings_tend_to(tastes: bool) -
     chance = np.random.default_rng(2)
     judged = judgements(LARGE, 2, chance, differ=tastes)
 
-    given = ratings(judged, LARGE, chance)
+    rated = ratings(judged, LARGE, chance)
 
-    assert given.min() == 1
-    assert given.max() == 5
+    assert rated.min() == 1
+    assert rated.max() == 5
     truth = true_rating_difference(LARGE, tastes=tastes)
-    assert (given[:, 0] - given[:, 1]).mean() == pytest.approx(truth, abs=0.05)
-    assert given[:, 0].mean() == pytest.approx(true_mean_rating(LARGE, tastes=tastes), abs=0.05)
+    assert (rated[:, 0] - rated[:, 1]).mean() == pytest.approx(truth, abs=0.05)
+    assert rated[:, 0].mean() == pytest.approx(true_mean_rating(LARGE, tastes=tastes), abs=0.05)
 
 
 def test_the_true_outcomes_are_what_many_votes_tend_to() -> None:

@@ -42,9 +42,9 @@ def test_a_page_holds_every_option_that_help_shows(name: str) -> None:
     page = WRITTEN[name.split()[0]]
     options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", shown, re.MULTILINE)) - {"--help"}
 
-    told = set(re.findall(r"^\| `(--[\w-]+)", blocks(page)[f"motionjury {name}"], re.MULTILINE))
+    listed = set(re.findall(r"^\| `(--[\w-]+)", blocks(page)[f"motionjury {name}"], re.MULTILINE))
 
-    assert told == options
+    assert listed == options
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -59,9 +59,11 @@ def test_somebody_wrote_what_a_page_is_for(name: str, heading: str) -> None:
 
 
 def test_what_is_written_by_hand_stays() -> None:
-    mine = "# `motionjury check`\n\n" + block("motionjury check", "old words") + "\n\nMy words.\n"
+    page_by_hand = (
+        "# `motionjury check`\n\n" + block("motionjury check", "old words") + "\n\nMy words.\n"
+    )
 
-    after = pages({"check": mine})["check"]
+    after = pages({"check": page_by_hand})["check"]
 
     assert "My words." in after
     assert "old words" not in after

@@ -38,8 +38,10 @@ def commands_on_the_page() -> list[list[str]]:
         block.body for block in fenced_blocks(TEXT) if block.language == "sh" and not block.words
     )
     lines = shell.replace("\\\n", " ").splitlines()
-    found = [line.split("motionjury deploy", 1)[1] for line in lines if "motionjury deploy" in line]
-    return [shlex.split(re.sub(r">.*", "", line)) for line in found]
+    commands = [
+        line.split("motionjury deploy", 1)[1] for line in lines if "motionjury deploy" in line
+    ]
+    return [shlex.split(re.sub(r">.*", "", line)) for line in commands]
 
 
 @pytest.mark.parametrize("arguments", commands_on_the_page(), ids=" ".join)
@@ -48,11 +50,11 @@ def test_the_commands_of_the_page_have_such_options(
 ) -> None:
     parser = deploy_command.make_parser(click.Context(deploy_command))
 
-    given: dict[str, Any] = parser.parse_args(list(arguments))[0]
+    parsed: dict[str, Any] = parser.parse_args(list(arguments))[0]
 
-    assert given["host"] == "study.example.org"
-    shown = DEPLOYMENTS["second" if "proxy" in given else ""]
-    assert given["contact"] == shown.contact
-    assert given.get("prefix", "") == shown.prefix
-    assert given.get("database", "sqlite") == shown.database
-    assert given.get("proxy", "caddy") == shown.proxy
+    assert parsed["host"] == "study.example.org"
+    shown = DEPLOYMENTS["second" if "proxy" in parsed else ""]
+    assert parsed["contact"] == shown.contact
+    assert parsed.get("prefix", "") == shown.prefix
+    assert parsed.get("database", "sqlite") == shown.database
+    assert parsed.get("proxy", "caddy") == shown.proxy

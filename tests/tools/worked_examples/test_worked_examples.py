@@ -72,16 +72,16 @@ STUDIES = 600
 
 
 def test_without_spread_answers_are_independent() -> None:
-    found = with_spread(
+    estimate = with_spread(
         0.46, 0.39, participants=22, items=24, spread=Spread(participants=0, items=0)
     )
 
     share = 0.535
     error = np.sqrt((0.46 + 0.15 / 4 - share**2) / (22 * 24))
-    reach = stats.t.ppf(0.975, 21) * error
-    assert found.design_effect == pytest.approx(1)
-    assert (found.low, found.high) == pytest.approx((share - reach, share + reach))
-    assert found.p_value == pytest.approx(2 * stats.t.sf((share - 0.5) / error, 21))
+    margin = stats.t.ppf(0.975, 21) * error
+    assert estimate.design_effect == pytest.approx(1)
+    assert (estimate.low, estimate.high) == pytest.approx((share - margin, share + margin))
+    assert estimate.p_value == pytest.approx(2 * stats.t.sf((share - 0.5) / error, 21))
 
 
 @pytest.mark.parametrize(("participant_sd", "item_sd"), [(0.6, 0.0), (0.6, 0.45), (1.0, 0.8)])
@@ -95,7 +95,7 @@ def test_win_shares_of_simulated_studies_vary_as_much_as_is_said(
     shares = [preferences(design, chance).wins.mean() for _ in range(STUDIES)]
     wins, _, losses = true_outcomes(design)
 
-    found = with_spread(
+    estimate = with_spread(
         wins,
         losses,
         participants=22,
@@ -103,7 +103,7 @@ def test_win_shares_of_simulated_studies_vary_as_much_as_is_said(
         spread=Spread(participants=participant_sd, items=item_sd),
     )
 
-    reach = stats.t.ppf(0.975, 21)
+    margin = stats.t.ppf(0.975, 21)
     # The standard deviation of 600 shares is known within 6% (two standard errors).
-    assert np.std(shares) == pytest.approx((found.high - found.low) / (2 * reach), rel=0.09)
-    assert np.mean(shares) == pytest.approx(found.win_share, abs=0.01)
+    assert np.std(shares) == pytest.approx((estimate.high - estimate.low) / (2 * margin), rel=0.09)
+    assert np.mean(shares) == pytest.approx(estimate.win_share, abs=0.01)
