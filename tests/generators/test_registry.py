@@ -29,10 +29,10 @@ def test_naming_the_generators_imports_none() -> None:
         "print([m for m in sys.modules if m.startswith(tuple('generators.' + h for h in homes))],\n"
         "      [m for m in ('torch', 'transformers', 'librosa', 'OpenGL') if m in sys.modules])"
     )
-    said = subprocess.run(
+    message = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    assert said.stdout.split("\n")[0] == "[] []"
+    assert message.stdout.split("\n")[0] == "[] []"
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
@@ -43,9 +43,9 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
 
 def test_a_network_without_weights_says_which_key_names_them() -> None:
     assert needs_model("diffsheg")
-    with pytest.raises(InputError, match="diffsheg is a network and was given no weights") as said:
+    with pytest.raises(InputError, match="diffsheg is a network and was given no weights") as error:
         load_generator("diffsheg")
-    assert "'checkpoint' in study.toml" in str(said.value.remedy)
+    assert "'checkpoint' in study.toml" in str(error.value.remedy)
 
 
 def test_weights_for_a_generator_without_a_network_are_refused(tmp_path: Path) -> None:
@@ -59,7 +59,7 @@ HOME = Path(registry.__file__).parent
 
 
 @pytest.mark.parametrize(
-    ("file", "found"),
+    ("file", "result"),
     [
         ("trainables.toml", TRAINABLE),
         ("amuse/motion.toml", MOTION_PRESETS),
@@ -68,16 +68,16 @@ HOME = Path(registry.__file__).parent
         ("s2ue/presets.toml", s2ue.PRESETS),
     ],
 )
-def test_each_key_of_a_packaged_file_is_known(file: str, found: Mapping[str, object]) -> None:
-    _check_known(tomllib.loads((HOME / file).read_text("utf-8")), found)
+def test_each_key_of_a_packaged_file_is_known(file: str, result: Mapping[str, object]) -> None:
+    _check_known(tomllib.loads((HOME / file).read_text("utf-8")), result)
 
 
-def _check_known(told: object, found: object) -> None:
-    if isinstance(told, dict):
-        known = vars(found) if is_dataclass(found) else found
+def _check_known(keys: object, defaults: object) -> None:
+    if isinstance(keys, dict):
+        known = vars(defaults) if is_dataclass(defaults) else defaults
         assert isinstance(known, Mapping)
-        assert told.keys() <= known.keys()
-        for key, value in told.items():
+        assert keys.keys() <= known.keys()
+        for key, value in keys.items():
             _check_known(value, known[key])
 
 

@@ -27,16 +27,16 @@ def clip(frames: int = 4, **changes: Any) -> MotionClip:
 
 def test_a_clip_keeps_read_only_float32_copies() -> None:
     poses = np.zeros((4, 55, 3))
-    made = clip(poses=poses)
+    original = clip(poses=poses)
     poses[0] = 1
-    assert made.poses.dtype == np.float32
-    assert not made.poses.any()
+    assert original.poses.dtype == np.float32
+    assert not original.poses.any()
     with pytest.raises(ValueError, match="read-only"):
-        made.poses[0] = 1
+        original.poses[0] = 1
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"poses": np.zeros((4, 54, 3))}, "poses has shape"),
         ({"poses": np.zeros((0, 55, 3)), "trans": np.zeros((0, 3))}, "no frame"),
@@ -54,20 +54,20 @@ def test_a_clip_keeps_read_only_float32_copies() -> None:
         ({"gender": "robot"}, "gender"),
     ],
 )
-def test_a_clip_refuses_what_it_cannot_be(changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_a_clip_refuses_what_it_cannot_be(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         clip(**changes)
 
 
 def test_picking_frames_keeps_all_channels_together() -> None:
     numbers = np.arange(6, dtype=float)
-    made = clip(
+    original = clip(
         frames=6,
         trans=np.repeat(numbers[:, None], 3, axis=1),
         arkit=np.repeat(numbers[:, None] / 10, 52, axis=1),
         expressions=np.repeat(numbers[:, None], 100, axis=1),
     )
-    picked = made.frames(slice(2, 5))
+    picked = original.frames(slice(2, 5))
     assert picked.arkit is not None
     assert picked.expressions is not None
     np.testing.assert_allclose(picked.trans[:, 0], [2, 3, 4])
@@ -76,10 +76,10 @@ def test_picking_frames_keeps_all_channels_together() -> None:
 
 
 def test_provenance_grows_and_cannot_be_changed_in_place() -> None:
-    made = clip(provenance={"generator": "static"}).with_provenance(seed="3")
-    assert made.provenance == {"generator": "static", "seed": "3"}
+    original = clip(provenance={"generator": "static"}).with_provenance(seed="3")
+    assert original.provenance == {"generator": "static", "seed": "3"}
     with pytest.raises(TypeError):
-        made.provenance["seed"] = "4"  # type: ignore[index]
+        original.provenance["seed"] = "4"  # type: ignore[index]
 
 
 JOINTS = {

@@ -72,9 +72,9 @@ def test_an_apostrophe_that_nobody_added_stays() -> None:
 def test_a_table_keeps_its_numbers_and_gaps() -> None:
     frame = pd.DataFrame({"=a": ["=1", None, "x"], "b": [-1.0, 2.0, float("nan")]})
 
-    found = harmless_frame(frame)
+    result = harmless_frame(frame)
 
-    assert list(found.columns) == ["'=a", "b"]
-    assert found["'=a"].tolist()[::2] == ["'=1", "x"]
-    assert found["'=a"].isna().tolist() == [False, True, False]
-    assert found["b"].equals(frame["b"])
+    assert list(result.columns) == ["'=a", "b"]
+    assert result["'=a"].tolist()[::2] == ["'=1", "x"]
+    assert result["'=a"].isna().tolist() == [False, True, False]
+    assert result["b"].equals(frame["b"])

@@ -51,23 +51,23 @@ def test_same_motion_in_any_world_is_placed_alike(
     elsewhere = turned_world(
         clip, AXES[axis] * Rotation.from_euler("y", heading, degrees=True), np.array(shift)
     )
-    here, there = (
+    first, second = (
         forward_kinematics(placed.poses, placed.trans, REST_JOINTS)
         for placed in (place(clip)[0], place(elsewhere)[0])
     )
-    np.testing.assert_allclose(here[1], there[1], atol=1e-4)
-    np.testing.assert_allclose(here[0], there[0], atol=1e-4)
+    np.testing.assert_allclose(first[1], second[1], atol=1e-4)
+    np.testing.assert_allclose(first[0], second[0], atol=1e-4)
 
 
 @given(st.integers(0, 99))
 @settings(max_examples=20)
 def test_placed_body_stands_on_the_floor_facing_z(seed: int) -> None:
     placed, _ = place(upright_clip(seed))
-    _, turned = forward_kinematics(placed.poses, placed.trans, REST_JOINTS)
+    _, rotations = forward_kinematics(placed.poses, placed.trans, REST_JOINTS)
     standing = np.median(sole_heights(placed, REST_JOINTS))
     assert standing == pytest.approx(ground_height(REST_JOINTS), abs=1e-5)
     np.testing.assert_allclose(placed.trans[:, [0, 2]].mean(axis=0), 0, atol=1e-5)
-    facing = (turned[:, 0] @ [0, 0, 1]).mean(axis=0)
+    facing = (rotations[:, 0] @ [0, 0, 1]).mean(axis=0)
     assert facing[0] == pytest.approx(0, abs=1e-5)
     assert facing[2] > 0
 

@@ -46,56 +46,56 @@ def audio(samples: np.ndarray, rate: int = RATE) -> Audio:
 @pytest.mark.parametrize("pitch", [80.0, 150.0, 300.0])
 @pytest.mark.parametrize("rate", [16000, 44100])
 def test_pitch_of_a_steady_voice_is_its_own_within_a_quarter_tone(pitch: float, rate: int) -> None:
-    heard = prosody(audio(voice(1.5, pitch, rate), rate), 30)
-    inside = heard.pitch[5:-5]
-    assert heard.voiced[5:-5].all()
+    result = prosody(audio(voice(1.5, pitch, rate), rate), 30)
+    inside = result.pitch[5:-5]
+    assert result.voiced[5:-5].all()
     assert np.abs(12 * np.log2(inside / pitch)).max() < 0.5
 
 
 def test_noise_and_silence_are_not_voiced() -> None:
     noise = np.random.default_rng(0).normal(0, 0.1, RATE)
-    heard = prosody(audio(np.concatenate([noise, np.zeros(RATE)])), 30)
-    assert heard.voiced.mean() < 0.1
-    assert np.isnan(heard.pitch[~heard.voiced]).all()
+    result = prosody(audio(np.concatenate([noise, np.zeros(RATE)])), 30)
+    assert result.voiced.mean() < 0.1
+    assert np.isnan(result.pitch[~result.voiced]).all()
 
 
 def test_energy_falls_by_decibels() -> None:
     softer = 10 ** (-17.5 / 20)
-    heard = prosody(audio(np.concatenate([voice(1, 120), softer * voice(1, 120)])), 50)
-    assert heard.energy[60:90].mean() == pytest.approx(0.5, abs=0.03)
+    result = prosody(audio(np.concatenate([voice(1, 120), softer * voice(1, 120)])), 50)
+    assert result.energy[60:90].mean() == pytest.approx(0.5, abs=0.03)
 
 
 def test_accents_are_the_louder_syllables_at_their_peaks() -> None:
     at = [0.4, 0.8, 1.2, 1.6, 2.0, 2.4]
     loud = [1.0, 0.35, 1.0, 0.35, 1.0, 0.35]
-    heard = prosody(audio(syllables(2.8, at, loud)), 30)
-    np.testing.assert_allclose(heard.syllables, at, atol=0.03)
-    np.testing.assert_allclose(heard.accents, [0.4, 1.2, 2.0], atol=0.03)
-    assert heard.prominence.max() == 1
-    assert heard.prominence.min() > 0
+    result = prosody(audio(syllables(2.8, at, loud)), 30)
+    np.testing.assert_allclose(result.syllables, at, atol=0.03)
+    np.testing.assert_allclose(result.accents, [0.4, 1.2, 2.0], atol=0.03)
+    assert result.prominence.max() == 1
+    assert result.prominence.min() > 0
 
 
 def test_a_rise_of_pitch_makes_an_accent_among_equally_loud_syllables() -> None:
     at = [0.4, 0.8, 1.2, 1.6, 2.0]
     times = np.arange(round(2.4 * RATE)) / RATE
     pitch = np.where(np.abs(times - 1.2) < 0.15, 170.0, 120.0)
-    heard = prosody(audio(syllables(2.4, at, [1.0] * 5, pitch)), 30)
-    strongest = heard.accents[np.argmax(heard.prominence)]
+    result = prosody(audio(syllables(2.4, at, [1.0] * 5, pitch)), 30)
+    strongest = result.accents[np.argmax(result.prominence)]
     assert strongest == pytest.approx(1.2, abs=0.03)
 
 
 def test_pauses_are_the_quiet_stretches_of_a_fifth_of_a_second_and_more() -> None:
     sound, long_gap, short_gap = voice(0.6, 120), np.zeros(RATE // 2), np.zeros(RATE // 10)
-    heard = prosody(audio(np.concatenate([sound, long_gap, sound, short_gap, sound])), 30)
-    assert len(heard.pauses) == 1
-    np.testing.assert_allclose(heard.pauses[0], [0.6, 1.1], atol=0.06)
+    result = prosody(audio(np.concatenate([sound, long_gap, sound, short_gap, sound])), 30)
+    assert len(result.pauses) == 1
+    np.testing.assert_allclose(result.pauses[0], [0.6, 1.1], atol=0.06)
 
 
 def test_silence_has_no_accent_and_one_pause() -> None:
-    heard = prosody(audio(np.zeros(2 * RATE)), 30)
-    assert not heard.energy.any()
-    assert len(heard.accents) == len(heard.prominence) == 0
-    np.testing.assert_allclose(heard.pauses, [[0, 2]], atol=0.02)
+    result = prosody(audio(np.zeros(2 * RATE)), 30)
+    assert not result.energy.any()
+    assert len(result.accents) == len(result.prominence) == 0
+    np.testing.assert_allclose(result.pauses, [[0, 2]], atol=0.02)
 
 
 @settings(max_examples=25, deadline=None)
@@ -104,11 +104,11 @@ def test_per_frame_values_have_one_entry_a_frame(
     samples: int, frame_rate: float, seed: int
 ) -> None:
     sound = audio(np.random.default_rng(seed).normal(0, 0.1, samples).clip(-1, 1))
-    heard = prosody(sound, frame_rate)
+    result = prosody(sound, frame_rate)
     frames = round(sound.duration * frame_rate)
-    assert len(heard.energy) == len(heard.pitch) == len(heard.voiced) == frames
-    assert heard.energy.min() >= 0 and heard.energy.max() <= 1
-    assert (np.diff(heard.accents) > 0).all()
+    assert len(result.energy) == len(result.pitch) == len(result.voiced) == frames
+    assert result.energy.min() >= 0 and result.energy.max() <= 1
+    assert (np.diff(result.accents) > 0).all()
 
 
 @pytest.mark.parametrize("frame_rate", [0.0, -1.0, float("nan"), 2.0])
@@ -119,6 +119,6 @@ def test_an_unusable_frame_rate_is_refused(frame_rate: float) -> None:
 
 def test_a_real_voice_has_plausible_pitch_and_rate_of_accents(shared_data: Path) -> None:
     speech = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 20)
-    heard = prosody(speech, 30)
-    assert 80 < np.nanmedian(heard.pitch) < 220
-    assert 0.5 < len(heard.accents) / speech.duration < 3
+    result = prosody(speech, 30)
+    assert 80 < np.nanmedian(result.pitch) < 220
+    assert 0.5 < len(result.accents) / speech.duration < 3

@@ -70,9 +70,9 @@ def test_every_vertex_has_a_colour(body: BodyModel) -> None:
 
 def test_left_and_right_are_mirror_images(body: BodyModel) -> None:
     limbs = _of(body, "skin", "shoes", "trousers", "sclera", "left bone", "right bone")
-    near, _ = cKDTree(body.template * [-1, 1, 1]).query(body.template[limbs])
-    assert np.median(near) < 0.004
-    assert np.percentile(near, 95) < 0.015
+    distances, _ = cKDTree(body.template * [-1, 1, 1]).query(body.template[limbs])
+    assert np.median(distances) < 0.004
+    assert np.percentile(distances, 95) < 0.015
 
 
 def test_stock_smplx_loads_it_and_gives_the_template_back(path: Path) -> None:
@@ -117,9 +117,9 @@ def test_a_fist_has_no_spikes(fleshed: BodyModel) -> None:
 def test_people_face_the_viewer_with_open_eyes_at_rest(person: BodyModel) -> None:
     pupils = person.template[_of(person, "pupil")]
     for side in (-1, 1):
-        mine = pupils[pupils[:, 0] * side > 0]
+        pupil = pupils[pupils[:, 0] * side > 0]
         eye = person.joints(np.zeros(0))[joint_index("left_eye" if side > 0 else "right_eye")]
-        direction = mine.mean(axis=0) - eye
+        direction = pupil.mean(axis=0) - eye
         assert direction[2] / np.linalg.norm(direction) > 0.995
 
 
@@ -127,7 +127,7 @@ def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray
     """Return how many of the marked vertices nothing of the skin lies in front of."""
     skin = body.faces[_of(body, "skin", "lash")[body.faces].all(axis=1)]
     a, b, c = (at[corner] for corner in skin.T)
-    seen = 0
+    count = 0
     for x, y, z in at[marked]:
         first = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])
         second = (c[:, 0] - b[:, 0]) * (y - b[:, 1]) - (c[:, 1] - b[:, 1]) * (x - b[:, 0])
@@ -135,8 +135,8 @@ def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray
         over = ((first >= 0) & (second >= 0) & (third >= 0)) & (
             np.maximum(np.maximum(a[:, 2], b[:, 2]), c[:, 2]) > z
         )
-        seen += not over.any()
-    return seen
+        count += not over.any()
+    return count
 
 
 def test_a_blink_hides_iris_and_pupil(person: BodyModel) -> None:
@@ -155,12 +155,12 @@ def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel) -> None:
         right = f"{left.removesuffix('Left')}Right"
         if right not in ARKIT_NAMES:
             continue
-        moved = [
+        shifts = [
             np.linalg.norm(person.expression_directions[..., arkit_index(name)], axis=1)
             for name in (left, right)
         ]
-        assert moved[0].max() == pytest.approx(moved[1].max(), rel=0.15), left
-        centres = [np.average(person.template, axis=0, weights=each) for each in moved]
+        assert shifts[0].max() == pytest.approx(shifts[1].max(), rel=0.15), left
+        centres = [np.average(person.template, axis=0, weights=each) for each in shifts]
         np.testing.assert_allclose(centres[0] * [-1, 1, 1], centres[1], atol=0.004, err_msg=left)
 
 
@@ -177,11 +177,11 @@ def test_who_has_no_face_has_nothing_of_it_to_move(name: str) -> None:
 @pytest.mark.parametrize("pose", SAMPLE_POSES)
 def test_a_skeleton_has_a_ball_round_each_joint_in_every_pose(pose: str) -> None:
     body, clip = read_body(default_body("skeleton")), sample_clip(SAMPLE_POSES[pose])
-    shown = [k for k, name in enumerate(JOINT_NAMES) if name not in (*FACE_JOINTS, "head")]
-    joints = joints_of(clip, body)[0, shown]
-    near = np.asarray(cKDTree(body.vertices(clip)[0]).query(joints)[0])
-    assert near.min() > 0.005
-    assert near.max() < 0.03
+    indices = [k for k, name in enumerate(JOINT_NAMES) if name not in (*FACE_JOINTS, "head")]
+    joints = joints_of(clip, body)[0, indices]
+    distances = np.asarray(cKDTree(body.vertices(clip)[0]).query(joints)[0])
+    assert distances.min() > 0.005
+    assert distances.max() < 0.03
 
 
 def test_each_avatar_has_its_body_in_the_package_and_no_other_is_there() -> None:

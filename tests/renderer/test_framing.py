@@ -44,8 +44,8 @@ def test_hands_and_head_of_every_clip_are_in_the_picture(
     clip: MotionClip, arms_wide: MotionClip, body: BodyModel
 ) -> None:
     camera = frame_clips([clip, arms_wide], body, Look())
-    for shown in (clip, arms_wide):
-        places = _in_picture(camera, _points(shown, body, [*HANDS, joint_index("head")]))
+    for each in (clip, arms_wide):
+        places = _in_picture(camera, _points(each, body, [*HANDS, joint_index("head")]))
         assert np.abs(places).max() < 1
 
 
@@ -100,9 +100,11 @@ def test_what_is_framed_is_in_the_picture_of_every_clip(
     body: BodyModel,
 ) -> None:
     camera = frame_clips([clip, arms_wide], body, Look(framing=framing, view=view))
-    for shown in (clip, arms_wide):
-        seen = project(_points(shown, body, [joint_index(name) for name in joints]), camera, 100)
-        assert seen[..., :2].min() > 0 and seen[..., :2].max() < 100
+    for each in (clip, arms_wide):
+        projected = project(
+            _points(each, body, [joint_index(name) for name in joints]), camera, 100
+        )
+        assert projected[..., :2].min() > 0 and projected[..., :2].max() < 100
 
 
 @pytest.mark.parametrize("view", VIEWS)

@@ -58,29 +58,29 @@ def test_speech_of_any_level_comes_out_at_the_target_by_another_meter(
 ) -> None:
     speech = spoken[emotion]
     level = Audio(speech.samples * np.float32(amplitude), speech.sample_rate)
-    heard = at_common_loudness(level)
-    assert loudness_by_another(heard) == pytest.approx(TARGET, abs=0.1)
-    assert true_peak(heard) <= PEAK_CEILING
-    assert heard.notes == ()
+    result = at_common_loudness(level)
+    assert loudness_by_another(result) == pytest.approx(TARGET, abs=0.1)
+    assert true_peak(result) <= PEAK_CEILING
+    assert result.notes == ()
 
 
 @given(amplitude=st.floats(0.001, 1.0), hertz=st.floats(80, 8000))
 def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
     audio = tone(0.6, amplitude, hertz)
-    heard = at_common_loudness(audio)
+    result = at_common_loudness(audio)
     loudest = np.abs(audio.samples).argmax()
-    gain = heard.samples[loudest] / audio.samples[loudest]
-    assert len(heard.samples) == len(audio.samples)
-    np.testing.assert_allclose(heard.samples, gain * audio.samples, rtol=1e-4, atol=1e-6)
-    assert true_peak(heard) <= PEAK_CEILING + 0.01
+    gain = result.samples[loudest] / audio.samples[loudest]
+    assert len(result.samples) == len(audio.samples)
+    np.testing.assert_allclose(result.samples, gain * audio.samples, rtol=1e-4, atol=1e-6)
+    assert true_peak(result) <= PEAK_CEILING + 0.01
 
 
 def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:
     clicks = np.zeros(2 * SOUND_RATE, np.float32)
     clicks[:: SOUND_RATE // 10] = 0.9
-    heard = at_common_loudness(Audio(clicks, SOUND_RATE))
-    assert true_peak(heard) == pytest.approx(PEAK_CEILING, abs=0.01)
-    (note,) = heard.notes
+    result = at_common_loudness(Audio(clicks, SOUND_RATE))
+    assert true_peak(result) == pytest.approx(PEAK_CEILING, abs=0.01)
+    (note,) = result.notes
     assert "its peaks allow -" in note
     assert "not the -23 LUFS" in note
 
@@ -93,11 +93,11 @@ def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:
         (tone(2, 1e-5), "it is silent"),
     ],
 )
-def test_sound_without_a_loudness_stays_as_it_is_and_is_told(audio: Audio, why: str) -> None:
-    heard = at_common_loudness(audio)
-    assert heard.samples.tobytes() == audio.samples.tobytes()
-    (note,) = heard.notes
-    assert why in note
+def test_sound_without_a_loudness_stays_as_it_is_and_is_told(audio: Audio, message: str) -> None:
+    result = at_common_loudness(audio)
+    assert result.samples.tobytes() == audio.samples.tobytes()
+    (note,) = result.notes
+    assert message in note
     assert integrated_loudness(audio) is None
 
 

@@ -23,11 +23,11 @@ def test_a_pair_before_a_dark_background_looks_as_kept(
     body_path: Path, camera: Camera, inputs: Path, small_look: Look, tmp_path: Path
 ) -> None:
     dark = replace(small_look, background=(0x2E, 0x34, 0x40))
-    heard: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
+    speech: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
     frames, video = tmp_path / "clip.mkv", tmp_path / "pair.mp4"
     with Stage(body_path, camera, dark) as stage:
-        write_clip_video(stage, motion=inputs / "clip.npz", frozen=(), frames=frames, **heard)
-    write_pair(left=frames, right=frames, video=video, look=dark, **heard)
+        write_clip_video(stage, motion=inputs / "clip.npz", frozen=(), frames=frames, **speech)
+    write_pair(left=frames, right=frames, video=video, look=dark, **speech)
     with av.open(str(video)) as container:
         picture = np.asarray(next(container.decode(video=0)).to_ndarray(format="rgb24"), np.uint8)
     assert_like_golden(picture, "pair-on-dark", tmp_path)
@@ -87,12 +87,12 @@ def test_the_limit_is_kept_but_for_what_is_needed_and_no_more_goes_than_must(
     for old in folder.glob("*"):
         old.unlink()
     files = [write(folder, str(n), size, used=n + 1) for n, size in enumerate(sizes)]
-    held = {files[n] for n in needed if n < len(files)}
+    required = {files[n] for n in needed if n < len(files)}
     cache = FrameCache(folder, limit)
-    cache.shrink(required=held)
+    cache.shrink(required=required)
     left = {path for path in files if path.exists()}
-    assert held <= left
-    assert cache.size() <= max(limit, sum(sizes[files.index(path)] for path in held))
+    assert required <= left
+    assert cache.size() <= max(limit, sum(sizes[files.index(path)] for path in required))
     gone = [path for path in files if path not in left]
     if gone:
         assert cache.size() + sizes[files.index(gone[-1])] > limit

@@ -46,13 +46,13 @@ def videos(
     """Return a folder with a clip, a pair of it, and the clip with another part of the speech."""
     folder = tmp_path_factory.mktemp("videos")
     frames, clip = folder / "clip.mkv", folder / "clip.mp4"
-    heard: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
+    speech: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
     with Stage(body_path, camera, small_look) as stage:
         motion = inputs / "clip.npz"
-        write_clip_video(stage, motion=motion, frozen=(), frames=frames, video=clip, **heard)
-    write_pair(left=frames, right=frames, video=folder / "pair.mp4", look=small_look, **heard)
-    heard |= {"start": 0.5, "end": 0.5 + SECONDS}
-    write_dubbed(picture=clip, seconds=SECONDS, video=folder / "dubbed.mp4", **heard)
+        write_clip_video(stage, motion=motion, frozen=(), frames=frames, video=clip, **speech)
+    write_pair(left=frames, right=frames, video=folder / "pair.mp4", look=small_look, **speech)
+    speech |= {"start": 0.5, "end": 0.5 + SECONDS}
+    write_dubbed(picture=clip, seconds=SECONDS, video=folder / "dubbed.mp4", **speech)
     return folder
 
 
@@ -85,12 +85,12 @@ def blocks(pictures: NDArray[np.uint8]) -> NDArray[np.float64]:
 
 
 def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) -> None:
-    found = [
+    result = [
         values
         for name in ("clip", "pair", "dubbed")
         for values in seen_and_heard(videos / f"{name}.mp4")
     ]
-    assert fingerprint(*found) == pytest.approx(VIDEOS[RENDERER_VERSION], abs=1e-3)
+    assert fingerprint(*result) == pytest.approx(VIDEOS[RENDERER_VERSION], abs=1e-3)
 
 
 def test_a_look_of_before_there_was_more_to_choose_is_told_by_the_same_text() -> None:
@@ -102,14 +102,14 @@ def test_a_look_of_before_there_was_more_to_choose_is_told_by_the_same_text() ->
 
 def test_another_body_makes_other_videos(body_path: Path) -> None:
     with np.load(body_path, allow_pickle=False) as body:
-        found = [body[name] for name in ("v_template", "shapedirs", "weights")]
-    assert fingerprint(*found) == pytest.approx(BODY[RENDERER_VERSION], abs=1e-5)
+        result = [body[name] for name in ("v_template", "shapedirs", "weights")]
+    assert fingerprint(*result) == pytest.approx(BODY[RENDERER_VERSION], abs=1e-5)
 
 
 def test_copies_that_play_otherwise_have_another_version(videos: Path) -> None:
     copy_video(videos / "clip.mp4", videos / "copy.mp4", lasts=Fraction(1), sound=True)
-    found = [*seen_and_heard(videos / "copy.mp4"), moments(videos / "copy.mp4")]
-    assert fingerprint(*found) == pytest.approx(COPY[COPY_VERSION], abs=1e-3)
+    result = [*seen_and_heard(videos / "copy.mp4"), moments(videos / "copy.mp4")]
+    assert fingerprint(*result) == pytest.approx(COPY[COPY_VERSION], abs=1e-3)
 
 
 def test_cells_that_look_otherwise_have_another_version(videos: Path) -> None:

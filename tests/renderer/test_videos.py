@@ -37,10 +37,10 @@ class Studio:
 
     def render(self, out: Path, **changes: Any) -> tuple[Path, Path]:
         """Render the test clip to `out`, and return its video and its frames."""
-        made = {"frames": out / "clip.mkv", "video": out / "clip.mp4"}
-        given = {"motion": self.inputs / "clip.npz", "frozen": (), **made, **self._heard}
+        outputs = {"frames": out / "clip.mkv", "video": out / "clip.mp4"}
+        given = {"motion": self.inputs / "clip.npz", "frozen": (), **outputs, **self._heard}
         write_clip_video(self.stage, **(given | changes))
-        return made["video"], made["frames"]
+        return outputs["video"], outputs["frames"]
 
     def compose(self, left: Path, right: Path, video: Path, **changes: Any) -> Path:
         """Put frames beside each other, and return the video."""
@@ -163,10 +163,10 @@ def test_the_same_input_gives_the_same_bytes(
 
 def test_frames_are_kept_without_loss(moving: Path, studio: Studio) -> None:
     clip = read_clip(studio.inputs / "clip.npz")
-    drawn = [frame.to_ndarray() for frame in studio.stage.video_frames(clip)]
+    expected = [frame.to_ndarray() for frame in studio.stage.video_frames(clip)]
     with av.open(str(moving)) as container:
-        kept = [frame.to_ndarray() for frame in container.decode(video=0)]
-    np.testing.assert_array_equal(kept, drawn)
+        decoded = [frame.to_ndarray() for frame in container.decode(video=0)]
+    np.testing.assert_array_equal(decoded, expected)
 
 
 def test_what_is_frozen_is_drawn_frozen(still: Path, moving: Path) -> None:
@@ -185,9 +185,9 @@ def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
 def test_a_pair_is_twice_as_wide_with_the_left_clip_left(
     pair: Path, moving: Path, still: Path
 ) -> None:
-    shown = _pictures(pair).astype(int)
-    assert shown.shape[1:3] == (160, 320)
-    for part, frames in ((shown[:, :, :160], moving), (shown[:, :, 160:], still)):
+    frames_of_pair = _pictures(pair).astype(int)
+    assert frames_of_pair.shape[1:3] == (160, 320)
+    for part, frames in ((frames_of_pair[:, :, :160], moving), (frames_of_pair[:, :, 160:], still)):
         assert np.abs(part - _pictures(frames))[:, 24:].mean() < 2  # below the labels
 
 

@@ -56,10 +56,10 @@ class PlainNetwork(nn.Module):
         self.idle = nn.Linear(3, 1)
 
     def forward(self, entries: Tensor, first: Tensor | None = None) -> Tensor:
-        found: Tensor = self.common(entries)
+        result: Tensor = self.common(entries)
         if first is not None and first.any():
-            found = found + first[:, None] * self.rare(entries)
-        return found
+            result = result + first[:, None] * self.rare(entries)
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,9 +77,9 @@ class PlainLine(LineTask[PlainNetwork]):
         entries = ENTRIES[chosen]
         if self.chance:
             entries = entries + 0.3 * torch.randn(len(rows), 3)
-        found = network(entries, chosen == 0)
-        loss = nn.functional.mse_loss(found, VALUES[chosen])
-        return {"loss": self.factor * loss, "size": found.abs().mean()}
+        result = network(entries, chosen == 0)
+        loss = nn.functional.mse_loss(result, VALUES[chosen])
+        return {"loss": self.factor * loss, "size": result.abs().mean()}
 
 
 def learn(folder: Path, changed: dict[str, Any], stop: int) -> None:

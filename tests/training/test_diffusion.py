@@ -26,29 +26,29 @@ def test_a_motion_is_found_again_under_the_noise_that_was_added() -> None:
     clean = torch.randn(3, 5, 2, generator=random)
     noise = torch.randn(3, 5, 2, generator=random)
     steps = torch.tensor([0, 400, 900])
-    found = LINEAR.x0_hat(LINEAR.x_t(clean, noise, steps), noise, steps)
-    assert torch.allclose(found, clean, atol=1e-3)
+    result = LINEAR.x0_hat(LINEAR.x_t(clean, noise, steps), noise, steps)
+    assert torch.allclose(result, clean, atol=1e-3)
 
 
 def test_the_deviation_of_scaled_noise_grows_linearly() -> None:
-    kept = 1.0
+    alpha_bar = 1.0
     for step in range(1000):
         deviation = math.sqrt(0.00085) + (math.sqrt(0.012) - math.sqrt(0.00085)) * step / 999
-        kept *= 1 - deviation**2
-    assert SCALED_LINEAR.alpha_bar[-1] == pytest.approx(kept)
+        alpha_bar *= 1 - deviation**2
+    assert SCALED_LINEAR.alpha_bar[-1] == pytest.approx(alpha_bar)
 
 
 def test_the_noise_of_a_known_motion_is_taken_out_in_evenly_spaced_steps() -> None:
     clean = torch.full((1, 1, 3), 2.0)
-    seen = []
+    steps_asked = []
 
     def eps_of(x_t: torch.Tensor, t: torch.Tensor) -> torch.Tensor:
-        seen.append(int(t))
+        steps_asked.append(int(t))
         alpha_bar = SCALED_LINEAR.alpha_bar[int(t)]
         return (x_t - math.sqrt(alpha_bar) * clean) / math.sqrt(1 - alpha_bar)
 
     noise = torch.randn(1, 1, 3, generator=torch.Generator().manual_seed(2))
-    found = SCALED_LINEAR.ddim(noise, eps_of, steps=50)
-    assert seen == list(range(981, 0, -20))
+    result = SCALED_LINEAR.ddim(noise, eps_of, steps=50)
+    assert steps_asked == list(range(981, 0, -20))
     left = 1 - SCALED_LINEAR.alpha_bar[0]
-    assert torch.allclose(found, clean, atol=3 * math.sqrt(left))
+    assert torch.allclose(result, clean, atol=3 * math.sqrt(left))

@@ -67,12 +67,12 @@ def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, Fea
 def test_beats_features_are_as_wide_and_long_as_the_network_wants(
     take: Take, hubert: Hubert
 ) -> None:
-    wanted = {"gesture": 141, "expression": 51, "mel": 128, "hubert": 1024, "semantic": 1}
-    found = {name: one.compute(take) for name, one in named("beat", hubert).items()}
-    assert {name: values.shape for name, values in found.items()} == {
-        name: (30, width) for name, width in wanted.items()
+    expected = {"gesture": 141, "expression": 51, "mel": 128, "hubert": 1024, "semantic": 1}
+    result = {name: one.compute(take) for name, one in named("beat", hubert).items()}
+    assert {name: values.shape for name, values in result.items()} == {
+        name: (30, width) for name, width in expected.items()
     }
-    assert {values.dtype for values in found.values()} == {np.dtype(np.float32)}
+    assert {values.dtype for values in result.values()} == {np.dtype(np.float32)}
 
 
 def test_shows_features_are_as_wide_and_long_as_the_network_wants(
@@ -97,11 +97,11 @@ def test_features_that_come_out_otherwise_have_another_version(
     write_clicks(tmp_path / "show" / "a.wav", 2)
     (show,) = read_takes(tmp_path / "show").takes
     for dataset, one, golden in (("beat", take, BEAT), ("show", show, SHOW)):
-        found = {
+        result = {
             name: fingerprint(feature.compute(one))[0]
             for name, feature in named(dataset, hubert).items()
         }
-        assert found == pytest.approx(golden[features.VERSION], abs=1e-4)
+        assert result == pytest.approx(golden[features.VERSION], abs=1e-4)
 
 
 def test_motion_of_nobody_is_refused(hubert: Hubert) -> None:
@@ -118,13 +118,13 @@ def test_frames_that_were_recorded_are_told_as_they_were(take: Take) -> None:
 def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> None:
     # Frame 95 of 95.2 a second, of which one in four is recorded, lies 0.8 of the way down.
     values = features.beat_gesture(119.9).compute(take).reshape(-1, 47, 3)[:, ARM]
-    turned = np.degrees(np.linalg.norm(values, axis=1))
-    inside = (turned > 1e-3) & (turned < DOWN - 1e-3)
-    times = np.arange(len(turned)) / 119.9
+    angles = np.degrees(np.linalg.norm(values, axis=1))
+    inside = (angles > 1e-3) & (angles < DOWN - 1e-3)
+    times = np.arange(len(angles)) / 119.9
     assert inside.sum() == 1
     assert 1 - 1 / 120 < times[inside][0] < 1
     share = times[inside][0] * 120 - 119
-    assert turned[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
+    assert angles[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
 
 
 def test_a_take_without_a_face_says_what_is_missing(take: Take) -> None:
@@ -173,8 +173,8 @@ def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None
     audio = read_audio(take.speech)
     heard = extract_all_frames(audio, 15, hubert)
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
-    found = features.hubert_features(15, hubert).compute(take)
-    np.testing.assert_array_equal(found, heard.hubert.numpy())
+    result = features.hubert_features(15, hubert).compute(take)
+    np.testing.assert_array_equal(result, heard.hubert.numpy())
 
 
 def ted_take(folder: Path, **files: Path) -> Take:
@@ -188,22 +188,22 @@ def ted_take(folder: Path, **files: Path) -> Take:
 
 
 def computed(kind: Kind, one: Take, *, faces: bool) -> dict[str, np.ndarray]:
-    told = features.bone_features(kind, FACE, StandIn(), 15.0, faces=faces)
-    return {feature.name: feature.compute(one) for feature in told}
+    extractors = features.bone_features(kind, FACE, StandIn(), 15.0, faces=faces)
+    return {feature.name: feature.compute(one) for feature in extractors}
 
 
 def test_ted_gesture_is_turned_into_our_axes_and_has_a_still_face(tmp_path: Path) -> None:
     (tmp_path / "a.lab").write_text("hello there")
-    found = computed("ted", ted_take(tmp_path, transcript=tmp_path / "a.lab"), faces=False)
-    assert {name: one.shape for name, one in found.items()} == {
+    result = computed("ted", ted_take(tmp_path, transcript=tmp_path / "a.lab"), faces=False)
+    assert {name: one.shape for name, one in result.items()} == {
         "motion": (30, 27 + 3 * FACE.count),
         "sound": (30, 84),
         "spectrum": (30, 128),
         "words": (30, 300),
     }
-    np.testing.assert_allclose(found["motion"][7, :27], standing()[:27], atol=1e-5)
-    assert not found["motion"][:, 27:].any()
-    assert len(np.unique(found["words"], axis=0)) == 2
+    np.testing.assert_allclose(result["motion"][7, :27], standing()[:27], atol=1e-5)
+    assert not result["motion"][:, 27:].any()
+    assert len(np.unique(result["words"], axis=0)) == 2
 
 
 def test_a_take_of_beat_without_a_face_says_what_to_do(tmp_path: Path) -> None:

@@ -23,9 +23,9 @@ def test_who_is_not_known_is_refused_with_those_who_are(asked: int | str) -> Non
 
 def test_an_unknown_speaker_is_always_the_same_known_one_and_not_all_are_one() -> None:
     names = [f"stranger {number}" for number in range(30)]
-    found = [KNOWN.number_or_substitute(name) for name in names]
-    assert found == [KNOWN.number_or_substitute(name) for name in names]
-    assert set(found) == {1, 2, 3}
+    result = [KNOWN.number_or_substitute(name) for name in names]
+    assert result == [KNOWN.number_or_substitute(name) for name in names]
+    assert set(result) == {1, 2, 3}
 
 
 def test_vectors_have_the_networks_width() -> None:

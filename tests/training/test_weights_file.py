@@ -16,10 +16,10 @@ TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3).T, "b": torch.tensor([1],
 def test_what_is_read_is_what_was_written(tmp_path: Path) -> None:
     path = tmp_path / "new" / "w.safetensors"
     write_weights(path, TENSORS, {"name": "ä", "steps": [1, 2]})
-    found = read_weights(path)
-    assert found.facts == {"name": "ä", "steps": [1, 2]}
-    assert torch.equal(found.tensors["a.weight"], TENSORS["a.weight"])
-    assert list(found.with_prefix("a")) == ["weight"]
+    result = read_weights(path)
+    assert result.facts == {"name": "ä", "steps": [1, 2]}
+    assert torch.equal(result.tensors["a.weight"], TENSORS["a.weight"])
+    assert list(result.with_prefix("a")) == ["weight"]
 
 
 def test_equal_content_makes_equal_bytes(tmp_path: Path) -> None:

@@ -121,7 +121,7 @@ def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> No
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"emotion": "disgust"}, r"no emotion 'disgust': it knows fear and happiness"),
         ({"style": "berta"}, r"no style 'berta': it knows anna"),
@@ -129,9 +129,9 @@ def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> No
     ],
 )
 def test_a_label_that_nobody_learned_is_refused(
-    settings: AmuseSettings, changes: dict[str, str], said: str
+    settings: AmuseSettings, changes: dict[str, str], message: str
 ) -> None:
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         _clip(settings.model_copy(update=changes), _speech(3.0))
 
 

@@ -81,11 +81,11 @@ def test_each_loss_teaches_the_networks_that_the_paper_says(
 def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> None:
     motion = torch.randn(2, 12, 333, generator=torch.Generator().manual_seed(2))
     mu, std = model.prior.encode(motion)
-    found = torch.distributions.kl_divergence(
+    result = torch.distributions.kl_divergence(
         torch.distributions.Normal(mu, std), torch.distributions.Normal(0.0, 1.0)
     )
     assert float(_losses(model, MOTION_LOSSES)["kl"].detach()) == pytest.approx(
-        float(found.mean().detach()), rel=1e-5
+        float(result.mean().detach()), rel=1e-5
     )
 
 
@@ -125,11 +125,11 @@ def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
 def test_contents_gain_nothing_by_all_coming_nearer() -> None:
     torch.manual_seed(1)
     model = SpeechModel(SPEECH).eval()
-    found = []
+    result = []
     for _ in range(2):
         losses = speech_losses(model, _four(), _four(), CLASSES, SPEECH_LOSSES)
-        found.append(float(losses["con"].detach()))
+        result.append(float(losses["con"].detach()))
         weight = model.content.get_parameter("feature_head.1.weight")
         with torch.no_grad():
             weight.mul_(10)
-    assert found[0] == pytest.approx(found[1], rel=0.1)
+    assert result[0] == pytest.approx(result[1], rel=0.1)

@@ -65,8 +65,8 @@ def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it(
     z0, eps = torch.randn(2, 3, 1, SMALL.width)
     t = torch.tensor([10, 500, 990])
     monkeypatch.setattr(denoiser, "predict", lambda *_: SCALED_LINEAR.v(z0, eps, t))
-    found = denoiser(SCALED_LINEAR.x_t(z0, eps, t), t)
-    assert torch.allclose(found, eps, atol=1e-5)
+    result = denoiser(SCALED_LINEAR.x_t(z0, eps, t), t)
+    assert torch.allclose(result, eps, atol=1e-5)
 
 
 def test_equal_noise_gives_equal_latents_whatever_is_sampled_beside_it() -> None:

@@ -28,29 +28,29 @@ def _error(found: Tensor, expected: Tensor) -> float:
 
 
 def test_prior_and_denoiser_compute_what_the_released_networks_do(tmp_path: Path) -> None:
-    known = _known("amuse.npz")
+    reference = _known("amuse.npz")
     shapes = json.loads((REFERENCE / "amuse_state_dict.json").read_text())
     weights = {part: reference_weights(shapes[part]) for part in ("prior", "denoiser")}
     torch.save(weights, tmp_path / "prior.pt")
     released = load_motion(tmp_path / "prior.pt").model
-    conditions = [known[name] for name in ("content", "emotion", "style")]
+    conditions = [reference[name] for name in ("content", "emotion", "style")]
     with torch.inference_mode():
-        mu, std = released.prior.encode(known["motion"])
-        decoded = released.prior.decode(known["z"])
-        eps = released.denoiser(known["z"], known["timestep"], *conditions)
-    for name, found in {"mu": mu, "std": std, "decoded": decoded, "eps": eps}.items():
-        assert _error(found, known[name]) < 1e-5, name
+        mu, std = released.prior.encode(reference["motion"])
+        decoded = released.prior.decode(reference["z"])
+        eps = released.denoiser(reference["z"], reference["timestep"], *conditions)
+    for name, result in {"mu": mu, "std": std, "decoded": decoded, "eps": eps}.items():
+        assert _error(result, reference[name]) < 1e-5, name
 
 
 @pytest.mark.slow
 def test_the_speech_model_computes_what_the_released_one_does(tmp_path: Path) -> None:
-    known = _known("amuse_audio.npz")
+    reference = _known("amuse_audio.npz")
     shapes = json.loads((REFERENCE / "amuse_audio_state_dict.json").read_text())
     torch.save(reference_weights(shapes), tmp_path / "speech.pt")
     with torch.inference_mode():
-        heard = load_speech(tmp_path / "speech.pt").model(known["filterbank"])
-    for name, found in heard._asdict().items():
-        assert _error(found, known[name]) < 1e-4, name
+        latents = load_speech(tmp_path / "speech.pt").model(reference["filterbank"])
+    for name, result in latents._asdict().items():
+        assert _error(result, reference[name]) < 1e-4, name
 
 
 def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:

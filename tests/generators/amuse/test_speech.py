@@ -26,8 +26,8 @@ def test_what_is_heard_in_a_speech_does_not_hang_on_its_batch_mates(model: Speec
     filterbanks = torch.randn(3, 64, 32, generator=torch.Generator().manual_seed(1))
     with torch.inference_mode():
         together, alone = model(filterbanks), model(filterbanks[1:2])
-    for name, found in together._asdict().items():
-        torch.testing.assert_close(found[1:2], getattr(alone, name), msg=name)
+    for name, result in together._asdict().items():
+        torch.testing.assert_close(result[1:2], getattr(alone, name), msg=name)
 
 
 def test_the_reconstruction_is_that_of_the_three_latents(model: SpeechModel) -> None:
@@ -53,7 +53,7 @@ def test_what_names_the_emotion_is_the_latent_itself_where_that_is_wanted(
 def test_the_autoencoder_hears_what_the_discrete_cosine_transform_tells() -> None:
     model = SpeechAutoencoder(replace(SMALL, mfcc=3))
     rows = torch.ones(1, 64, 32)
-    found = model.coefficients(rows).view(64, 3)
-    assert torch.allclose(found[:, 0], torch.full((64,), 32**0.5), rtol=1e-5)
-    assert float(found[:, 1:].abs().max()) < 1e-4
+    result = model.coefficients(rows).view(64, 3)
+    assert torch.allclose(result[:, 0], torch.full((64,), 32**0.5), rtol=1e-5)
+    assert float(result[:, 1:].abs().max()) < 1e-4
     assert sum(isinstance(one, torch.nn.Linear) for one in model.modules()) == 8

@@ -88,14 +88,14 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
     learn: Learn, tmp_path: Path
 ) -> None:
-    found = {}
+    result = {}
     for steps in (1, 40):
         out = tmp_path / f"{steps}.safetensors"
-        said = learn(steps, out)
-        found[steps] = load_motion(out).training["held_out"]
+        outcome = learn(steps, out)
+        result[steps] = load_motion(out).training["held_out"]
     for loss in ("rec", "ld", "align"):
-        assert found[40][loss] < 0.9 * found[1][loss]
-    assert "30 windows of 0.4 s" in said.sentences[0]
+        assert result[40][loss] < 0.9 * result[1][loss]
+    assert "30 windows of 0.4 s" in outcome.sentences[0]
 
 
 @pytest.mark.parametrize("ablation", [None, "disjoint"])
@@ -124,14 +124,14 @@ def test_an_ablation_learns_without_alignment_and_is_measured_by_all_losses(
     learn: Learn, tmp_path: Path, ablation: str, measured: set[str]
 ) -> None:
     out = tmp_path / "out.safetensors"
-    said = learn(2, out, ablation=ablation)
+    outcome = learn(2, out, ablation=ablation)
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert "align" not in json.loads(log[0])
-    found = load_motion(out)
-    assert set(found.training["held_out"]) == measured
+    result = load_motion(out)
+    assert set(result.training["held_out"]) == measured
     alone = ablation == "without_prior"
-    assert found.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
-    assert ("reconstruction" in said.sentences[1]) != alone
+    assert result.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
+    assert ("reconstruction" in outcome.sentences[1]) != alone
 
 
 def test_it_is_computed_where_its_device_is(
@@ -204,10 +204,10 @@ def take(tmp_path: Path) -> Take:
 
 def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path, take: Take) -> None:
     network = load_speech(written_networks(tmp_path).speech_model)
-    told = speech_latents(network, "x", frames=30, stride=30).compute(take)
-    assert told.shape == (90, 24)
-    assert (told[:30] == told[0]).all()
-    same, other = (np.linalg.norm(told[0] - told[frame]) for frame in (30, 89))
+    result = speech_latents(network, "x", frames=30, stride=30).compute(take)
+    assert result.shape == (90, 24)
+    assert (result[:30] == result[0]).all()
+    same, other = (np.linalg.norm(result[0] - result[frame]) for frame in (30, 89))
     assert same < 0.2 * other
 
 

@@ -61,19 +61,20 @@ def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
 ) -> None:
     _hold_out_two_texts(monkeypatch)
     out = tmp_path / "speech.safetensors"
-    said = learn(60, out)
+    outcome = learn(60, out)
     network = load_speech(out)
-    found = network.training["held_out"]
-    assert found["emotion accuracy"] == found["emotion F1"] == 1
-    assert found["style accuracy"] == found["style F1"] == 1
-    assert "2 speakers in 2 emotions" in said.sentences[0]
+    result = network.training["held_out"]
+    assert result["emotion accuracy"] == result["emotion F1"] == 1
+    assert result["style accuracy"] == result["style F1"] == 1
+    assert "2 speakers in 2 emotions" in outcome.sentences[0]
     assert (
-        "In 16 held-out windows it recognises the emotion of 100% (chance 50%)" in said.sentences[1]
+        "In 16 held-out windows it recognises the emotion of 100% (chance 50%)"
+        in outcome.sentences[1]
     )
     # Emotion and style are the same in both recordings of a pair, so swapping them costs little.
     for name in ("xcon", "xemo", "xsty"):
-        assert found[name] == pytest.approx(found["self of fours"], rel=0.3)
-    assert "In 4 held-out quadruples it is" in said.sentences[1]
+        assert result[name] == pytest.approx(result["self of fours"], rel=0.3)
+    assert "In 4 held-out quadruples it is" in outcome.sentences[1]
     assert set(network.latents["emotion"]) == {"anger", "happiness"}
     assert set(network.latents["style"]) == {"ann", "bob"}
     happy, angry = (network.labelled("emotion", name) for name in ("happiness", "anger"))
@@ -92,23 +93,23 @@ def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
     left_out: str,
 ) -> None:
     _hold_out_two_texts(monkeypatch)
-    said = learn(1, tmp_path / "out.safetensors", ablation=ablation)
-    found = load_speech(tmp_path / "out.safetensors").training["held_out"]
+    outcome = learn(1, tmp_path / "out.safetensors", ablation=ablation)
+    result = load_speech(tmp_path / "out.safetensors").training["held_out"]
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert f'"{told}"' in log[0]
     assert f'"{left_out}"' not in log[0]
-    assert {"xcon", f"x{told}"} <= found.keys()
-    assert f"x{left_out}" not in found
-    assert said.sentences[1].count("with another's") == 2
+    assert {"xcon", f"x{told}"} <= result.keys()
+    assert f"x{left_out}" not in result
+    assert outcome.sentences[1].count("with another's") == 2
 
 
 def test_held_out_texts_of_one_speaker_leave_cross_reconstruction_out(
     learn: Learn, tmp_path: Path
 ) -> None:
-    said = learn(1, tmp_path / "out.safetensors")
-    found = load_speech(tmp_path / "out.safetensors").training["held_out"]
-    assert found.keys().isdisjoint({"xcon", "xemo", "xsty", "self of fours"})
-    assert "no two speakers speak two held-out texts in one emotion" in said.sentences[1]
+    outcome = learn(1, tmp_path / "out.safetensors")
+    result = load_speech(tmp_path / "out.safetensors").training["held_out"]
+    assert result.keys().isdisjoint({"xcon", "xemo", "xsty", "self of fours"})
+    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[1]
 
 
 def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
@@ -141,10 +142,10 @@ def test_an_autoencoder_takes_no_weights_of_encoders(learn: Learn, tmp_path: Pat
 def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path: Path) -> None:
     out, missed = tmp_path / "out.safetensors", []
     for steps in (1, 20):
-        said = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
+        outcome = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
         missed.append(load_speech(out.with_stem(str(steps))).training["held_out"]["loss"])
     assert missed[1] < 0.9 * missed[0]
-    assert "reconstruction error in 8 held-out windows" in said.sentences[1]
+    assert "reconstruction error in 8 held-out windows" in outcome.sentences[1]
 
 
 def test_recordings_without_a_known_speaker_for_validation_are_refused(

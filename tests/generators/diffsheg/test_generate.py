@@ -92,11 +92,11 @@ def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Sp
 
 
 def test_a_long_clip_says_how_far_it_is(model: DiffShegSettings, speak: Speak) -> None:
-    told: list[tuple[int, int]] = []
+    progress: list[tuple[int, int]] = []
     DiffSheg(model).generate(
-        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: told.append(far)
+        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
     )
-    assert told == [(28, 90), (56, 90), (84, 90), (90, 90)]
+    assert progress == [(28, 90), (56, 90), (84, 90), (90, 90)]
 
 
 def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(

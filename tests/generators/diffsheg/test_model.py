@@ -46,9 +46,9 @@ def asked(config: DenoiserConfig, batch: int = 2, frames: int = FRAMES) -> tuple
 def test_a_network_with_a_skip_that_learned_nothing_takes_the_motion_for_noise(flow: Flow) -> None:
     question = asked(replace(SMALL, flow=flow, skip=True))
     noisy, steps = question[:2]
-    found = Denoiser(replace(SMALL, flow=flow, skip=True)).eval()(*question)
+    result = Denoiser(replace(SMALL, flow=flow, skip=True)).eval()(*question)
     kept = torch.tensor(LINEAR.alpha_bar[steps], dtype=torch.float32)[:, None, None]
-    assert torch.allclose(found, (1 - kept).sqrt() * noisy, atol=1e-6)
+    assert torch.allclose(result, (1 - kept).sqrt() * noisy, atol=1e-6)
 
 
 def test_the_logarithm_of_mel_bands_is_read_from_silence_at_minus_one() -> None:
@@ -133,7 +133,7 @@ def test_a_guided_network_forgets_its_conditions_in_some_windows_while_it_learns
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "message"),
     [
         ({"heads": 3}, "heads do not divide"),
         ({"frames": 5000}, "longer than the 1200 positions"),
@@ -143,8 +143,8 @@ def test_a_guided_network_forgets_its_conditions_in_some_windows_while_it_learns
         ({"flow": "both"}, "no flow 'both'"),
     ],
 )
-def test_a_network_that_cannot_be_built_is_refused(wrong: dict[str, object], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_a_network_that_cannot_be_built_is_refused(wrong: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         replace(SMALL, **wrong)  # type: ignore[arg-type]  # wrong on purpose
 
 
@@ -174,15 +174,15 @@ def told_losses(noise: torch.Tensor, found: torch.Tensor, name: str = "paper") -
 def test_velocity_and_reconstruction_are_those_of_the_motion_that_follows_from_the_noise(
     windows: tuple[torch.Tensor, torch.Tensor, torch.Tensor],
 ) -> None:
-    clean, noise, found = windows
+    clean, noise, result = windows
     noisy = LINEAR.x_t(clean, noise, STEPS)
-    estimate = LINEAR.x0_hat(noisy, found, STEPS).double().numpy()
+    estimate = LINEAR.x0_hat(noisy, result, STEPS).double().numpy()
     true = clean.double().numpy()
     velocity = np.mean((np.diff(true, axis=1) - np.diff(estimate, axis=1)) ** 2)
     missed = np.abs(true - estimate)
     huber = np.mean(np.where(missed < 0.1, missed**2 / 2, 0.1 * (missed - 0.05)))
-    losses = told_losses(noise, found)
-    assert losses["noise"] == pytest.approx(float((noise - found).square().mean()))
+    losses = told_losses(noise, result)
+    assert losses["noise"] == pytest.approx(float((noise - result).square().mean()))
     assert losses["velocity"] == pytest.approx(velocity, rel=1e-4)
     assert losses["reconstruction"] == pytest.approx(huber, rel=1e-4)
 
@@ -190,8 +190,8 @@ def test_velocity_and_reconstruction_are_those_of_the_motion_that_follows_from_t
 def test_the_paper_weighs_ten_to_one_to_one(
     windows: tuple[torch.Tensor, torch.Tensor, torch.Tensor],
 ) -> None:
-    _, noise, found = windows
-    losses = told_losses(noise, found)
+    _, noise, result = windows
+    losses = told_losses(noise, result)
     expected = 10 * losses["noise"] + losses["velocity"] + losses["reconstruction"]
     assert losses["loss"] == pytest.approx(expected)
 
@@ -199,8 +199,8 @@ def test_the_paper_weighs_ten_to_one_to_one(
 def test_the_release_weighs_a_thousand_to_one_to_a_hundred_of_a_steeper_huber(
     windows: tuple[torch.Tensor, torch.Tensor, torch.Tensor],
 ) -> None:
-    _, noise, found = windows
-    papers, losses = told_losses(noise, found), told_losses(noise, found, "release")
+    _, noise, result = windows
+    papers, losses = told_losses(noise, result), told_losses(noise, result, "release")
     assert losses["reconstruction"] == pytest.approx(10 * papers["reconstruction"])
     expected = 1000 * losses["noise"] + losses["velocity"] + 100 * losses["reconstruction"]
     assert losses["loss"] == pytest.approx(expected)
@@ -212,9 +212,9 @@ def test_errors_in_meaningful_frames_count_more_where_the_weights_say_so() -> No
     steps = torch.tensor([300])
 
     def reconstruction(frame: int, weights: LossWeights) -> float:
-        found = noise.clone()
-        found[0, frame] = 10.0
-        return float(motion_losses(noise, found, steps, weights, semantic)["reconstruction"])
+        result = noise.clone()
+        result[0, frame] = 10.0
+        return float(motion_losses(noise, result, steps, weights, semantic)["reconstruction"])
 
     plain, counted = LOSSES["paper"], replace(LOSSES["paper"], semantic=True)
     assert reconstruction(1, plain) == reconstruction(2, plain)

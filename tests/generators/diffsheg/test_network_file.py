@@ -29,16 +29,16 @@ from training.weights_file import write_weights
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
 def test_what_is_written_comes_back(tmp_path: Path, dataset: str) -> None:
-    known = small_network(dataset)
-    write_network(tmp_path / "network.safetensors", known)
-    found = load_network(tmp_path / "network.safetensors", "beat", None)
-    assert found.dataset == dataset
-    assert found.denoiser.config == known.denoiser.config
-    assert not found.denoiser.training
-    np.testing.assert_array_equal(found.normalisation.mean, known.normalisation.mean)
-    np.testing.assert_array_equal(found.normalisation.std, known.normalisation.std)
-    weights = known.denoiser.state_dict()
-    assert all(torch.equal(one, weights[n]) for n, one in found.denoiser.state_dict().items())
+    original = small_network(dataset)
+    write_network(tmp_path / "network.safetensors", original)
+    result = load_network(tmp_path / "network.safetensors", "beat", None)
+    assert result.dataset == dataset
+    assert result.denoiser.config == original.denoiser.config
+    assert not result.denoiser.training
+    np.testing.assert_array_equal(result.normalisation.mean, original.normalisation.mean)
+    np.testing.assert_array_equal(result.normalisation.std, original.normalisation.std)
+    weights = original.denoiser.state_dict()
+    assert all(torch.equal(one, weights[n]) for n, one in result.denoiser.state_dict().items())
 
 
 def test_a_released_checkpoint_without_its_means_is_refused(tmp_path: Path) -> None:
@@ -81,9 +81,9 @@ def stats(tmp_path: Path) -> Path:
 
 
 def test_the_bodys_values_come_first_and_then_the_faces(stats: Path) -> None:
-    found = read_normalisation(stats, SMALL)
-    assert found.mean.tolist() == [0.0, 1.0, 2.0, 0.1, 0.2]
-    assert found.std.tolist() == [1.0, 0.0, 2.3e-8, 0.5, 0.25]
+    result = read_normalisation(stats, SMALL)
+    assert result.mean.tolist() == [0.0, 1.0, 2.0, 0.1, 0.2]
+    assert result.std.tolist() == [1.0, 0.0, 2.3e-8, 0.5, 0.25]
 
 
 def test_the_faces_files_may_lie_in_a_folder_of_their_own(stats: Path) -> None:
@@ -101,7 +101,7 @@ def test_a_missing_file_is_named(stats: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         (np.zeros(4), "shape"),
         (np.array([0.0, np.nan, 0.0]), "finite"),
@@ -110,9 +110,9 @@ def test_a_missing_file_is_named(stats: Path) -> None:
     ],
     ids=["another size", "not a number", "pickled", "negative"],
 )
-def test_unusable_content_is_refused(stats: Path, values: np.ndarray, said: str) -> None:
+def test_unusable_content_is_refused(stats: Path, values: np.ndarray, message: str) -> None:
     np.save(stats / "axis_angle_std.npy", values, allow_pickle=True)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         read_normalisation(stats, SMALL)
 
 
@@ -130,14 +130,14 @@ def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path
         stats = REFERENCE.parent / "data" / "diffsheg_stats"
         network = load_network(tmp_path / "released.pt", dataset, stats)
         assert network.normalisation.mean.shape == (denoiser.config.motion_width,)
-    with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as known, torch.inference_mode():
+    with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as reference, torch.inference_mode():
         noisy, timestep, mel, hubert, person, expected = (
-            torch.from_numpy(known[name])
+            torch.from_numpy(reference[name])
             for name in ("noisy", "timestep", "mel", "hubert", "person", "eps")
         )
-        found = denoiser(noisy, timestep, mel, hubert, person)
-    assert float((found - expected).norm() / expected.norm()) < 1e-5
-    assert float((found - expected).abs().max() / expected.abs().max()) < 1e-4
+        result = denoiser(noisy, timestep, mel, hubert, person)
+    assert float((result - expected).norm() / expected.norm()) < 1e-5
+    assert float((result - expected).abs().max() / expected.abs().max()) < 1e-4
 
 
 def _saved(weights: dict[str, Tensor], path: Path) -> Path:

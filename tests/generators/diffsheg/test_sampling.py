@@ -55,8 +55,8 @@ def asked_in_full(denoiser: Denoiser) -> Sampler:
 
     def eps(x_t: Tensor, place: int, speech: SpeechFrames) -> Tensor:
         t = torch.tensor([SAMPLING.timesteps[place]])
-        found: Tensor = denoiser(x_t, t, speech.mel[None], speech.hubert[None], PERSON[None])
-        return found
+        result: Tensor = denoiser(x_t, t, speech.mel[None], speech.hubert[None], PERSON[None])
+        return result
 
     def sample(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
         asked = ((partial(eps, speech=window.speech), window.noise) for window in windows)
@@ -135,9 +135,9 @@ def _of_a_normal_law(sampling: Sampling) -> Estimate:
     """Return the perfect network for motion whose values are all normal and independent."""
 
     def estimate(noisy: Tensor, place: int) -> Tensor:
-        kept = float(LINEAR.alpha_bar[sampling.timesteps[place]])
-        variance = kept * SPREAD**2 + 1 - kept
-        signal, noise = kept**0.5, (1 - kept) ** 0.5
+        alpha_bar = float(LINEAR.alpha_bar[sampling.timesteps[place]])
+        variance = alpha_bar * SPREAD**2 + 1 - alpha_bar
+        signal, noise = alpha_bar**0.5, (1 - alpha_bar) ** 0.5
         expected: Tensor = (noisy - signal * MEAN) * noise / variance
         return expected
 
@@ -169,8 +169,8 @@ def test_the_motion_is_that_of_the_plain_network(
     denoiser = shaken(config, 0.2).requires_grad_(False)
     plain = moved(asked_in_full(denoiser))
     with torch_threads(number):
-        found = moved(WindowSampler(denoiser, PERSON, SAMPLING))
-    assert float((found - plain).abs().max()) < 1e-4 * float(plain.abs().max())
+        result = moved(WindowSampler(denoiser, PERSON, SAMPLING))
+    assert float((result - plain).abs().max()) < 1e-4 * float(plain.abs().max())
 
 
 def test_speakers_are_told_apart() -> None:

@@ -28,8 +28,8 @@ RELATED_OVER = 0.2
 
 
 def covariance() -> np.ndarray:
-    apart = np.subtract.outer(np.arange(FRAMES), np.arange(FRAMES)) / 15
-    quick, slow = (np.exp(-0.5 * (apart / (n * RELATED_OVER)) ** 2) for n in (1, 6))
+    seconds = np.subtract.outer(np.arange(FRAMES), np.arange(FRAMES)) / 15
+    quick, slow = (np.exp(-0.5 * (seconds / (n * RELATED_OVER)) ** 2) for n in (1, 6))
     return 0.5 * quick + 0.5 * slow + 1e-4 * np.eye(FRAMES)
 
 
@@ -38,9 +38,9 @@ def perfect_network(sampling: Sampling) -> Sampler:
 
     @cache
     def answers(place: int, frames: int) -> Tensor:
-        kept = float(LINEAR.alpha_bar[sampling.timesteps[place]])
-        noisy = kept * law[:frames, :frames] + (1 - kept) * torch.eye(frames)
-        deviation: float = (1 - kept) ** 0.5
+        alpha_bar = float(LINEAR.alpha_bar[sampling.timesteps[place]])
+        noisy = alpha_bar * law[:frames, :frames] + (1 - alpha_bar) * torch.eye(frames)
+        deviation: float = (1 - alpha_bar) ** 0.5
         answer: Tensor = deviation * torch.linalg.inv(noisy)
         return answer.float()
 

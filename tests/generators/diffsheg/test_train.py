@@ -70,7 +70,7 @@ def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
 
 def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
-    made = DiffShegTask(
+    task = DiffShegTask(
         config=SMALL,
         weights=LOSSES["paper"],
         training=Windows(takes, split="train", frames=34, stride=10),
@@ -78,7 +78,7 @@ def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
         normalisation=normalisation_of(takes),
         speakers=Speakers(("1", "2"), SMALL.speakers),
     )
-    return replace(made, **changes)
+    return replace(task, **changes)
 
 
 def read(out: Path) -> MotionNetwork:
@@ -89,14 +89,14 @@ def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
     learn: Train, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
-    said = learn(24, out)
+    outcome = learn(24, out)
     facts = read(out).training
     for measure in ("noise", "loss"):
         assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]
-    assert said.skipped == (SKIPPED,)
-    assert f"{facts['held_out']['noise']:.3f} of 1" in " ".join(said.sentences)
-    assert "9 takes by 2 speakers (1, 2)" in said.sentences[0]
-    assert "no words" in " ".join(said.warnings)
+    assert outcome.skipped == (SKIPPED,)
+    assert f"{facts['held_out']['noise']:.3f} of 1" in " ".join(outcome.sentences)
+    assert "9 takes by 2 speakers (1, 2)" in outcome.sentences[0]
+    assert "no words" in " ".join(outcome.warnings)
 
 
 def test_it_is_computed_where_its_device_is(
@@ -130,9 +130,9 @@ def test_another_ablation_does_not_go_on_with_a_run(learn: Train, tmp_path: Path
 def test_motion_is_normalised_by_what_is_learned_from_alone(takes: PreparedTakes) -> None:
     chosen = [number for number, take in enumerate(takes.takes) if take.split == "train"]
     gestures = np.concatenate([takes.arrays["gesture"][number] for number in chosen])
-    found = normalisation_of(takes)
-    np.testing.assert_allclose(found.mean[:141], gestures.mean(axis=0, dtype=float), atol=1e-6)
-    np.testing.assert_allclose(found.std[:141], gestures.std(axis=0, dtype=float), rtol=1e-6)
+    result = normalisation_of(takes)
+    np.testing.assert_allclose(result.mean[:141], gestures.mean(axis=0, dtype=float), atol=1e-6)
+    np.testing.assert_allclose(result.std[:141], gestures.std(axis=0, dtype=float), rtol=1e-6)
 
 
 def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: PreparedTakes) -> None:
@@ -150,10 +150,10 @@ def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: Prepare
 def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: PreparedTakes) -> None:
     task = task_of(takes, weights=LossWeights(noise=2, velocity=10, reconstruction=3))
     with torch.no_grad():
-        found = task.validation(task.network().eval())
-    assert next(iter(found)) == SELECTION_METRIC
-    assert found[SELECTION_METRIC] == pytest.approx(
-        2 * found["noise"] + 3 * found["reconstruction"]
+        result = task.validation(task.network().eval())
+    assert next(iter(result)) == SELECTION_METRIC
+    assert result[SELECTION_METRIC] == pytest.approx(
+        2 * result["noise"] + 3 * result["reconstruction"]
     )
 
 

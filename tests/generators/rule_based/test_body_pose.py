@@ -51,8 +51,8 @@ def test_the_wrist_is_where_the_hand_pose_says(hand: HandPose) -> None:
     joints, _ = posed(hand)
     shoulder = REST_JOINTS[joint_index("left_shoulder")]
     arm = abs(REST_JOINTS[joint_index("left_wrist"), 0] - shoulder[0])
-    wanted = shoulder + arm * np.array([hand.outward, hand.up, hand.forward])
-    assert np.linalg.norm(at(joints, "left_wrist") - wanted) < 0.03
+    expected = shoulder + arm * np.array([hand.outward, hand.up, hand.forward])
+    assert np.linalg.norm(at(joints, "left_wrist") - expected) < 0.03
 
 
 def test_pronation_turns_the_palm_down_and_supination_up() -> None:
@@ -66,8 +66,8 @@ def test_pronation_turns_the_palm_down_and_supination_up() -> None:
 
 
 def test_the_trunk_turns_as_its_fields_say() -> None:
-    turned = replace(still(), spine=np.array([[0.0, 30.0, 0.0]]))
-    _, turns = posed(BY_THE_SIDE, turned)
+    rotated = replace(still(), spine=np.array([[0.0, 30.0, 0.0]]))
+    _, turns = posed(BY_THE_SIDE, rotated)
     assert (turns[0, joint_index("spine3")] @ [0, 0, 1])[0] == pytest.approx(0.5, abs=1e-6)
     bent = replace(still(), spine=np.array([[30.0, 0.0, 0.0]]))
     joints, _ = posed(BY_THE_SIDE, bent)

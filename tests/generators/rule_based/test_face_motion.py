@@ -15,9 +15,9 @@ FRAME_RATE = 30
 
 def mouth(samples: np.ndarray) -> dict[str, np.ndarray]:
     audio = Audio(samples.astype(np.float32), RATE)
-    heard = prosody(audio, FRAME_RATE)
-    times = np.arange(len(heard.energy)) / FRAME_RATE
-    return dict(speaking_mouth(audio, heard, times, 1.0))
+    speech = prosody(audio, FRAME_RATE)
+    times = np.arange(len(speech.energy)) / FRAME_RATE
+    return dict(speaking_mouth(audio, speech, times, 1.0))
 
 
 def vowel(formants: tuple[float, float], seconds: float = 1.0) -> np.ndarray:

@@ -82,8 +82,8 @@ def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(clips: Clips, emot
     met, by_chance = [], []
     for seed in SEEDS:
         speech, clip = clips[emotion, seed]
-        moments, heard = stops(clip), prosody(speech.audio, RATE)
-        strong = heard.accents[heard.prominence > 0.6]
+        moments, accents = stops(clip), prosody(speech.audio, RATE)
+        strong = accents.accents[accents.prominence > 0.6]
         met.append(share_near(moments, strong))
         shifts = np.random.default_rng(0).uniform(1, SECONDS - 1, 100)
         by_chance += [share_near((moments + shift) % SECONDS, strong) for shift in shifts]
@@ -93,8 +93,8 @@ def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(clips: Clips, emot
 def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
     audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 30)
     clip = generate(as_segment(audio, "neutral"))
-    heard = prosody(audio, RATE)
-    moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
+    accents = prosody(audio, RATE)
+    moments, strong = stops(clip), accents.accents[accents.prominence > 0.4]
     shifts = np.random.default_rng(0).uniform(1, 29, 100)
     chance = np.mean([share_near((moments + shift) % 30, strong) for shift in shifts])
     assert share_near(moments, strong) > 0.6
@@ -165,9 +165,9 @@ def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(clip
 def test_each_emotion_shows_its_own_face_more_than_any_other_does(
     clips: Clips, emotion: str, action: str
 ) -> None:
-    own = arkit_index(action)
-    shown = {other: arkit_of(clips[other, 0][1])[:, own].mean() for other in EMOTIONS}
-    assert max(shown, key=lambda other: shown[other]) == emotion
+    index = arkit_index(action)
+    strengths = {other: arkit_of(clips[other, 0][1])[:, index].mean() for other in EMOTIONS}
+    assert max(strengths, key=lambda other: strengths[other]) == emotion
 
 
 def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
@@ -180,10 +180,10 @@ def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
 
 def test_the_head_nods_on_strong_accents(clips: Clips) -> None:
     speech, clip = clips["neutral", 0]
-    heard = prosody(speech.audio, RATE)
+    accents = prosody(speech.audio, RATE)
     _, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     lowered = -turns[:, joint_index("head"), 1, 2]
-    frames = (heard.accents[heard.prominence > 0.8] * RATE).astype(int)
+    frames = (accents.accents[accents.prominence > 0.8] * RATE).astype(int)
     frames = frames[(frames > 6) & (frames < len(lowered) - 1)]
     assert (lowered[frames] - lowered[frames - 6] > 0.02).mean() > 0.8
 
@@ -214,8 +214,8 @@ def test_the_hands_do_not_pass_through_each_other(clips: Clips, emotion: str) ->
             joints[:, [joint_index(f"{side}_{part}") for part in parts]]
             for side in ("left", "right")
         )
-        apart = np.linalg.norm(left[:, :, None] - right[:, None], axis=-1)
-        assert apart.min() > 0.03
+        distances = np.linalg.norm(left[:, :, None] - right[:, None], axis=-1)
+        assert distances.min() > 0.03
 
 
 FRAME_RATE = 15.0

@@ -36,16 +36,16 @@ def generator(checkpoint: Path, **settings: object) -> S2ue:
     return S2ue(S2ueSettings.model_validate({"checkpoint": checkpoint, **settings}))
 
 
-def values(made: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 1) -> np.ndarray:
+def values(generator: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 1) -> np.ndarray:
     parts = np.array_split(speech.audio.samples, pieces)
-    return np.concatenate(list(made.stream(parts, seed=seed)))
+    return np.concatenate(list(generator.stream(parts, seed=seed)))
 
 
 @pytest.mark.parametrize("seconds", [0.1, 2.27, 2.3, 4.26])
 def test_motion_lasts_as_long_as_the_speech(checkpoint: Path, speak: Speak, seconds: float) -> None:
-    found = values(generator(checkpoint), speak("a", seconds))
-    assert found.shape == (round(seconds * 15), 27 + 3 * FACE.count)
-    lengths = np.linalg.norm(found[:, :27].reshape(-1, 9, 3), axis=-1)
+    result = values(generator(checkpoint), speak("a", seconds))
+    assert result.shape == (round(seconds * 15), 27 + 3 * FACE.count)
+    lengths = np.linalg.norm(result[:, :27].reshape(-1, 9, 3), axis=-1)
     np.testing.assert_allclose(lengths, 1, atol=1e-5)
 
 
@@ -55,25 +55,25 @@ def test_how_speech_is_cut_changes_nothing(checkpoint: Path, speech: SpeechSegme
 
 
 def test_frames_are_settled_with_a_bounded_delay(checkpoint: Path, speak: Speak) -> None:
-    speech, heard, made = speak("a", 9.0), 0, 0
+    speech, received, generated = speak("a", 9.0), 0, 0
     lags = []
 
     def pieces() -> Iterator[NDArray[np.float32]]:
-        nonlocal heard
+        nonlocal received
         for start in range(0, len(speech.audio.samples), 800):
-            heard = start + 800
+            received = start + 800
             yield speech.audio.samples[start : start + 800]
 
     for part in generator(checkpoint).stream(pieces(), seed=1):
-        lags.append(heard / 16000 - made / 15)
-        made += len(part)
+        lags.append(received / 16000 - generated / 15)
+        generated += len(part)
     assert max(lags) <= 34 / 15 + 0.1 + 0.05
 
 
 def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None:
-    found = values(generator(checkpoint), speak("a", 60.0))
+    result = values(generator(checkpoint), speak("a", 60.0))
     seams = Windows(frames=34, overlap=4, frame_rate=15.0)
-    for part in (found[:, :27], found[:, 27:]):
+    for part in (result[:, :27], result[:, 27:]):
         points = part.reshape(len(part), -1, 3)
         assert seam_acceleration(points, seams, of="points").value < 1.2
 

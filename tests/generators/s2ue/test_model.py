@@ -28,7 +28,7 @@ VALUES = 27 + 3 * FACE.count
 COMPONENTS = components_of(FACE.actions)
 
 
-def told(network: Network, **changed: Tensor) -> Tensor:
+def model_outputs(network: Network, **changed: Tensor) -> Tensor:
     chance = torch.Generator().manual_seed(1)
     given = {
         "sound": torch.randn(2, 34, 84, generator=chance),
@@ -43,22 +43,24 @@ def told(network: Network, **changed: Tensor) -> Tensor:
 
 def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
     network = small_network()
-    plain = told(network)
+    plain = model_outputs(network)
     assert plain.shape == (2, 34, VALUES)
     for name, shape in (("sound", (34, 84)), ("words", (34, 300)), ("seeds", (4, VALUES))):
-        assert not torch.allclose(told(network, **{name: torch.rand(2, *shape)}), plain), name
-    assert not torch.allclose(told(network, person=torch.eye(2)[[1, 1]]), plain)
+        assert not torch.allclose(model_outputs(network, **{name: torch.rand(2, *shape)}), plain), (
+            name
+        )
+    assert not torch.allclose(model_outputs(network, person=torch.eye(2)[[1, 1]]), plain)
     noise = torch.ones(2, 1, SMALL.speaker_width)
-    assert not torch.allclose(told(network, noise=noise), plain)
+    assert not torch.allclose(model_outputs(network, noise=noise), plain)
 
 
 def test_one_embedding_tells_face_and_pose_unless_they_are_apart() -> None:
     for synchronous in (True, False):
         network = small_network(synchronous=synchronous)
         seeds = network.mean.expand(2, 4, VALUES).clone()
-        before = told(network, seeds=seeds)
+        before = model_outputs(network, seeds=seeds)
         seeds[..., 27:] += 1e-3
-        pose = (told(network, seeds=seeds) - before)[..., :27]
+        pose = (model_outputs(network, seeds=seeds) - before)[..., :27]
         assert bool(pose.abs().max() > 1e-6) == synchronous
     assert len(network.generator) == len(network.discriminator) == 2
 
@@ -73,12 +75,12 @@ def test_the_higher_graph_can_be_left_out(modality: str) -> None:
     assert {name: one.parts is None for name, one in encoders.items()} == {
         name: name == modality for name in encoders
     }
-    assert told(network).shape == (2, 34, VALUES)
+    assert model_outputs(network).shape == (2, 34, VALUES)
 
 
 def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
     network = small_network()
-    values = told(network)
+    values = model_outputs(network)
     heard = torch.randn(2, 34, 128)
     assert network.predict_lips(heard).shape == (2, 34, len(network.lips), 3)
     whole = network.with_lips(values, heard)
@@ -88,8 +90,8 @@ def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
 
 def test_every_weight_learns_from_some_loss() -> None:
     network = small_network().train().requires_grad_(True)
-    found = told(network)
-    loss = found.square().sum() + network.discriminate(found).sum()
+    result = model_outputs(network)
+    loss = result.square().sum() + network.discriminate(result).sum()
     loss = loss + network.predict_lips(torch.randn(2, 34, 128)).square().sum()
     torch.autograd.backward(loss)
     idle = [name for name, one in network.named_parameters() if one.grad is None]
@@ -113,10 +115,10 @@ def motion(seed: int) -> torch.Tensor:
 
 def test_equation_16_counts_places_and_steps() -> None:
     true = torch.zeros(1, 3, 2, 3)
-    found = true.clone()
-    found[:, 1] = 0.5
+    result = true.clone()
+    result[:, 1] = 0.5
     # A third of the frames is off by 0.5; both steps are.
-    assert float(phoneme_loss(found, true, torch.tensor(0.1))) == pytest.approx(
+    assert float(phoneme_loss(result, true, torch.tensor(0.1))) == pytest.approx(
         (0.5 / 3 + 0.5) / 0.1
     )
 
@@ -125,7 +127,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
     network = small_network()
     network.spread.copy_(torch.tensor([1e-3, 0.5, 0.1]))
     one, two = motion(1), motion(2)
-    found = reconstruction_losses(network, one, two, WEIGHTS)
+    result = reconstruction_losses(network, one, two, WEIGHTS)
     pose, face = one[..., :27] - two[..., :27], one[..., 27:] - two[..., 27:]
     joints = joint_tensors(one[..., :27].reshape(2, 5, 9, 3)) - joint_tensors(
         two[..., :27].reshape(2, 5, 9, 3)
@@ -133,7 +135,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
     places = face.abs().mean() / 1e-3 + joints.abs().mean() / 0.1
     motions = face.abs().mean() / 1e-3 + pose.abs().mean() / 0.5
     steps = face.diff(dim=1).abs().mean() / 1e-3 + pose.diff(dim=1).abs().mean() / 0.5
-    assert float(found["reconstruction"]) == pytest.approx(
+    assert float(result["reconstruction"]) == pytest.approx(
         float(places + 2 * motions + 3 * steps), rel=1e-5
     )
     plain = reconstruction_losses(network, one, two, LossWeights(velocity=0, acceleration=0))

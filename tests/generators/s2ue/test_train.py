@@ -81,10 +81,10 @@ def task(takes: PreparedTakes, **weights: float) -> S2ueTask:
 
 
 def test_it_learns_and_says_what_from(learn: Learn, tmp_path: Path) -> None:
-    said = learn(16, tmp_path / "a.safetensors")
-    assert "24 windows of 6 takes by 2 speakers (a, b)" in said.sentences[0]
-    assert any("stand-in for FastText" in one for one in said.warnings)
-    assert any("no recording has a transcript" in one for one in said.warnings)
+    outcome = learn(16, tmp_path / "a.safetensors")
+    assert "24 windows of 6 takes by 2 speakers (a, b)" in outcome.sentences[0]
+    assert any("stand-in for FastText" in one for one in outcome.warnings)
+    assert any("no recording has a transcript" in one for one in outcome.warnings)
     loaded = load_network(tmp_path / "a.safetensors", FACE)
     assert loaded.speakers.names == ("a", "b")
     few, many = (
@@ -118,12 +118,12 @@ def test_ablations_are_trained_and_remembered(learn: Learn, tmp_path: Path, abla
 
 
 def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
-    wanted = task(takes)
-    network = wanted.network().train()
+    expected = task(takes)
+    network = expected.network().train()
     rows = np.arange(6)
     for name in ("generator", "discriminator", "phonemes"):
         network.zero_grad()
-        torch.autograd.backward(wanted.losses_of(name, network, rows)["loss"])
+        torch.autograd.backward(expected.losses_of(name, network, rows)["loss"])
         part = network.get_submodule(name)
         assert all(one.grad is not None for one in part.parameters()), name
         if name != "generator":
@@ -131,12 +131,12 @@ def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
 
 
 def test_losses_that_do_not_count_are_not_computed(takes: PreparedTakes) -> None:
-    wanted = task(takes, adversarial=0.0, diversity=0.0, latent=0.0)
-    found = wanted.losses(wanted.network(), np.arange(4))
-    assert set(found) == {"loss", "reconstruction", "place", "velocity", "acceleration"}
-    assert float(found["loss"].detach()) == float(found["reconstruction"].detach())
+    expected = task(takes, adversarial=0.0, diversity=0.0, latent=0.0)
+    result = expected.losses(expected.network(), np.arange(4))
+    assert set(result) == {"loss", "reconstruction", "place", "velocity", "acceleration"}
+    assert float(result["loss"].detach()) == float(result["reconstruction"].detach())
     assert {"latent", "diversity", "adversarial"} <= set(
-        task(takes).losses(wanted.network(), np.arange(4))
+        task(takes).losses(expected.network(), np.arange(4))
     )
 
 

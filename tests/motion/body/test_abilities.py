@@ -52,9 +52,9 @@ def _clip(**more: Any) -> MotionClip:
 def test_what_a_body_does_not_show_is_said(
     body: dict[str, Any], clip: dict[str, Any], sentence: str | None
 ) -> None:
-    said = unsupported_features(_clip(**clip), _body(**body))
-    assert len(said) == (sentence is not None)
-    assert sentence is None or re.search(sentence, said[0])
+    message = unsupported_features(_clip(**clip), _body(**body))
+    assert len(message) == (sentence is not None)
+    assert sentence is None or re.search(sentence, message[0])
 
 
 def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
@@ -71,9 +71,9 @@ def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
 @pytest.mark.parametrize("name", ["m.npy", "m.npz", "m.csv"])
 @pytest.mark.parametrize("turned", [False, True])
 def test_matrix_is_read_in_every_format_either_way_round(
-    tmp_path: Path, name: str, turned: bool
+    tmp_path: Path, name: str, transposed: bool
 ) -> None:
-    path = _written(tmp_path, name, MATRIX.T if turned else MATRIX)
+    path = _written(tmp_path, name, MATRIX.T if transposed else MATRIX)
     np.testing.assert_allclose(read_expression_matrix(path), MATRIX, rtol=1e-6)
 
 
@@ -94,10 +94,10 @@ def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_no_such_matrix_is_refused(
-    tmp_path: Path, name: str, content: np.ndarray, what: str
+    tmp_path: Path, name: str, content: np.ndarray, message: str
 ) -> None:
     path = _written(tmp_path, name, content)
-    with pytest.raises(InputError, match=what) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         read_expression_matrix(path)
     assert caught.value.where == str(path)
     assert caught.value.remedy
@@ -108,19 +108,19 @@ def test_files_without_one_array_are_refused(tmp_path: Path) -> None:
     (tmp_path / "words.csv").write_text("hello,world")
     (tmp_path / "torn.npz").write_bytes(b"PK\x03\x04")
     np.savez(tmp_path / "two.npz", a=MATRIX, b=MATRIX)
-    for name, what in (
+    for name, message in (
         ("words.csv", "cannot be read"),
         ("torn.npz", "cannot be read"),
         ("two.npz", "2 arrays, not one"),
         ("gone.npy", "no such expression matrix"),
         ("empty.csv", r"shape \(0, 0\)"),
     ):
-        with pytest.raises(InputError, match=what):
+        with pytest.raises(InputError, match=message):
             read_expression_matrix(tmp_path / name)
 
 
 def test_what_a_clip_says_in_the_bodys_own_terms_comes_first() -> None:
     both = _clip(expressions=np.ones((2, 100)), arkit=np.full((2, 52), 0.5))
-    for has_arkit_slots, own in ((True, both.arkit), (False, both.expressions)):
-        assert face_for(both, has_arkit_slots=has_arkit_slots, matrix=MATRIX) is own
+    for has_arkit_slots, expected in ((True, both.arkit), (False, both.expressions)):
+        assert face_for(both, has_arkit_slots=has_arkit_slots, matrix=MATRIX) is expected
     assert face_for(_clip(), has_arkit_slots=True, matrix=MATRIX) is None

@@ -52,9 +52,9 @@ def test_a_body_in_smplxs_terms_has_landmarks_that_follow_its_pose_corrections(
         pose_directions=chance.normal(0, 1e-3, (len(body.template), 3, 486)).astype(np.float32),
     )
     clip = random_clip(5)
-    found = FaceLandmarks.of(licensed).positions(clip)
+    result = FaceLandmarks.of(licensed).positions(clip)
     whole = licensed.vertices(face_alone(clip))[:, landmark_vertices(licensed)]
-    np.testing.assert_allclose(found, whole, atol=1e-6)
+    np.testing.assert_allclose(result, whole, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["template", "weights", "expression_directions", "arkit_slots"])

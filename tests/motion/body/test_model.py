@@ -146,10 +146,10 @@ def test_face_of_the_other_kind_is_not_guessed(body: BodyModel) -> None:
 
 def test_face_of_the_other_kind_is_shown_through_a_matrix(body: BodyModel) -> None:
     weights = np.random.default_rng(6).random((2, 52)).astype(np.float32)
-    told = replace(body, expression_matrix=_matrix()).vertices(_clip(2, arkit=weights))
-    own = body.vertices(_clip(2, expressions=weights @ _matrix().T))
-    np.testing.assert_allclose(told, own, atol=1e-5)
-    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
+    result = replace(body, expression_matrix=_matrix()).vertices(_clip(2, arkit=weights))
+    expected = body.vertices(_clip(2, expressions=weights @ _matrix().T))
+    np.testing.assert_allclose(result, expected, atol=1e-5)
+    assert np.abs(result - body.vertices(_clip(2))).max() > 1e-3
 
 
 def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
@@ -159,10 +159,10 @@ def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
     slots = arrays | {"arkit_slots": np.array(True)}
     body = _read(tmp_path, slots, expression_matrix=tmp_path / "matrix.csv")
     coefficients = np.random.default_rng(7).normal(0, 1, (2, 100)).astype(np.float32)
-    told = body.vertices(_clip(2, expressions=coefficients))
-    own = body.vertices(_clip(2, arkit=np.clip(coefficients @ _matrix(), 0, 1)))
-    np.testing.assert_allclose(told, own, atol=1e-5)
-    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
+    result = body.vertices(_clip(2, expressions=coefficients))
+    expected = body.vertices(_clip(2, arkit=np.clip(coefficients @ _matrix(), 0, 1)))
+    np.testing.assert_allclose(result, expected, atol=1e-5)
+    assert np.abs(result - body.vertices(_clip(2))).max() > 1e-3
 
 
 def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
@@ -185,9 +185,9 @@ def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path
     ],
 )
 def test_a_file_that_is_no_smplx_body_is_refused(
-    arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], what: str
+    arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], message: str
 ) -> None:
-    with pytest.raises(InputError, match=what) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         _read(tmp_path, broken(arrays))
     assert caught.value.where == str(tmp_path / "smplx_random.npz")
     assert caught.value.remedy

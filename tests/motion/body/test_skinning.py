@@ -28,11 +28,11 @@ def _twisted(elbow: float, wrist: float) -> np.ndarray:
 def test_matrices_carry_the_joints_to_where_forward_kinematics_puts_them(seed: int) -> None:
     rng = np.random.default_rng(seed)
     poses, trans = rng.normal(0, 1, (3, JOINT_COUNT, 3)), rng.normal(0, 1, (3, 3))
-    positions, turned = forward_kinematics(poses, trans, REST_JOINTS)
+    positions, rotations = forward_kinematics(poses, trans, REST_JOINTS)
     matrices = skinning_matrices(poses, trans, REST_JOINTS)
     carried = np.einsum("njab,jb->nja", matrices[..., :3], REST_JOINTS) + matrices[..., 3]
     np.testing.assert_allclose(carried, positions, atol=1e-5)
-    np.testing.assert_allclose(matrices[..., :3], turned, atol=1e-5)
+    np.testing.assert_allclose(matrices[..., :3], rotations, atol=1e-5)
 
 
 @given(

@@ -42,13 +42,13 @@ def test_what_is_written_is_read_back(tmp_path: Path) -> None:
     assert back.notes == ()
     assert back.joint_names == ("hips", "left", "left tip", "right")
     for joint in motion.joints:
-        own = back.joints[back.joint_names.index(joint.name)]
-        assert own.offset == joint.offset
-        assert own.channels == joint.channels
+        same_joint = back.joints[back.joint_names.index(joint.name)]
+        assert same_joint.offset == joint.offset
+        assert same_joint.channels == joint.channels
     positions, _ = motion.forward_kinematics()
-    found, _ = back.forward_kinematics()
+    result, _ = back.forward_kinematics()
     order = [motion.joint_names.index(name) for name in back.joint_names]
-    np.testing.assert_allclose(found, positions[:, order], atol=1e-3)
+    np.testing.assert_allclose(result, positions[:, order], atol=1e-3)
 
 
 @pytest.mark.parametrize("rate", [15.0, 23.976, 29.97, 30.0, 59.94, 60.0, 120.0])

@@ -23,7 +23,7 @@ from tests.motion.random_clips import assert_same_clip, clips, random_clip
 
 def save(path: Path, **arrays: Any) -> Path:
     """Save a file as another project would; None leaves a key out."""
-    given: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "poses": np.full((4, 165), 0.1),
         "trans": np.zeros((4, 3)),
         "betas": np.zeros(16),
@@ -31,7 +31,7 @@ def save(path: Path, **arrays: Any) -> Path:
         "mocap_frame_rate": 30,
         **arrays,
     }
-    np.savez(path, **{key: value for key, value in given.items() if value is not None})
+    np.savez(path, **{key: value for key, value in fields.items() if value is not None})
     return path
 
 
@@ -104,10 +104,10 @@ def test_poses_told_in_parts_are_put_together(tmp_path: Path) -> None:
     whole = np.arange(4 * 165, dtype=float).reshape(4, 165) / 1000
     parts = np.split(whole, [3, 66, 69, 75], axis=1)
     names = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")
-    given = dict(zip(names, parts, strict=True))
-    clip = read_clip(save(tmp_path / "a.npz", poses=None, **given))
+    arrays = dict(zip(names, parts, strict=True))
+    clip = read_clip(save(tmp_path / "a.npz", poses=None, **arrays))
     np.testing.assert_allclose(clip.poses.reshape(4, 165), whole)
-    face_left_out = {**given, "pose_jaw": None, "pose_eye": None}
+    face_left_out = {**arrays, "pose_jaw": None, "pose_eye": None}
     clip = read_clip(save(tmp_path / "a.npz", poses=None, **face_left_out))
     assert not clip.poses[:, 22:25].any()
     np.testing.assert_allclose(clip.poses[:, 25:].reshape(4, 90), parts[-1])
@@ -215,12 +215,12 @@ def test_the_frame_rate_is_known_without_the_motion(tmp_path: Path, key: str) ->
 
 
 @pytest.mark.parametrize(
-    ("rate", "said"), [(None, "no frame rate"), (0.0, "not usable"), (np.nan, "not usable")]
+    ("rate", "message"), [(None, "no frame rate"), (0.0, "not usable"), (np.nan, "not usable")]
 )
 def test_a_file_without_a_usable_frame_rate_is_named(
-    tmp_path: Path, rate: float | None, said: str
+    tmp_path: Path, rate: float | None, message: str
 ) -> None:
     path = save(tmp_path / "a.npz", mocap_frame_rate=rate)
-    with pytest.raises(InputError, match=said) as refused:
+    with pytest.raises(InputError, match=message) as refused:
         read_frame_rate(path)
     assert str(path) in str(refused.value)

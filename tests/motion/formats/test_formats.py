@@ -108,8 +108,8 @@ def test_only_fingers_that_nobody_recorded_are_relaxed(tmp_path: Path) -> None:
     poses[:, thumb] = 0.5
     np.savez(tmp_path / "a.npz", poses=poses, mocap_framerate=30)
     clip = read_motion(tmp_path / "a.npz")
-    kept = slice(thumb - 1, thumb + 2)
-    np.testing.assert_allclose(clip.poses[1, kept], poses[1, kept])
+    recorded = slice(thumb - 1, thumb + 2)
+    np.testing.assert_allclose(clip.poses[1, recorded], poses[1, recorded])
     np.testing.assert_allclose(clip.poses[1, thumb + 2 : 55], RELAXED_HANDS[15:])
     assert "9 of 10 fingers are not told" in clip.provenance["notes"]
 
@@ -127,9 +127,9 @@ def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
     path = person_bvh(tmp_path / "a.bvh", "x")
     with pytest.raises(InputError, match=r"a\.bvh: the skeleton is unknown"):
         read_motion(path)
-    own = {name.removeprefix("x"): name for name in depth_first(smplx_skeleton())}
-    own = {name: f"x{name}" for name in own}
-    assert read_motion(path, joint_map=own).provenance["format"] == "bvh (own map)"
+    joint_map = {name.removeprefix("x"): name for name in depth_first(smplx_skeleton())}
+    joint_map = {name: f"x{name}" for name in joint_map}
+    assert read_motion(path, joint_map=joint_map).provenance["format"] == "bvh (own map)"
     with pytest.raises(InputError, match=r"a\.bvh: the joint map lacks"):
         read_motion(path, joint_map={"pelvis": "xpelvis"})
 

@@ -44,12 +44,12 @@ def document_of(path: Path) -> tuple[dict[str, Any], bytes]:
 
 def values_of(path: Path, accessor: int) -> NDArray[np.float32]:
     document, binary = document_of(path)
-    told = document["accessors"][accessor]
-    view = document["bufferViews"][told["bufferView"]]
-    found = np.frombuffer(
+    accessor_facts = document["accessors"][accessor]
+    view = document["bufferViews"][accessor_facts["bufferView"]]
+    result = np.frombuffer(
         binary, np.float32, view["byteLength"] // 4, offset=view.get("byteOffset", 0)
     )
-    return found.reshape(told["count"], -1)
+    return result.reshape(accessor_facts["count"], -1)
 
 
 def test_another_reader_finds_each_joint_where_it_is(
@@ -59,8 +59,8 @@ def test_another_reader_finds_each_joint_where_it_is(
     for frame in (0, 7, 19):
         write_glb(tmp_path / "a.glb", clip.frames(slice(frame, frame + 1)), body)
         scene = trimesh.load_scene(tmp_path / "a.glb")
-        found = [scene.graph.get(name)[0][:3, 3] for name in JOINT_NAMES]
-        np.testing.assert_allclose(found, expected[frame], atol=1e-4)
+        result = [scene.graph.get(name)[0][:3, 3] for name in JOINT_NAMES]
+        np.testing.assert_allclose(result, expected[frame], atol=1e-4)
 
 
 def test_what_is_played_is_every_frame(clip: MotionClip, body: BodyModel, tmp_path: Path) -> None:
@@ -95,9 +95,9 @@ def test_facial_actions_that_are_used_are_morph_targets(
     channel = document["animations"][0]["channels"][-1]
     assert channel["target"]["path"] == "weights"
     sampler = document["animations"][0]["samplers"][channel["sampler"]]
-    told = values_of(tmp_path / "a.glb", sampler["output"]).reshape(20, 2)
+    weights = values_of(tmp_path / "a.glb", sampler["output"]).reshape(20, 2)
     assert clip.arkit is not None
-    np.testing.assert_allclose(told, clip.arkit[:, [BLINK, SMILE]], atol=1e-6)
+    np.testing.assert_allclose(weights, clip.arkit[:, [BLINK, SMILE]], atol=1e-6)
 
 
 def test_the_mesh_is_the_body_in_its_colours(

@@ -88,8 +88,8 @@ def test_unknown_skeleton_is_refused_with_what_is_not_mapped() -> None:
 def test_own_map_that_does_not_fit_is_refused(
     change: dict[str, str | None], complaint: str
 ) -> None:
-    own = {joint: joint.title() for joint in REQUIRED_JOINTS}
-    names = {*own.values(), "Tail"}
-    changed = {joint: name for joint, name in (own | change).items() if name is not None}
+    joint_map = {joint: joint.title() for joint in REQUIRED_JOINTS}
+    names = {*joint_map.values(), "Tail"}
+    changed = {joint: name for joint, name in (joint_map | change).items() if name is not None}
     with pytest.raises(InputError, match=complaint):
         check_joint_map(changed, names)

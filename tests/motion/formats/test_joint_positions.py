@@ -42,19 +42,19 @@ def positions(clip: MotionClip) -> NDArray[np.float64]:
 def detected(clip: MotionClip) -> dict[str, NDArray[np.float64]]:
     """Return what a perfect detector would name."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    head, turned = at[:, joint_index("head")], turns[:, joint_index("head")]
+    head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]
     names = ("shoulder", "elbow", "wrist", "hip")
-    found = {
+    result = {
         f"{side}_{part}": at[:, joint_index(f"{side}_{part}")]
         for side in ("left", "right")
         for part in names
     }
     ears = {"left_ear": [0.08, 0.05, 0], "right_ear": [-0.08, 0.05, 0], "nose": [0, 0.026, 0.12]}
-    return found | {name: head + turned @ np.array(place) for name, place in ears.items()}
+    return result | {name: head + rotations @ np.array(place) for name, place in ears.items()}
 
 
-def assert_same_gesture(found: MotionClip, told: MotionClip, degrees: float) -> None:
-    before, after = positions(told), positions(found)
+def assert_same_gesture(result: MotionClip, expected: MotionClip, degrees: float) -> None:
+    before, after = positions(expected), positions(result)
     for start, end in ARMS:
         left, right = (
             at[:, joint_index(end)] - at[:, joint_index(start)] for at in (before, after)
@@ -93,11 +93,11 @@ def test_a_table_with_times_is_read(tmp_path: Path) -> None:
         writer.writerow(["time", *(f"{name}_{axis}" for name in points for axis in "xyz")])
         rows = np.concatenate([camera.apply(values) for values in points.values()], axis=1)
         writer.writerows(np.column_stack([np.arange(len(clip)) / 30, rows]).tolist())
-    found = read_motion(tmp_path / "seen.csv")
-    assert found.frame_rate == pytest.approx(30)
-    assert_same_gesture(found, clip, 6)
-    turned = found.poses[:, joint_index("neck")] + found.poses[:, joint_index("head")]
-    np.testing.assert_allclose(turned[:, 1], clip.poses[:, joint_index("head"), 1], atol=0.06)
+    result = read_motion(tmp_path / "seen.csv")
+    assert result.frame_rate == pytest.approx(30)
+    assert_same_gesture(result, clip, 6)
+    rotation = result.poses[:, joint_index("neck")] + result.poses[:, joint_index("head")]
+    np.testing.assert_allclose(rotation[:, 1], clip.poses[:, joint_index("head"), 1], atol=0.06)
 
 
 def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
@@ -106,8 +106,8 @@ def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", joints=positions(clip)[:, :22], names=names, fps=30)
     with pytest.raises(InputError, match=r"a\.npz: the joints lack left_shoulder.*; they are j0"):
         read_motion(tmp_path / "a.npz")
-    own = dict(zip(BODY_JOINTS, names, strict=True))
-    assert_same_gesture(read_motion(tmp_path / "a.npz", joint_map=own), clip, 1)
+    joint_map = dict(zip(BODY_JOINTS, names, strict=True))
+    assert_same_gesture(read_motion(tmp_path / "a.npz", joint_map=joint_map), clip, 1)
     with pytest.raises(InputError, match="no joint 'x'"):
         read_motion(tmp_path / "a.npz", joint_map={"pelvis": "x"})
 
@@ -175,13 +175,13 @@ def directions(joints: np.ndarray) -> np.ndarray:
 
 
 def test_joints_and_directions_tell_the_same(tmp_path: Path) -> None:
-    wanted = directions(JOINTS)
+    expected = directions(JOINTS)
     np.savez(tmp_path / "joints.npz", joints=JOINTS * 7)
-    np.savez(tmp_path / "flat.npz", directions=wanted.reshape(4, 27), frame_rate=25)
-    np.savez(tmp_path / "deep.npz", directions=wanted)
+    np.savez(tmp_path / "flat.npz", directions=expected.reshape(4, 27), frame_rate=25)
+    np.savez(tmp_path / "deep.npz", directions=expected)
     for name in ("joints", "flat", "deep"):
         np.testing.assert_allclose(
-            read_ted_npz(tmp_path / f"{name}.npz").directions, wanted, atol=1e-6
+            read_ted_npz(tmp_path / f"{name}.npz").directions, expected, atol=1e-6
         )
     assert read_ted_npz(tmp_path / "joints.npz").frame_rate == 15
     assert read_ted_npz(tmp_path / "flat.npz").frame_rate == 25

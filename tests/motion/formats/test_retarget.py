@@ -101,9 +101,9 @@ def bone_errors(motion: BvhMotion, joint_map: JointMap, clip: MotionClip) -> dic
     for joint, child in LIMB_BONES:
         if joint in joint_map and child in joint_map:
             ends = [motion.joint_names.index(joint_map[name]) for name in (joint, child)]
-            wanted = directions(source, *ends)
-            got = directions(target, joint_index(joint), joint_index(child))
-            chord = np.linalg.norm(wanted - got, axis=1).max()
+            expected = directions(source, *ends)
+            result = directions(target, joint_index(joint), joint_index(child))
+            chord = np.linalg.norm(expected - result, axis=1).max()
             errors[joint] = float(np.degrees(2 * np.arcsin(min(1, chord / 2))))
     return errors
 
@@ -142,9 +142,9 @@ def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
         return turned_by("z", sign_of(name) * droop, offset) if is_arm(name) else offset
 
     clip = at_rest(changed(bent))
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     for side, sign in (("left", 1), ("right", -1)):
-        palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        palm = rotations[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
         inward = np.radians(sign * droop)
         np.testing.assert_allclose(palm, [np.sin(inward), -np.cos(inward), 0], atol=1e-5)
 
@@ -153,9 +153,9 @@ def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
     clip = at_rest(
         changed(lambda name, offset: turned_by("x", -90, offset) if is_finger(name) else offset)
     )
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     for side in ("left", "right"):
-        palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        palm = rotations[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
         np.testing.assert_allclose(palm, [0, 0, 1], atol=0.05)
         assert not clip.poses[0, joint_index(f"{side}_elbow")].any()
 
@@ -199,9 +199,9 @@ def test_long_spine_is_merged() -> None:
 
 def test_joints_without_a_source_stay_as_their_parent_is() -> None:
     skeleton = smplx_skeleton()
-    kept = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
-    clip = retarget(bvh_motion(skeleton, random_turns(skeleton, 2, 0)), kept)
-    for name in set(JOINT_NAMES) - set(kept):
+    joint_map = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
+    clip = retarget(bvh_motion(skeleton, random_turns(skeleton, 2, 0)), joint_map)
+    for name in set(JOINT_NAMES) - set(joint_map):
         np.testing.assert_allclose(clip.poses[:, joint_index(name)], 0, atol=1e-6)
 
 
@@ -264,7 +264,9 @@ def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None
     motion = bvh_motion(skeleton, random_turns(skeleton, 3, seed))
     own = Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
     clip, same = retarget(motion, named), retarget(bvh_motion(smplx_skeleton(), own), OWN)
-    turned = [forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)]
+    rotations = [
+        forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)
+    ]
     for side in ("left", "right"):
         elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
         axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
@@ -274,9 +276,9 @@ def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None
             for joint in (elbow, wrist)
         )
         np.testing.assert_allclose(at_elbow, at_wrist, atol=1e-4)
-        np.testing.assert_allclose(turned[0][:, wrist], turned[1][:, wrist], atol=1e-5)
+        np.testing.assert_allclose(rotations[0][:, wrist], rotations[1][:, wrist], atol=1e-5)
         np.testing.assert_allclose(
-            turned[0][:, elbow] @ axis, turned[1][:, elbow] @ axis, atol=1e-5
+            rotations[0][:, elbow] @ axis, rotations[1][:, elbow] @ axis, atol=1e-5
         )
 
 
@@ -318,10 +320,10 @@ def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
 def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: float) -> None:
     pitched: dict[str, float] = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
     clip = _in_t_pose(pitched, heading)
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     facing = [np.sin(np.radians(heading)), 0, np.cos(np.radians(heading))]
     for joint in ("pelvis", "spine1", "spine3", "neck", "head"):
-        world = turned[0, joint_index(joint)]
+        world = rotations[0, joint_index(joint)]
         np.testing.assert_allclose(world @ [0, 0, 1], facing, atol=1e-5)
         np.testing.assert_allclose(world @ [0, 1, 0], [0, 1, 0], atol=1e-5)
 
@@ -336,22 +338,22 @@ def test_first_pose_that_is_no_upright_t_pose_straightens_nothing(pose: dict[str
 
 def test_a_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
     clip = read_motion(shared_data / "aitviewer_sample.bvh")
-    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    facing = turned[:200, joint_index("head")] @ [0, 0, 1]
+    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    facing = rotations[:200, joint_index("head")] @ [0, 0, 1]
     assert np.degrees(np.arcsin(np.abs(facing[:, 1]))).max() < 10
 
 
 def test_a_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:
     clip = read_motion(shared_data / "2_scott_0_1_1.bvh", frame_rate=15, as_recorded=True)
-    positions, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     trunk = directions(positions, joint_index("pelvis"), joint_index("head"))
     assert trunk[:, 1].min() > np.cos(np.radians(35))
-    assert (turned[:, joint_index("head")] @ [0, 0, 1])[:, 2].mean() > 0.9
+    assert (rotations[:, joint_index("head")] @ [0, 0, 1])[:, 2].mean() > 0.9
     for side, sign in (("left", 1), ("right", -1)):
         wrist = positions[:, joint_index(f"{side}_wrist")]
         assert wrist[:, 2].mean() > positions[:, joint_index("spine3"), 2].mean()
         assert (sign * (wrist - positions[:, 0])[:, 0] > -0.2).all()
-        palm = turned[:, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        palm = rotations[:, joint_index(f"{side}_wrist")] @ [0, -1, 0]
         assert sign * palm[:, 0].mean() < -0.5
         bend = np.linalg.norm(clip.poses[:, joint_index(f"{side}_wrist")], axis=1)
         assert np.degrees(bend).max() < 60

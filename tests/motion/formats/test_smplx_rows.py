@@ -95,10 +95,10 @@ def test_shows_own_arrays_make_the_same_motion(tmp_path: Path) -> None:
     arrays["body_pose_axis"] = arrays["body_pose_axis"].reshape(3, 21, 3)
     np.savez(tmp_path / "a.npz", **arrays, betas=np.zeros(300))
     np.save(tmp_path / "a.npy", np.tile(np.arange(265) / 1000, (3, 1)))
-    found, known = read_show_npz(tmp_path / "a.npz"), read_rows(tmp_path / "a.npy")
-    np.testing.assert_array_equal(found.poses, known.poses)
-    np.testing.assert_array_equal(found.expressions, known.expressions)
-    assert found.frame_rate == 30
+    result, expected = read_show_npz(tmp_path / "a.npz"), read_rows(tmp_path / "a.npy")
+    np.testing.assert_array_equal(result.poses, expected.poses)
+    np.testing.assert_array_equal(result.expressions, expected.expressions)
+    assert result.frame_rate == 30
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,8 @@ def audio() -> Audio:
 )
 def test_aligned_words_keep_their_times(tmp_path: Path, audio: Audio, name: str, text: str) -> None:
     (tmp_path / name).write_text(text)
-    found = read_transcript(tmp_path / name, audio)
-    assert found == (Word("hello", 0.0, 0.5), Word("world", 1.0, 2.0))
+    result = read_transcript(tmp_path / name, audio)
+    assert result == (Word("hello", 0.0, 0.5), Word("world", 1.0, 2.0))
 
 
 def test_plain_text_is_spread_over_where_somebody_speaks(tmp_path: Path, audio: Audio) -> None:

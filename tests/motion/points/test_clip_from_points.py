@@ -42,7 +42,7 @@ def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> FloatArray:
     return positions(clip)[:, [joint_index(name) for name in names]].astype(np.float32)
 
 
-def told_by(
+def clip_from(
     points: FloatArray,
     names: tuple[str, ...] = TEN_JOINTS,
     *,
@@ -81,7 +81,7 @@ def test_every_bone_of_any_motion_points_where_it_was_told_to(
 ) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=clip.poses * 0.8)
-    back = told_by(chosen(clip, names), names)
+    back = clip_from(chosen(clip, names), names)
     for ends in bones(names):
         assert degrees(bone(clip, *ends), bone(back, *ends)).max() < 0.1, ends
 
@@ -90,7 +90,7 @@ def test_what_is_not_told_stands_with_arms_down_and_relaxed_hands() -> None:
     clip = random_clip(5)
     clip = replace(clip, poses=0.3 * clip.poses)
     needed = ("pelvis", "neck", "left_shoulder", "right_shoulder")
-    back = told_by(chosen(clip, needed), needed)
+    back = clip_from(chosen(clip, needed), needed)
     after = positions(back)
     hips, feet = (
         after[:, [joint_index(f"{side}_{part}") for side in ("left", "right")]].mean(axis=1)
@@ -108,7 +108,7 @@ def test_an_elbow_bends_only_the_way_it_can() -> None:
     poses[:, joint_index("left_shoulder")] = [0.4, 0, -1.2]
     poses[:, joint_index("left_elbow")] = [0, -1.3, 0]
     still = replace(clip, poses=poses, trans=np.zeros_like(clip.trans))
-    back = told_by(chosen(still))
+    back = clip_from(chosen(still))
     np.testing.assert_allclose(
         back.poses[:, joint_index("left_elbow")], poses[:, joint_index("left_elbow")], atol=0.05
     )
@@ -125,7 +125,7 @@ def test_a_face_comes_back_from_its_landmarks(seed: int) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=0 * clip.poses)
     shifts = LANDMARKS.shifts(clip)
-    back = told_by(chosen(random_clip(6)), landmarks=shifts)
+    back = clip_from(chosen(random_clip(6)), landmarks=shifts)
     assert back.arkit is not None
     assert back.arkit.min() >= 0 and back.arkit.max() <= 1
     assert np.abs(LANDMARKS.shifts(back) - shifts).max() < 3e-4
@@ -151,7 +151,7 @@ def test_what_is_wrong_with_joints_is_said(change: object, sentence: str) -> Non
     assert callable(change)
     points, names = change(chosen(random_clip(3)), TEN_JOINTS)
     with pytest.raises(InputError, match=sentence):
-        told_by(points, names)
+        clip_from(points, names)
 
 
 @pytest.mark.parametrize(
@@ -168,4 +168,4 @@ def test_what_is_wrong_with_landmarks_is_said(change: object, sentence: str) -> 
     clip = random_clip(3)
     shifts = change(LANDMARKS.shifts(clip))
     with pytest.raises(InputError, match=sentence):
-        told_by(chosen(clip), landmarks=shifts)
+        clip_from(chosen(clip), landmarks=shifts)

@@ -42,13 +42,13 @@ def talking() -> MotionClip:
     return clip_of(poses, arkit=arkit)
 
 
-def seen_pose(clip: MotionClip) -> FloatArray:
+def detected_pose(clip: MotionClip) -> FloatArray:
     """Return the pose as a detector tells it of a camera that is held askew."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     pose = np.zeros((FRAMES, 33, 3))
-    head, turned = at[:, joint_index("head")], turns[:, joint_index("head")]
+    head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]
     for place, offset in {0: (0, 0.026, 0.12), 7: (0.08, 0.05, 0), 8: (-0.08, 0.05, 0)}.items():
-        pose[:, place] = head + turned @ np.array(offset)
+        pose[:, place] = head + rotations @ np.array(offset)
     parts = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
     for part, first in zip(parts, (11, 13, 15, 23, 25, 27), strict=True):
         for side, place in (("left", first), ("right", first + 1)):
@@ -61,7 +61,7 @@ def seen_pose(clip: MotionClip) -> FloatArray:
     )  # fmt: skip
 
 
-def seen_face(clip: MotionClip, body: BodyModel) -> FloatArray:
+def detected_face(clip: MotionClip, body: BodyModel) -> FloatArray:
     """Return a face mesh whose points lie on vertices of the body's face, by a moving camera."""
     still = replace(clip, poses=0 * clip.poses)
     vertices = body.vertices(still).astype(float)
@@ -95,52 +95,55 @@ def seen_face(clip: MotionClip, body: BodyModel) -> FloatArray:
         chosen[place] = nearest(at)
     mesh = vertices[:, chosen] * [1, -1, -1]
     angles = 0.2 * np.sin(np.arange(FRAMES) / 20)
-    turned = Rotation.from_rotvec(angles[:, None] * [0, 1, 0]).as_matrix()
-    return np.asarray(900 * np.einsum("tab,tpb->tpa", turned, mesh) + [320, 240, 0])
+    rotations = Rotation.from_rotvec(angles[:, None] * [0, 1, 0]).as_matrix()
+    return np.asarray(900 * np.einsum("tab,tpb->tpa", rotations, mesh) + [320, 240, 0])
 
 
 def detection(**changed: Any) -> Detection:
-    given = {
+    arrays = {
         "pose": np.zeros((FRAMES, 33, 3)),
         "visibility": np.ones((FRAMES, 33)),
         "face": np.zeros((FRAMES, 478, 3)),
     }
-    return Detection(frame_rate=30, **(given | changed))
+    return Detection(frame_rate=30, **(arrays | changed))
 
 
 def test_a_talking_face_is_found_again(body: BodyModel) -> None:
     clip = talking()
-    shifts = landmark_shifts(seen_face(clip, body), 30, body)
-    found = facial_actions(shifts, body, misfit=6e-3)
+    shifts = landmark_shifts(detected_face(clip, body), 30, body)
+    result = facial_actions(shifts, body, misfit=6e-3)
     assert clip.arkit is not None
     for action in (JAW, BLINK):
-        assert np.corrcoef(found[:, action], clip.arkit[:, action])[0, 1] > 0.9
-        assert found[:, action].max() > 0.3
+        assert np.corrcoef(result[:, action], clip.arkit[:, action])[0, 1] > 0.9
+        assert result[:, action].max() > 0.3
 
 
 def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
     clip = talking()
-    found = clip_from_detection(detection(pose=seen_pose(clip), face=seen_face(clip, body)), body)
+    result = clip_from_detection(
+        detection(pose=detected_pose(clip), face=detected_face(clip, body)), body
+    )
     before, after = (
-        forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, found)
+        forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, result)
     )
     for side in ("left", "right"):
         bones = [at[:, joint_index(f"{side}_wrist")] - at[:, joint_index(f"{side}_elbow")]
                  for at in (before, after)]  # fmt: skip
         units = [bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in bones]
         assert np.degrees(np.arccos((units[0] * units[1]).sum(axis=1).clip(-1, 1))).max() < 12
-    assert found.arkit is not None and found.frame_rate == 30
+    assert result.arkit is not None and result.frame_rate == 30
 
 
 def test_an_arm_out_of_the_picture_hangs_and_that_is_said(body: BodyModel) -> None:
     clip = talking()
     visibility = np.ones((FRAMES, 33))
     visibility[:, 13] = 0.1
-    found = clip_from_detection(
-        detection(pose=seen_pose(clip), face=seen_face(clip, body), visibility=visibility), body
+    result = clip_from_detection(
+        detection(pose=detected_pose(clip), face=detected_face(clip, body), visibility=visibility),
+        body,
     )
-    assert "left arm is out of the picture" in found.provenance["notes"]
-    at = forward_kinematics(found.poses, found.trans, REST_JOINTS)[0]
+    assert "left arm is out of the picture" in result.provenance["notes"]
+    at = forward_kinematics(result.poses, result.trans, REST_JOINTS)[0]
     hanging = at[:, joint_index("left_wrist"), 1] < at[:, joint_index("left_shoulder"), 1] - 0.3
     assert hanging.all()
 
@@ -150,8 +153,8 @@ def test_gaps_are_named_and_short_ones_bridged() -> None:
     pose[:20] = face[:20] = np.nan
     face[100:105] = np.nan
     face[200:240] = np.nan
-    found = Detection(frame_rate=30, pose=pose, visibility=np.ones((400, 33)), face=face)
-    divided = [(part.start, part.end, part.reason) for part in stretches(found)]
+    result = Detection(frame_rate=30, pose=pose, visibility=np.ones((400, 33)), face=face)
+    divided = [(part.start, part.end, part.reason) for part in stretches(result)]
     assert divided == [
         (0, 20, "nobody was found"),
         (20, 200, ""),
@@ -159,7 +162,7 @@ def test_gaps_are_named_and_short_ones_bridged() -> None:
         (240, 400, ""),
     ]
     face[101:104] = np.nan
-    assert np.isfinite(found.stretch(20, 200).face).all()
+    assert np.isfinite(result.stretch(20, 200).face).all()
 
 
 def test_a_cut_ends_a_stretch_and_short_ones_are_left_out() -> None:

@@ -81,20 +81,20 @@ def test_panels_are_inside_the_frame_and_none_covers_another(count: int, widened
         assert left + layout.panel_width <= width
         assert top + 64 + layout.caption_height <= height
     for one, two in combinations(places, 2):
-        apart = abs(one[0] - two[0]) >= layout.panel_width
-        assert apart or abs(one[1] - two[1]) >= 64 + layout.caption_height
+        is_beside = abs(one[0] - two[0]) >= layout.panel_width
+        assert is_beside or abs(one[1] - two[1]) >= 64 + layout.caption_height
 
 
 def test_each_clip_is_in_its_place_in_every_frame(grid: Path, stage: Stage, clips: Clips) -> None:
-    shown = pictures(grid)
-    assert len(shown) == round(SECONDS * 30)
+    frames = pictures(grid)
+    assert len(frames) == round(SECONDS * 30)
     layout = GridLayout(count=2, size=SIZE, text="words")
     for number in (0, 7, 11):
         for place, clip in enumerate(clips):
             left, top = layout.position(place)
-            drawn = np.asarray(still(stage, clip, number / 30)).astype(int)
-            part = shown[number, top : top + SIZE, left : left + SIZE]
-            assert np.abs(part - drawn).mean() < 2.5
+            expected = np.asarray(still(stage, clip, number / 30)).astype(int)
+            part = frames[number, top : top + SIZE, left : left + SIZE]
+            assert np.abs(part - expected).mean() < 2.5
 
 
 def test_names_words_and_time_stand_below(grid: Path) -> None:
@@ -120,14 +120,14 @@ def test_slow_motion_is_longer_silent_and_says_so(
 ) -> None:
     slow = tuple(resample(clip, 120) for clip in clips)
     video = write(slow, tmp_path / "slow.mp4", speed=0.25, text="")
-    shown = pictures(video)
-    assert len(shown) == round(SECONDS * 30 / 0.25)
+    frames = pictures(video)
+    assert len(frames) == round(SECONDS * 30 / 0.25)
     assert np.abs(sound_of(video)).max() < 1e-3
     layout = GridLayout(count=2, size=SIZE)
-    corner = shown[0, -layout.footer_height :, : SIZE // 2]
+    corner = frames[0, -layout.footer_height :, : SIZE // 2]
     assert np.abs(corner - BACKGROUND).max() > 60
     # In between is new motion, not a frame shown four times.
-    assert np.abs(np.diff(shown[:4, :SIZE], axis=0)).max(axis=(1, 2, 3)).min() > 5
+    assert np.abs(np.diff(frames[:4, :SIZE], axis=0)).max(axis=(1, 2, 3)).min() > 5
 
 
 def test_long_text_leaves_the_clock_and_the_speed_free(
@@ -147,10 +147,10 @@ def test_the_skeleton_is_drawn_beside_every_body(
 ) -> None:
     short = tuple(clip.frames(slice(0, 2)) for clip in clips)
     video = write(short, tmp_path / "bones.mp4", skeleton="beside")
-    shown = pictures(video)
-    assert shown.shape[2] == 4 * SIZE
+    frames = pictures(video)
+    assert frames.shape[2] == 4 * SIZE
     for left in (SIZE, 3 * SIZE):
-        bones = shown[0, :SIZE, left : left + SIZE]
+        bones = frames[0, :SIZE, left : left + SIZE]
         blue = (bones[..., 2] - bones[..., 0]) > 60
         vermilion = (bones[..., 0] - bones[..., 2]) > 60
         assert blue.sum() > 20 and vermilion.sum() > 20

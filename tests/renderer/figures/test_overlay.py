@@ -47,10 +47,10 @@ def test_what_hardly_moved_in_depth_is_seen_as_it_was_last() -> None:
 def test_variations_have_the_colour_of_their_legend_where_they_differ() -> None:
     both = blended([square(GREY, 0, 3.0), square(GREY, 20, 3.0)])
     for x, colour in zip((5, 25), VARIATION_COLOURS, strict=False):
-        wanted = np.array(ImageColor.getrgb(colour))
-        shown = np.array(at(both, x)[:3])
-        assert np.argmax(shown) == np.argmax(wanted)
-        assert np.ptp(shown) > 60
+        expected = np.array(ImageColor.getrgb(colour))
+        result = np.array(at(both, x)[:3])
+        assert np.argmax(result) == np.argmax(expected)
+        assert np.ptp(result) > 60
 
 
 def test_what_variations_share_keeps_its_colours() -> None:

@@ -45,8 +45,8 @@ def test_a_figure_put_back_on_its_background_is_the_frame(
     ground = Image.new("RGBA", figure.picture.size, (*BACKGROUND, 255))
     ground.alpha_composite(figure.picture)
     put_back = np.asarray(ground.convert("RGB")).astype(int)
-    drawn = np.asarray(still(stage, clip, 0.4)).astype(int)
-    assert np.abs(put_back - drawn).max() <= 4
+    expected = np.asarray(still(stage, clip, 0.4)).astype(int)
+    assert np.abs(put_back - expected).max() <= 4
 
 
 def test_nothing_of_the_background_is_left_on_the_edges(figure: CutOut) -> None:
@@ -97,8 +97,8 @@ def test_the_face_fills_the_picture_and_is_never_cut(
     close = face_camera([clip], body, camera)
     assert close.field_of_view < camera.field_of_view / 2
     for name in ("left_eye", "right_eye", "head"):
-        seen = project(joints_of(clip, body)[:, joint_index(name)], close, 100)[:, :2]
-        assert seen.min() > 20 and seen.max() < 80
+        projected = project(joints_of(clip, body)[:, joint_index(name)], close, 100)[:, :2]
+        assert projected.min() > 20 and projected.max() < 80
 
 
 def test_faces_are_seen_from_the_side_that_the_camera_is_on(
@@ -108,8 +108,8 @@ def test_faces_are_seen_from_the_side_that_the_camera_is_on(
     close = face_camera([clip], body, camera)
     far, near = (np.subtract(each.eye, each.target) for each in (camera, close))
     np.testing.assert_allclose(near / np.linalg.norm(near), far / np.linalg.norm(far), atol=1e-3)
-    seen = project(joints_of(clip, body)[:, joint_index("head")], close, 100)[:, :2]
-    assert seen.min() > 20 and seen.max() < 80
+    projected = project(joints_of(clip, body)[:, joint_index("head")], close, 100)[:, :2]
+    assert projected.min() > 20 and projected.max() < 80
 
 
 def test_faces_of_who_sits_and_who_stands_are_in_one_place(
@@ -118,10 +118,10 @@ def test_faces_of_who_sits_and_who_stands_are_in_one_place(
     seated = clip_of(clip.poses, clip.trans - [0.1, 0.45, 0.2])
     level = align_faces([[clip], [seated]], body)
     close = face_camera([each for group in level for each in group], body, camera)
-    seen = [
+    projected = [
         project(joints_of(each, body)[:, joint_index("left_eye")], close, 100) for (each,) in level
     ]
-    np.testing.assert_allclose(seen[0], seen[1], atol=0.01)
+    np.testing.assert_allclose(projected[0], projected[1], atol=0.01)
     assert close.field_of_view == face_camera([clip], body, camera).field_of_view
 
 

@@ -59,8 +59,14 @@ def test_the_page_shows_every_stimulus_and_says_what_is_missing(cell: Cell) -> N
     assert len(re.findall("<img[ >]", page)) == 3
     assert len(re.findall("<td[ >]", page)) == 6
     text = unescape(re.sub("<[^>]+>", "", page))
-    for wanted in ("Who & why", "segment-02", "anger, robin, 2.5 s", '<b>"never"</b>', "reference"):
-        assert wanted in text
+    for expected in (
+        "Who & why",
+        "segment-02",
+        "anger, robin, 2.5 s",
+        '<b>"never"</b>',
+        "reference",
+    ):
+        assert expected in text
     assert text.count("no video") == text.count("jumps") == 3
 
 
@@ -90,12 +96,12 @@ def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
 
 
 def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
-    seen = glance(tmp_path, [*SWAYING])
-    assert seen.remarks == ()
-    assert seen.seconds == pytest.approx(3)
-    assert seen.pictures.shape == (MOMENTS, TILE_SIZE, TILE_SIZE, 3)
-    assert list(seen.times) == sorted(seen.times)
-    assert len(seen.movement) == 89
+    result = glance(tmp_path, [*SWAYING])
+    assert result.remarks == ()
+    assert result.seconds == pytest.approx(3)
+    assert result.pictures.shape == (MOMENTS, TILE_SIZE, TILE_SIZE, 3)
+    assert list(result.times) == sorted(result.times)
+    assert len(result.movement) == 89
 
 
 def _rested(frames: int) -> list[int]:
@@ -171,6 +177,6 @@ def test_a_figure_is_found_before_whatever_background_the_videos_have(tmp_path: 
 
 def test_who_is_framed_in_part_may_reach_over_any_edge(tmp_path: Path) -> None:
     video = write_block_video(tmp_path / "video.mkv", [-20, -18, -16] * 10)
-    said = "out of the picture 100% of the time"
-    assert said in glance_at(video, Look(framing="full_body")).remarks
-    assert said not in glance_at(video, Look(framing="face")).remarks
+    message = "out of the picture 100% of the time"
+    assert message in glance_at(video, Look(framing="full_body")).remarks
+    assert message not in glance_at(video, Look(framing="face")).remarks

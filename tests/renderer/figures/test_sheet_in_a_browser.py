@@ -61,9 +61,9 @@ def rows(page: Page) -> list[str]:
 
 def test_rows_are_found_by_what_is_said_and_felt(page: Page) -> None:
     assert rows(page) == ["one", "two"]
-    for words, found in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
+    for words, result in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
         page.fill("#words", words)
-        assert rows(page) == found
+        assert rows(page) == result
     page.fill("#words", "")
 
 
@@ -100,8 +100,8 @@ def test_it_fits_a_laptop_or_says_that_it_goes_on_and_fits_a_telephone(
 
 
 def test_it_follows_light_and_dark(page: Page) -> None:
-    seen = set()
+    colours = set()
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
-        seen.add(page.evaluate("getComputedStyle(document.body).backgroundColor"))
-    assert len(seen) == 2
+        colours.add(page.evaluate("getComputedStyle(document.body).backgroundColor"))
+    assert len(colours) == 2

@@ -40,16 +40,16 @@ def test_beside_the_body_leaves_the_body_as_it_is(joints: np.ndarray, camera: Ca
 
 def test_the_sides_differ_in_shape_too(joints: np.ndarray, camera: Camera) -> None:
     # Shifted to one place and repainted, a round joint and a square one are not the same.
-    apart = np.full_like(joints, 1e6)
-    apart[:] = np.nan
+    no_joints = np.full_like(joints, 1e6)
+    no_joints[:] = np.nan
     shapes = []
     for side in SIDE_COLOURS:
-        alone = apart.copy()
-        alone[joint_index(f"{side}_elbow")] = alone[joint_index(f"{side}_shoulder")] = (
+        one_arm = no_joints.copy()
+        one_arm[joint_index(f"{side}_elbow")] = one_arm[joint_index(f"{side}_shoulder")] = (
             *camera.target[:2],
             0,
         )
-        part = drawn(alone, camera, "over")[: SIZE * 3 // 4]
+        part = drawn(one_arm, camera, "over")[: SIZE * 3 // 4]
         shapes.append((np.abs(part - SIDE_COLOURS[side]).max(axis=-1) < 40).sum())
     assert 0 < shapes[0] < shapes[1]
 

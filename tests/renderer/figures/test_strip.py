@@ -52,15 +52,15 @@ def test_even_moments_are_in_order_and_within(duration: float, count: int) -> No
 
 
 def test_loud_moments_are_the_stressed_syllables() -> None:
-    found = loud_moments(speech(0.5, 1.6, 2.2, 3.5), 4)
-    assert [moment.seconds for moment in found] == pytest.approx([0.5, 1.6, 2.2, 3.5], abs=0.03)
+    result = loud_moments(speech(0.5, 1.6, 2.2, 3.5), 4)
+    assert [moment.seconds for moment in result] == pytest.approx([0.5, 1.6, 2.2, 3.5], abs=0.03)
 
 
 @given(st.lists(st.floats(0, 4), max_size=12), st.integers(1, 16))
 def test_no_syllable_is_shown_twice(syllables: list[float], count: int) -> None:
-    found = [moment.seconds for moment in loud_moments(speech(*syllables), count)]
-    assert len(found) == count
-    assert np.diff(found).min(initial=np.inf) >= 4.0 / count / 2 - 0.02
+    result = [moment.seconds for moment in loud_moments(speech(*syllables), count)]
+    assert len(result) == count
+    assert np.diff(result).min(initial=np.inf) >= 4.0 / count / 2 - 0.02
 
 
 def test_silence_gives_moments_too() -> None:
@@ -90,8 +90,8 @@ def test_there_is_a_panel_for_each_condition_and_key_word() -> None:
     pictures = [axes.images[0] for axes in page.figure.axes if axes.images]
     assert len(pictures) == 6
     texts = [text.get_text() for text in page.figure.texts]
-    for wanted in ("ours", "theirs", "“no”", "1.1 s", "“never”"):
-        assert wanted in texts
+    for expected in ("ours", "theirs", "“no”", "1.1 s", "“never”"):
+        assert expected in texts
 
 
 def test_it_is_as_wide_in_print_as_asked_for_and_panels_are_not_resampled(tmp_path: Path) -> None:

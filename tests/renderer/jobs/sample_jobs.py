@@ -56,15 +56,15 @@ def numbered(clip: ClipJob, number: int) -> ClipJob:
 
 def _writers_into(folder: Path) -> list[int]:
     """Return the processes that have a file open in `folder`, from Linux's /proc."""
-    found = []
+    result = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
             files = [link.readlink() for link in (process / "fd").iterdir()]
         except OSError:
             continue
         if any(file.parent == folder for file in files):
-            found.append(int(process.name))
-    return found
+            result.append(int(process.name))
+    return result
 
 
 @contextmanager

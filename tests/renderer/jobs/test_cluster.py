@@ -105,14 +105,14 @@ def test_a_cluster_and_processes_of_this_machine_make_the_same_files(
         *clips_and_pairs(clip_job, 2),
         replace(clip_job, name="mute", speech=inputs / "none.wav"),
     ]
-    there = run_jobs(jobs, processes=1, cluster=cluster_of_two)
-    made = {job.name: video_of(job).read_bytes() for job in jobs[:4]}
-    here = run_jobs(jobs[:4], processes=2)
-    assert [outcome.name for outcome in there] == [job.name for job in jobs]
-    assert [outcome.error for outcome in there[:4] + here] == [None] * 8
-    assert "no such audio file" in str(there[4].error)
-    assert made == {job.name: video_of(job).read_bytes() for job in jobs[:4]}
-    assert made["clip0"] == made["clip1"]
+    on_cluster = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    contents = {job.name: video_of(job).read_bytes() for job in jobs[:4]}
+    on_machine = run_jobs(jobs[:4], processes=2)
+    assert [outcome.name for outcome in on_cluster] == [job.name for job in jobs]
+    assert [outcome.error for outcome in on_cluster[:4] + on_machine] == [None] * 8
+    assert "no such audio file" in str(on_cluster[4].error)
+    assert contents == {job.name: video_of(job).read_bytes() for job in jobs[:4]}
+    assert contents["clip0"] == contents["clip1"]
 
 
 def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(

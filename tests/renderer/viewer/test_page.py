@@ -26,10 +26,10 @@ def test_what_two_figures_share_is_embedded_once(clip: MotionClip) -> None:
 
 
 def test_names_are_text(clip: MotionClip) -> None:
-    drawn = MotionFigures(Look()).figure(Scene(name="<b>", clips={"'><script>": clip}))
+    element = MotionFigures(Look()).figure(Scene(name="<b>", clips={"'><script>": clip}))
 
-    assert "<b>" not in drawn
-    assert "<script>" not in drawn
+    assert "<b>" not in element
+    assert "<script>" not in element
 
 
 @pytest.mark.parametrize("count", [0, 7])

@@ -41,8 +41,8 @@ def test_no_rotation_is_off_by_more_than_a_twentieth_of_a_degree(
 
 def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyModel) -> None:
     plain = gesturing_clip(10, 30)
-    moved = np.random.default_rng(0).normal(0, 0.05, (len(plain), ARKIT_COUNT)).cumsum(axis=0)
-    face = np.abs(np.sin(moved)).astype(np.float32)
+    walk = np.random.default_rng(0).normal(0, 0.05, (len(plain), ARKIT_COUNT)).cumsum(axis=0)
+    face = np.abs(np.sin(walk)).astype(np.float32)
     shaken = np.random.default_rng(1).normal(0, 0.002, plain.poses.shape)
     clip = MotionClip(
         poses=plain.poses + shaken.astype(np.float32), trans=plain.trans, frame_rate=30, arkit=face
@@ -54,10 +54,10 @@ def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyMode
     facts, values = unpacked(data)
     assert values["turns"].shape == (300, 165)
     assert values["weights"].shape == (300, ARKIT_COUNT)
-    shown = values["weights"] * facts["steps"]["weights"]
+    weights = values["weights"] * facts["steps"]["weights"]
     expected = body.expression_weights(clip)
     assert expected is not None
-    assert np.abs(shown - expected).max() < 0.0021
+    assert np.abs(weights - expected).max() < 0.0021
     shifts = values["shifts"] * facts["steps"]["shifts"]
     assert np.abs(shifts - clip.trans).max() < 1e-4
     assert largest_angle(clip, data) < LARGEST_ANGLE

@@ -50,14 +50,14 @@ def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_reader_of_beat_reads_it_without_complaint(corpus: Path) -> None:
-    found = read_takes(corpus)
-    assert found.kind == "beat"
-    assert found.skipped == ()
+    result = read_takes(corpus)
+    assert result.kind == "beat"
+    assert result.skipped == ()
     planned = {take.name: take for take in planned_takes(REQUEST)}
-    assert {take.name for take in found.takes} == set(planned)
-    for take in found.takes:
-        wanted = planned[take.name]
-        assert (take.emotion, take.split) == (wanted.emotion, wanted.split)
+    assert {take.name for take in result.takes} == set(planned)
+    for take in result.takes:
+        expected = planned[take.name]
+        assert (take.emotion, take.split) == (expected.emotion, expected.split)
         assert take.face is not None
         assert take.semantic is not None
         assert read_semantic_scores(take.semantic)
@@ -81,15 +81,15 @@ def test_anybody_can_compute_the_truth_from_the_files(corpus: Path) -> None:
     assert request == REQUEST
     take = read_takes(corpus).takes[0]
     truth = read_truth(corpus / "truth" / f"{take.name}.npz")
-    found = drive(
+    result = drive(
         read_audio(take.speech),
         take.emotion,
         speaker_of(truth.speaker, request.seed),
         truth.frame_rate,
     )
-    for field in fields(found):
+    for field in fields(result):
         np.testing.assert_allclose(
-            getattr(found, field.name), getattr(truth.drive, field.name), atol=1e-5
+            getattr(result, field.name), getattr(truth.drive, field.name), atol=1e-5
         )
     assert len(truth.strokes.times) == len(truth.chance.delays) > 3
     body = body_values(read_bvh(take.motion))
@@ -142,11 +142,11 @@ def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
     lengths = minutes(takes)
     seconds = sum(read_audio(take.speech).duration for take in read_takes(corpus).takes)
     assert sum(lengths.values()) == pytest.approx(seconds / 60)
-    found = {one.curve: one for one in decided(takes)}
-    assert 0.3 < found["wrist_speed"].explained < 0.9
-    assert found["jaw_open"].correlation > 0.95
+    result = {one.curve: one for one in decided(takes)}
+    assert 0.3 < result["wrist_speed"].explained < 0.9
+    assert result["jaw_open"].correlation > 0.95
     # A single text in each emotion leaves no other speech to compare with.
-    assert np.isnan(found["wrist_speed"].of_other_speech)
+    assert np.isnan(result["wrist_speed"].of_other_speech)
     page = "\n".join(tables(takes, 10**6))
     assert "| wrist speed |" in page
     assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
@@ -156,7 +156,7 @@ def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
 
 def test_beats_pace_is_that_of_its_recording(shared_data: Path) -> None:
     motion = read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=FRAME_RATE)
-    for found, stated in zip(paces([wrist_positions(body_values(motion))]), BEAT, strict=True):
-        assert found.quantity == stated.quantity
+    for result, stated in zip(paces([wrist_positions(body_values(motion))]), BEAT, strict=True):
+        assert result.quantity == stated.quantity
         for name in ("mean", "median", "high"):
-            assert getattr(found, name) == pytest.approx(getattr(stated, name), rel=0.02)
+            assert getattr(result, name) == pytest.approx(getattr(stated, name), rel=0.02)

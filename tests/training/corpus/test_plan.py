@@ -76,7 +76,7 @@ def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> Non
     splits: dict[str, set[str]] = {}
     for take in known:
         splits.setdefault(take.text, set()).add(take.split)
-    assert all(len(found) == 1 for found in splits.values())
+    assert all(len(result) == 1 for result in splits.values())
     assert Counter(take.split for take in known) == {
         "train": 8 * 8 * 3, "validation": 2 * 8 * 3, "test": 2 * 8 * 3
     }  # fmt: skip

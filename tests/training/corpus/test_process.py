@@ -35,15 +35,15 @@ def process(speech: Audio) -> Process:
 
 def correlation(curve: str, one: MotionCurves, other: MotionCurves) -> float:
     return next(
-        found.correlation for found in correlate_motions(one, other) if found.curve == curve
+        result.correlation for result in correlate_motions(one, other) if result.curve == curve
     )
 
 
 def test_the_drive_is_the_motion_without_chance(speech: Audio, process: Process) -> None:
-    found = drive(speech, "neutral", SPEAKER, 30.0)
+    result = drive(speech, "neutral", SPEAKER, 30.0)
     expected = curves_of(process.body(30.0), process.face(30.0), 30.0)
     for field in dataclasses.fields(MotionCurves):
-        np.testing.assert_array_equal(getattr(found, field.name), getattr(expected, field.name))
+        np.testing.assert_array_equal(getattr(result, field.name), getattr(expected, field.name))
 
 
 def test_the_drive_is_the_same_curve_at_any_frame_rate(process: Process) -> None:
@@ -56,12 +56,12 @@ def test_the_drive_is_the_same_curve_at_any_frame_rate(process: Process) -> None
 
 
 def test_takes_follow_the_speech_and_differ_by_chance(process: Process) -> None:
-    wanted = process.drive(30.0)
+    expected = process.drive(30.0)
     takes = []
     for seed in range(6):
         chance = Chance(seed=(seed,))
         takes.append(curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0))
-    follow = [correlation("wrist_speed", take, wanted) for take in takes]
+    follow = [correlation("wrist_speed", take, expected) for take in takes]
     assert 0.5 < np.mean(follow) < 0.95
     between = [correlation("wrist_speed", takes[0], take) for take in takes[1:]]
     assert max(between) < 0.98
@@ -69,13 +69,13 @@ def test_takes_follow_the_speech_and_differ_by_chance(process: Process) -> None:
 
 def test_other_speech_drives_another_motion(process: Process) -> None:
     chance = Chance(seed=(1,))
-    moved = curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0)
-    own = correlation("wrist_speed", moved, process.drive(30.0))
+    curves = curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0)
+    own_correlation = correlation("wrist_speed", curves, process.drive(30.0))
     others = [
-        correlation("wrist_speed", moved, drive(syllables(6.0, seed), "neutral", SPEAKER, 30.0))
+        correlation("wrist_speed", curves, drive(syllables(6.0, seed), "neutral", SPEAKER, 30.0))
         for seed in (11, 12, 13, 14)
     ]
-    assert own > max(others) + 0.2
+    assert own_correlation > max(others) + 0.2
 
 
 def test_silence_calls_for_no_stroke_and_the_hands_rest() -> None:
@@ -110,9 +110,9 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
 
 def test_a_curve_that_does_not_change_has_no_correlation_but_a_reason(process: Process) -> None:
     still = curves_of(np.zeros((180, 141)), np.zeros((180, 51)), 30.0)
-    for found in correlate_motions(still, process.drive(30.0)):
-        assert np.isnan(found.correlation)
-        assert "does not change" in found.reason
+    for result in correlate_motions(still, process.drive(30.0)):
+        assert np.isnan(result.correlation)
+        assert "does not change" in result.reason
 
 
 @pytest.mark.parametrize(
@@ -167,12 +167,12 @@ def speech_with_humps(peaks: dict[float, float], seconds: float = 4.0) -> Speech
 
 
 def test_a_stroke_arrives_where_the_voice_rises_to_a_loud_syllable() -> None:
-    found = find_strokes(speech_with_humps({1.0: 0.9, 2.5: 0.7}), spacing=0.4)
+    result = find_strokes(speech_with_humps({1.0: 0.9, 2.5: 0.7}), spacing=0.4)
     # A Gaussian rises fastest one sigma before its peak.
-    np.testing.assert_allclose(found.times, [0.95, 2.45], atol=0.011)
-    np.testing.assert_allclose(found.sizes, [1.6 * (0.9 - 0.35), 1.6 * (0.7 - 0.35)], rtol=1e-3)
+    np.testing.assert_allclose(result.times, [0.95, 2.45], atol=0.011)
+    np.testing.assert_allclose(result.sizes, [1.6 * (0.9 - 0.35), 1.6 * (0.7 - 0.35)], rtol=1e-3)
 
 
 def test_of_near_syllables_the_louder_gets_the_stroke() -> None:
-    found = find_strokes(speech_with_humps({1.0: 0.7, 1.3: 0.9, 2.5: 0.6}), spacing=0.5)
-    np.testing.assert_allclose(found.times, [1.25, 2.45], atol=0.011)
+    result = find_strokes(speech_with_humps({1.0: 0.7, 1.3: 0.9, 2.5: 0.6}), spacing=0.5)
+    np.testing.assert_allclose(result.times, [1.25, 2.45], atol=0.011)

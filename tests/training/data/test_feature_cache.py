@@ -27,13 +27,13 @@ def takes(tmp_path: Path) -> TakeFolder:
 def takes_in(folder: Path, number: int = 4) -> TakeFolder:
     """Return takes whose sound holds a digit that features are made of."""
     folder.mkdir()
-    found = []
+    result = []
     for index in range(number):
         name = f"take{index:02}"
         for ending in (".wav", ".bvh"):
             (folder / f"{name}{ending}").write_text(str(index))
-        found.append(take_named(name, folder))
-    return TakeFolder(kind="beat", takes=tuple(found), speakers=("scott",))
+        result.append(take_named(name, folder))
+    return TakeFolder(kind="beat", takes=tuple(result), speakers=("scott",))
 
 
 def open_files() -> int:
@@ -84,8 +84,8 @@ def test_a_copied_data_set_or_cache_is_computed_no_more(takes: TakeFolder, tmp_p
     for path in (tmp_path / "copy").rglob("*.npy"):
         os.utime(path, (2, 2))
     moved = takes_in(tmp_path / "elsewhere")
-    for found in (takes, moved):
-        assert prepared(found, tmp_path / "copy", feature).sha256 == first.sha256
+    for result in (takes, moved):
+        assert prepared(result, tmp_path / "copy", feature).sha256 == first.sha256
     assert len(asked) == 4
 
 
@@ -115,9 +115,9 @@ def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> N
         return values[:0] if take.name == "take02" else values
 
     feature, _ = counting("digit", compute)
-    found = prepared(takes, tmp_path / "cache", feature)
-    assert [take.name for take in found.takes] == ["take03"]
-    broken, nan, empty = map(str, found.skipped)
+    result = prepared(takes, tmp_path / "cache", feature)
+    assert [take.name for take in result.takes] == ["take03"]
+    broken, nan, empty = map(str, result.skipped)
     assert "take00.bvh: take take00: the motion is broken. Copy it again." in broken
     assert "take01: its digit is not a number at frame 3, channel 1" in nan
     assert "take02: its digit has shape (0, 2)" in empty
@@ -128,12 +128,12 @@ def test_sound_and_motion_of_unlike_length_are_no_take(takes: TakeFolder, tmp_pa
     motion, _ = counting("motion", lambda take: np.zeros((30 + longer.get(take.name, 0), 3)))
     sound, asked = counting("sound", digit)
     costly, asked_costly = counting("costly", digit)
-    found = prepared(takes, tmp_path / "cache", motion, sound, costly)
-    assert [take.name for take in found.takes] == ["take00", "take02", "take03"]
+    result = prepared(takes, tmp_path / "cache", motion, sound, costly)
+    assert [take.name for take in result.takes] == ["take00", "take02", "take03"]
     assert len(asked) == 4
     assert "take01" not in asked_costly
-    assert "motion lasts 2.53 s and sound 2.00 s, more than 0.5 s apart" in str(found.skipped[0])
-    assert {len(found.arrays[name][0]) for name in found.arrays} == {30}
+    assert "motion lasts 2.53 s and sound 2.00 s, more than 0.5 s apart" in str(result.skipped[0])
+    assert {len(result.arrays[name][0]) for name in result.arrays} == {30}
 
 
 def test_no_usable_take_is_an_error_that_quotes_the_first(
@@ -165,18 +165,18 @@ def test_several_at_once_share_the_work(tmp_path: Path) -> None:
     takes = takes_in(tmp_path / "data", 12)
     feature, asked = counting("digit", digit)
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(lambda _: prepared(takes, tmp_path / "cache", feature), range(4)))
+        result = list(pool.map(lambda _: prepared(takes, tmp_path / "cache", feature), range(4)))
     assert sorted(asked) == [take.name for take in takes.takes]
-    assert len({one.sha256 for one in found}) == 1
+    assert len({one.sha256 for one in result}) == 1
 
 
 def test_no_file_stays_open_however_many_takes_there_are(takes: TakeFolder, tmp_path: Path) -> None:
     feature, _ = counting("digit", digit)
     prepared(takes, tmp_path / "cache", feature)
     before = open_files()
-    found = prepared(takes, tmp_path / "cache", feature)
+    result = prepared(takes, tmp_path / "cache", feature)
     assert open_files() == before
-    assert len(found.takes) == 4
+    assert len(result.takes) == 4
 
 
 def test_a_cache_that_cannot_be_written_is_said(takes: TakeFolder, tmp_path: Path) -> None:

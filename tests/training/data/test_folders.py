@@ -42,18 +42,18 @@ def said(takes: TakeFolder) -> list[str]:
 def test_beat_is_read_as_downloaded(tmp_path: Path) -> None:
     beat_take(tmp_path / "2", "2_scott_0_9_9", ".json", ".txt", ".csv", ".TextGrid")
     beat_take(tmp_path / "10", "10_kieks_0_66_66")
-    found = read_takes(tmp_path)
-    assert found.kind == "beat"
-    assert found.speakers == ("scott", "kieks")
-    assert [take.name for take in found.takes] == ["10_kieks_0_66_66", "2_scott_0_9_9"]
-    kieks, scott = found.takes
+    result = read_takes(tmp_path)
+    assert result.kind == "beat"
+    assert result.speakers == ("scott", "kieks")
+    assert [take.name for take in result.takes] == ["10_kieks_0_66_66", "2_scott_0_9_9"]
+    kieks, scott = result.takes
     assert (scott.emotion, kieks.emotion) == ("neutral", "happiness")
     assert scott.face == tmp_path / "2" / "2_scott_0_9_9.json"
     assert scott.semantic == tmp_path / "2" / "2_scott_0_9_9.txt"
     assert scott.transcript == tmp_path / "2" / "2_scott_0_9_9.TextGrid"
     assert kieks.transcript is None
     assert kieks.face is None
-    assert not found.skipped
+    assert not result.skipped
 
 
 def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
@@ -63,8 +63,8 @@ def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
     beat_take(tmp_path, "a walk")
     beat_take(tmp_path, "2_scott_0_12_12")
     (tmp_path / "2_scott_0_12_12.wav").write_bytes(b"")
-    found = read_takes(tmp_path)
-    assert [take.motion for take in found.takes] == [tmp_path / "2_scott_0_9_9.bvh"]
+    result = read_takes(tmp_path)
+    assert [take.motion for take in result.takes] == [tmp_path / "2_scott_0_9_9.bvh"]
     messages = {
         "2_scott_0_10_10.bvh: the motion has no sound": "Put 2_scott_0_10_10.wav beside it",
         "2_scott_0_11_11.wav: the sound has no motion": "Put 2_scott_0_11_11.bvh beside it",
@@ -72,17 +72,17 @@ def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
         "a walk.bvh: the file is not named": "such as 2_scott_0_9_9",
         "again/2_scott_0_9_9.bvh: take 2_scott_0_9_9 is there twice": "Rename or remove",
     }
-    assert len(found.skipped) == len(messages)
+    assert len(result.skipped) == len(messages)
     for what, remedy in messages.items():
-        assert any(what in text and remedy in text for text in said(found)), what
+        assert any(what in text and remedy in text for text in said(result)), what
 
 
 def test_flat_folders_of_beat_are_read_and_hidden_files_are_no_recordings(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_9_9")
     touch(tmp_path / "._2_scott_0_9_9.bvh", tmp_path / ".cache" / "2_scott_0_10_10.bvh")
-    found = read_takes(tmp_path)
-    assert [take.name for take in found.takes] == ["2_scott_0_9_9"]
-    assert not found.skipped
+    result = read_takes(tmp_path)
+    assert [take.name for take in result.takes] == ["2_scott_0_9_9"]
+    assert not result.skipped
 
 
 def test_links_to_folders_are_followed_once(tmp_path: Path) -> None:
@@ -90,9 +90,9 @@ def test_links_to_folders_are_followed_once(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "2").symlink_to(tmp_path / "disk")
     (tmp_path / "disk" / "back").symlink_to(tmp_path / "data")
-    found = read_takes(tmp_path / "data")
-    assert [take.name for take in found.takes] == ["2_scott_0_9_9"]
-    assert not found.skipped
+    result = read_takes(tmp_path / "data")
+    assert [take.name for take in result.takes] == ["2_scott_0_9_9"]
+    assert not result.skipped
 
 
 def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
@@ -100,22 +100,22 @@ def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
     write_clicks(tmp_path / "wave16k" / "2_scott_0_65_65.wav", 1)
     touch(tmp_path / "sem" / "2_scott_0_65_65.txt", tmp_path / "textgrid" / "x.TextGrid")
     np.savez(tmp_path / "weights.npz", mean=np.zeros(3))
-    found = read_takes(tmp_path)
-    assert found.kind == "beat2"
-    (take,) = found.takes
+    result = read_takes(tmp_path)
+    assert result.kind == "beat2"
+    (take,) = result.takes
     assert (take.speaker, take.emotion, take.split) == ("scott", "happiness", "test")
     assert take.speech == tmp_path / "wave16k" / "2_scott_0_65_65.wav"
     assert take.semantic == tmp_path / "sem" / "2_scott_0_65_65.txt"
-    assert not found.skipped
+    assert not result.skipped
 
 
 def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
     for speaker in ("anna", "ben"):
         smplx_take(tmp_path / speaker, f"{speaker} talks")
-    found = read_takes(tmp_path)
-    assert found.speakers == ("anna", "ben")
-    assert [take.speaker for take in found.takes] == ["anna", "ben"]
-    assert all(" " not in take.name for take in found.takes)
+    result = read_takes(tmp_path)
+    assert result.speakers == ("anna", "ben")
+    assert [take.speaker for take in result.takes] == ["anna", "ben"]
+    assert all(" " not in take.name for take in result.takes)
 
 
 def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
@@ -124,9 +124,9 @@ def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
     whole = (tmp_path / "bad.npz").read_bytes()
     (tmp_path / "bad.npz").write_bytes(whole[: len(whole) // 2])
     np.savez(tmp_path / "other.npz", trans=np.zeros((3, 3)))
-    found = read_takes(tmp_path)
-    assert [take.name for take in found.takes] == ["good"]
-    bad, other = said(found)
+    result = read_takes(tmp_path)
+    assert [take.name for take in result.takes] == ["good"]
+    bad, other = said(result)
     assert "bad.npz: the file is not an .npz archive, or is truncated" in bad
     assert "other.npz: the file holds no poses" in other
 
@@ -141,14 +141,14 @@ def show_clip(folder: Path, *, motion: bool = True) -> None:
 def test_show_is_read_as_talkshow_sorts_it(tmp_path: Path) -> None:
     for split in ("train", "val", "test"):
         show_clip(tmp_path / "oliver" / "A talk (2020)" / split / f"{split}-00_01-00_02")
-    found = read_takes(tmp_path)
-    assert found.kind == "show"
-    assert {take.name: take.split for take in found.takes} == {
+    result = read_takes(tmp_path)
+    assert result.kind == "show"
+    assert {take.name: take.split for take in result.takes} == {
         "oliver_train-00_01-00_02": "train",
         "oliver_val-00_01-00_02": "validation",
         "oliver_test-00_01-00_02": "test",
     }
-    assert "1 recording cut into takes of several splits" in found.notes[1]
+    assert "1 recording cut into takes of several splits" in result.notes[1]
 
 
 def test_clips_of_one_video_are_in_one_split_where_no_folder_says_so(tmp_path: Path) -> None:
@@ -169,9 +169,9 @@ def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
         '{"train": ["oliver/A talk.webm/1-00_01"], "val": ["oliver/A talk.webm/2-00_02"],'
         ' "test": ["seth/Gone.webm/3-00_03"]}'
     )
-    found = read_takes(tmp_path)
-    assert [take.split for take in found.takes] == ["train", "validation"]
-    assert any("1 name (seth/Gone.webm/3-00_03) of the list not there" in n for n in found.notes)
+    result = read_takes(tmp_path)
+    assert [take.split for take in result.takes] == ["train", "validation"]
+    assert any("1 name (seth/Gone.webm/3-00_03) of the list not there" in n for n in result.notes)
 
 
 def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> None:
@@ -185,9 +185,9 @@ def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> No
     with pytest.raises(InputError, match=r"pickled.*docs/data\.md"):
         read_takes(tmp_path)
     show_clip(tmp_path / "oliver" / "video" / "00_02")
-    found = read_takes(tmp_path)
-    assert len(found.takes) == 1
-    assert "00_01.pkl: the motion is pickled" in said(found)[0]
+    result = read_takes(tmp_path)
+    assert len(result.takes) == 1
+    assert "00_01.pkl: the motion is pickled" in said(result)[0]
     assert not (tmp_path / "sprung").exists()
 
 
@@ -195,10 +195,10 @@ def test_ted_is_read_as_plain_arrays_by_split_and_talk(tmp_path: Path) -> None:
     for split, talk in (("train", "talk1"), ("val", "talk2"), ("test", "talk3")):
         write_ted(tmp_path / split / talk / "0.npz", 1)
         write_clicks(tmp_path / split / talk / "0.wav", 1)
-    found = read_takes(tmp_path)
-    assert found.kind == "ted"
-    assert found.speakers == ("talk1", "talk2", "talk3")
-    assert [take.split for take in found.takes] == ["train", "validation", "test"]
+    result = read_takes(tmp_path)
+    assert result.kind == "ted"
+    assert result.speakers == ("talk1", "talk2", "talk3")
+    assert [take.split for take in result.takes] == ["train", "validation", "test"]
 
 
 def test_teds_database_is_refused_with_the_way_out(tmp_path: Path) -> None:
@@ -233,10 +233,10 @@ def test_transcripts_are_found_beside_the_motion(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_11_11")
     (tmp_path / "2_scott_0_10_10.csv").write_text("0,3,neutral\n")
     (tmp_path / "2_scott_0_11_11.csv").write_text("word,start,end\n")
-    found = {take.name: take.transcript for take in read_takes(tmp_path).takes}
-    assert found["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
-    assert found["2_scott_0_10_10"] is None
-    assert found["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"
+    result = {take.name: take.transcript for take in read_takes(tmp_path).takes}
+    assert result["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
+    assert result["2_scott_0_10_10"] is None
+    assert result["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"
 
 
 DOCS = Path(__file__).parents[3] / "docs" / "data.md"
@@ -269,9 +269,9 @@ def test_shows_pickles_become_takes(tmp_path: Path) -> None:
     (tmp_path / "hands.json").write_text(json.dumps(hands))
     command = [sys.executable, "-c", script("show_to_npz.py")]
     subprocess.run([*command, tmp_path / "show", tmp_path / "hands.json"], check=True)
-    found = read_takes(tmp_path / "show")
-    assert not found.skipped
-    motion = read_smplx(found.takes[0])
+    result = read_takes(tmp_path / "show")
+    assert not result.skipped
+    motion = read_smplx(result.takes[0])
     np.testing.assert_allclose(
         motion.poses[:, joint_index("right_index1")],
         (arrays["right_hand_pose"] @ np.array(hands["right"])[:12])[:, :3],

@@ -64,9 +64,9 @@ def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> N
     (folder / "splits.csv").write_text(
         f"name,split\n{NAMES[0]},train\n{NAMES[1]},additional\n2_scott_0_12_12,test\n"
     )
-    found = read_takes(folder)
-    assert splits_of(found) == {NAMES[0]: "train"}
-    assert found.notes == (
+    result = read_takes(folder)
+    assert splits_of(result) == {NAMES[0]: "train"}
+    assert result.notes == (
         "splits by splits.csv: 1 train, 0 validation and 0 test",
         f"1 take ({NAMES[2]}) left out, which the list does not name",
         "1 take left out as additional",
@@ -110,9 +110,9 @@ def test_lists_that_are_not_there_or_of_other_takes_are_refused(folder: Path) ->
 def test_without_a_list_the_published_rule_counts_and_says_so(folder: Path) -> None:
     for ending in (".bvh", ".wav"):
         (folder / f"2_scott_0_1_1{ending}").write_bytes(b"not looked at yet")
-    found = read_takes(folder)
-    assert splits_of(found) == {**dict.fromkeys(NAMES, "train"), "2_scott_0_1_1": "test"}
-    assert found.notes == (
+    result = read_takes(folder)
+    assert splits_of(result) == {**dict.fromkeys(NAMES, "train"), "2_scott_0_1_1": "test"}
+    assert result.notes == (
         "splits by the rule published with BEAT: 3 train, 0 validation and 1 test",
     )
 
@@ -154,9 +154,9 @@ def test_the_seed_decides_and_the_order_of_clips_does_not() -> None:
 
 
 def named(name: str) -> BeatName:
-    found = BeatName.parse(name)
-    assert found is not None
-    return found
+    result = BeatName.parse(name)
+    assert result is not None
+    return result
 
 
 def test_a_name_tells_speaker_type_and_texts() -> None:

@@ -173,13 +173,13 @@ def test_click_and_jump_are_in_one_frame_of_every_window(
         power = values["mel"][0].sum(axis=1)
         for moment in inside:
             expected = moment * frame_rate - start
-            near = slice(round(expected) - 2, round(expected) + 3)
-            clicked = near.start + int(power[near].argmax())
+            around = slice(round(expected) - 2, round(expected) + 3)
+            clicked = around.start + int(power[around].argmax())
             assert power[clicked] > 100 * np.median(power)
             assert abs(clicked - expected) <= 1
             for feature in features:
                 steps = np.abs(np.diff(values[feature.name][0], axis=0)).sum(axis=1)
-                jumped = near.start + int(steps[near].argmax()) + 1
+                jumped = around.start + int(steps[around].argmax()) + 1
                 assert steps[jumped - 1] > 0.1
                 assert abs(jumped - clicked) <= 1
                 assert abs(jumped - expected) <= 1

@@ -113,16 +113,16 @@ def test_a_folder_without_one_of_its_files_says_how_to_make_them(
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [({"hidden_size": 768}, "768 channels"), ({"model_type": "wav2vec2"}, "type 'wav2vec2'")],
 )
 def test_another_network_is_refused(
-    saved: Path, tmp_path: Path, change: dict[str, object], said: str
+    saved: Path, tmp_path: Path, change: dict[str, object], message: str
 ) -> None:
     folder = copied(saved, tmp_path / "hubert")
     config = json.loads((folder / "config.json").read_text())
     (folder / "config.json").write_text(json.dumps(config | change))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         load_hubert(folder)
 
 

@@ -45,11 +45,11 @@ def test_speech_twice_as_loud_lies_higher_by_the_logarithm_of_four() -> None:
 
 
 @pytest.mark.parametrize(
-    ("samples", "said"),
+    ("samples", "message"),
     [(_tone(440, 0.3), "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
 )
-def test_what_holds_no_speech_is_refused(samples: NDArray[np.float32], said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_what_holds_no_speech_is_refused(samples: NDArray[np.float32], message: str) -> None:
+    with pytest.raises(InputError, match=message):
         check_speech(samples)
 
 
@@ -88,9 +88,9 @@ NOISE = Audio(np.random.default_rng(1).normal(0, 0.1, 32000).astype(np.float32),
 
 
 def test_two_rows_of_coefficients_and_their_changes_make_a_frame() -> None:
-    found = mfcc(NOISE, 15)
-    assert found.shape == (30, WIDTH)
-    rows = found.reshape(60, 3, COEFFICIENTS)
+    result = mfcc(NOISE, 15)
+    assert result.shape == (30, WIDTH)
+    rows = result.reshape(60, 3, COEFFICIENTS)
     bands = np.log10(mel_bands(NOISE, 30).astype(float))
     np.testing.assert_allclose(rows[:, 0], dct(bands, norm="ortho")[:, :14], atol=1e-4)
     np.testing.assert_allclose(rows[1:-1, 1], (rows[2:, 0] - rows[:-2, 0]) / 2, atol=1e-4)

@@ -114,7 +114,7 @@ def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
 def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     torch.manual_seed(2)
     filterbanks = torch.ones(40, 1024, 128)
-    heard, target = augment(filterbanks)
+    masked, target = augment(filterbanks)
     hidden = target == 0
     rows, bands = hidden.all(dim=2).sum(dim=1), hidden.all(dim=1).sum(dim=1)
     assert int(rows.max()) <= round(MASKED_ROWS * 1024)
@@ -122,8 +122,8 @@ def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     assert int(rows.max()) > 0
     assert int(bands.max()) > 0
     # What is heard is noisy by a tenth at most, and shifted.
-    assert float((heard.sum() - target.sum()) / heard.numel()) < 0.1
-    assert float(heard.max()) <= 1.1
+    assert float((masked.sum() - target.sum()) / masked.numel()) < 0.1
+    assert float(masked.max()) <= 1.1
 
 
 def test_a_packed_transformer_hears_the_same() -> None:
@@ -137,10 +137,10 @@ def test_a_packed_transformer_hears_the_same() -> None:
     )
     torch.manual_seed(2)
     model = ASTModel(config).eval().requires_grad_(False)
-    heard = torch.randn(3, 64, 32)
+    filterbanks = torch.randn(3, 64, 32)
     with torch.inference_mode():
-        before = model(heard).last_hidden_state
+        before = model(filterbanks).last_hidden_state
         pack(model)
-        after = model(heard).last_hidden_state
+        after = model(filterbanks).last_hidden_state
     assert torch.allclose(before, after, atol=1e-5)
     assert any(isinstance(one, PackedLinear) for one in model.modules())

@@ -56,16 +56,16 @@ def at_once(_short_training: None) -> SpeechFrames:
 @settings(max_examples=6, deadline=None)
 @given(st.lists(st.integers(0, len(SPEECH)), max_size=6))
 def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[int]) -> None:
-    found = streamed(np.split(SPEECH, sorted(cuts)))
-    assert torch.equal(found.mel, at_once.mel)
-    assert torch.equal(found.hubert, at_once.hubert)
+    result = streamed(np.split(SPEECH, sorted(cuts)))
+    assert torch.equal(result.mel, at_once.mel)
+    assert torch.equal(result.hubert, at_once.hubert)
 
 
 def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
-    found = streamed([SPEECH], StreamWindow(past=4, ahead=4.0)).hubert
+    result = streamed([SPEECH], StreamWindow(past=4, ahead=4.0)).hubert
     vectors = HUBERT.features(SPEECH)
-    frame = np.arange(0, len(found), 3)  # every third frame lies on a feature, 0.2 s apart
-    torch.testing.assert_close(found[frame[:-1]], vectors[10 * frame[:-1] // 3])
+    frame = np.arange(0, len(result), 3)  # every third frame lies on a feature, 0.2 s apart
+    torch.testing.assert_close(result[frame[:-1]], vectors[10 * frame[:-1] // 3])
 
 
 @pytest.mark.parametrize("rate", [15, 30])
@@ -101,11 +101,11 @@ def test_speech_outside_the_stated_window_changes_nothing(
 ) -> None:
     other = SPEECH.copy()
     other[changed] = 0
-    found = streamed([other])
+    result = streamed([other])
     same, not_same = (slice(15 * one, 15 * one + 15) for one in (second, other_second))
-    assert torch.equal(found.hubert[same], at_once.hubert[same])
-    assert torch.equal(found.mel[same], at_once.mel[same])
-    assert not torch.equal(found.hubert[not_same], at_once.hubert[not_same])
+    assert torch.equal(result.hubert[same], at_once.hubert[same])
+    assert torch.equal(result.mel[same], at_once.mel[same])
+    assert not torch.equal(result.hubert[not_same], at_once.hubert[not_same])
 
 
 @pytest.mark.parametrize(("past", "ahead", "at_once"), [(0, 1.0, 1), (4, 0.0, 1), (4, 1.0, 0)])
@@ -152,8 +152,8 @@ def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -
         "training.hearing.speech_frames.LONG_SPEECH_WINDOW",
         StreamWindow(past=1, ahead=1.0, at_once=2),
     )
-    found = torch.cat([part.mel for part in extract_frames(audio, 15, HUBERT)])
-    torch.testing.assert_close(found, whole, rtol=1e-4, atol=1e-6)
+    result = torch.cat([part.mel for part in extract_frames(audio, 15, HUBERT)])
+    torch.testing.assert_close(result, whole, rtol=1e-4, atol=1e-6)
 
 
 @given(total=st.integers(1, 5000), frames=st.integers(40, 300), fade=st.integers(1, 30))

@@ -15,11 +15,11 @@ WORDS = (Word("hello", 0.0, 0.2), Word("nobody", 0.2, 0.3), Word("hi", 0.35, 0.3
 
 
 def test_the_stand_in_is_the_same_each_time_and_knows_spelling() -> None:
-    found = StandIn().lookup(["walking", "walked", "sea"])
+    result = StandIn().lookup(["walking", "walked", "sea"])
     again = StandIn().lookup(["walking"])
-    assert found["walking"].shape == (300,)
-    np.testing.assert_array_equal(found["walking"], again["walking"])
-    near, far = (np.corrcoef(found["walking"], found[word])[0, 1] for word in ("walked", "sea"))
+    assert result["walking"].shape == (300,)
+    np.testing.assert_array_equal(result["walking"], again["walking"])
+    near, far = (np.corrcoef(result["walking"], result[word])[0, 1] for word in ("walked", "sea"))
     assert near > 0.2 > far
 
 

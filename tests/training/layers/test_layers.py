@@ -30,8 +30,8 @@ def test_a_convolution_reaches_half_its_kernel_to_both_sides(kernel: int, dilati
     moved[..., 10] += 1
     changed = (layer(moved) - layer(values)).abs().amax(dim=(0, 1)) > 1e-6
     reach = kernel // 2 * dilation
-    wanted = list(range(10 - reach, 10 + reach + 1, dilation))
-    assert changed.nonzero().ravel().tolist() == wanted
+    expected = list(range(10 - reach, 10 + reach + 1, dilation))
+    assert changed.nonzero().ravel().tolist() == expected
 
 
 FACE: Final = FaceLandmarks.of_default_body()
@@ -85,13 +85,13 @@ def told() -> LinearSkip:
 def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> None:
     windows = smooth_windows().astype(np.float64)
     flat = windows.reshape(len(windows), -1)
-    kept = LINEAR.alpha_bar[step]
-    covariance = kept * flat.T @ flat / len(flat) + (1 - kept) * np.eye(flat.shape[1])
+    alpha_bar = LINEAR.alpha_bar[step]
+    covariance = alpha_bar * flat.T @ flat / len(flat) + (1 - alpha_bar) * np.eye(flat.shape[1])
     noisy = np.random.default_rng(1).standard_normal((4, FRAMES, PART))
     # The expectation of the noise, given the sum: its covariance with it over the sum's own.
-    expected = np.sqrt(1 - kept) * np.linalg.solve(covariance, noisy.reshape(4, -1).T).T
-    found = told()(torch.zeros(4, FRAMES, PART), torch.from_numpy(noisy), torch.tensor([step]))
-    np.testing.assert_allclose(found.reshape(4, -1), expected, rtol=0.02, atol=0.02)
+    expected = np.sqrt(1 - alpha_bar) * np.linalg.solve(covariance, noisy.reshape(4, -1).T).T
+    result = told()(torch.zeros(4, FRAMES, PART), torch.from_numpy(noisy), torch.tensor([step]))
+    np.testing.assert_allclose(result.reshape(4, -1), expected, rtol=0.02, atol=0.02)
 
 
 @pytest.mark.parametrize("frames", [1, 5, 11])
@@ -100,6 +100,6 @@ def test_shorter_windows_keep_slow_motion_too(frames: int) -> None:
     noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(4))
     steps = torch.tensor([200])
     noisy = LINEAR.x_t(clean, noise, steps)
-    found = told()(torch.zeros_like(noisy), noisy, steps)
-    missed = LINEAR.x0_hat(noisy, found, steps) - clean
+    result = told()(torch.zeros_like(noisy), noisy, steps)
+    missed = LINEAR.x0_hat(noisy, result, steps) - clean
     assert missed.square().mean() < 0.5 * (noisy - clean).square().mean()

@@ -20,8 +20,8 @@ def test_each_process_learns_which_one_it_is(tmp_path: Path) -> None:
         "('WORLD_SIZE', 'LOCAL_RANK', 'MASTER_ADDR')))"
     )
     assert run(code) == 0
-    found = {path.name: path.read_text() for path in tmp_path.iterdir()}
-    assert found == {rank: f"3 {rank} 127.0.0.1" for rank in ("0", "1", "2")}
+    result = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert result == {rank: f"3 {rank} 127.0.0.1" for rank in ("0", "1", "2")}
 
 
 def test_the_leading_process_alone_is_heard(capfd: pytest.CaptureFixture[str]) -> None:

@@ -82,8 +82,8 @@ def test_gradients_of_a_step_in_parts_are_those_of_one_part() -> None:
         grads.append({n: w.grad for n, w in network.named_parameters() if w.grad is not None})
         statistics = {n: b.clone() for n, b in network.named_buffers()}
         grads[-1] |= statistics
-    for name, wanted in grads[0].items():
-        torch.testing.assert_close(grads[1][name], wanted, rtol=1e-5, atol=1e-6)
+    for name, expected in grads[0].items():
+        torch.testing.assert_close(grads[1][name], expected, rtol=1e-5, atol=1e-6)
 
 
 def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:

@@ -85,7 +85,7 @@ def test_more_steps_may_be_asked_for_and_fewer_may_not(finished: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("task", "config", "said"),
+    ("task", "config", "message"),
     [
         (Line(), replace(CONFIG, learning_rate=0.1), "learning_rate was 0.05 and is 0.1"),
         (Line(), replace(CONFIG, seed=1), "training seed was 0 and is 1"),
@@ -94,9 +94,9 @@ def test_more_steps_may_be_asked_for_and_fewer_may_not(finished: Path) -> None:
     ],
 )
 def test_a_run_of_other_settings_or_data_is_not_continued_and_the_difference_is_named(
-    task: Line, config: TrainingConfig, said: str, finished: Path, whole: dict[str, bytes]
+    task: Line, config: TrainingConfig, message: str, finished: Path, whole: dict[str, bytes]
 ) -> None:
-    with pytest.raises(InputError, match=said) as refused:
+    with pytest.raises(InputError, match=message) as refused:
         train(task, config, RunFolder(finished))
     assert refused.value.where == str(finished)
     assert content(finished) == whole
@@ -112,8 +112,8 @@ def test_the_network_that_is_returned_did_best_on_held_out_examples(tmp_path: Pa
     assert set(held_out) == set(range(5, 61, 5))
     assert trained.best.step == min(held_out, key=held_out.__getitem__) != 60
     with torch.no_grad():
-        found = torch.nn.functional.mse_loss(trained.network(ENTRIES[32:]), VALUES[32:])
-    assert float(found) == trained.best.measured["loss"] == min(held_out.values())
+        result = torch.nn.functional.mse_loss(trained.network(ENTRIES[32:]), VALUES[32:])
+    assert float(result) == trained.best.measured["loss"] == min(held_out.values())
 
 
 def size(network: torch.nn.Sequential) -> float:

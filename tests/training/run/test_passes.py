@@ -48,8 +48,8 @@ class Rivals(nn.Module):
         self.judge = nn.Sequential(nn.Linear(4, 8), nn.Tanh(), nn.Linear(8, 1))
 
     def forward(self, entries: Tensor) -> Tensor:
-        found: Tensor = self.last(self.maker(entries))
-        return found
+        result: Tensor = self.last(self.maker(entries))
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,7 +190,7 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("passes", "said"),
+    ("passes", "message"),
     [
         ((replace(MAKER, parts=("painter",)),), r"trains 'painter'.*parts: maker, last, judge"),
         ((replace(MAKER, every=2),), "no pass is made in step 2 of 9"),
@@ -198,7 +198,7 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
     ],
 )
 def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
-    passes: tuple[Pass, ...], said: str, tmp_path: Path
+    passes: tuple[Pass, ...], message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         train(Rivalry(), replace(CONFIG, passes=passes), RunFolder(tmp_path))

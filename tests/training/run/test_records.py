@@ -52,12 +52,12 @@ def test_steps_that_a_crash_lost_are_cut_off_when_the_run_goes_on(
 
 
 def lines(steps: int) -> list[dict[str, object]]:
-    found: list[dict[str, object]] = []
+    result: list[dict[str, object]] = []
     for step in range(1, steps + 1):
-        found.append({"step": step, "learning_rate": 0.1, "loss": 5 / step, "noise": -1.0})
+        result.append({"step": step, "learning_rate": 0.1, "loss": 5 / step, "noise": -1.0})
         if step % 10 == 0:
-            found.append({"step": step, "held_out": {"loss": 6 / step, "accuracy": 0.5}})
-    return found
+            result.append({"step": step, "held_out": {"loss": 6 / step, "accuracy": 0.5}})
+    return result
 
 
 @pytest.mark.parametrize("steps", [1, 3000])

@@ -48,8 +48,8 @@ def with_still_face(body: np.ndarray) -> np.ndarray:
 
 def degrees_apart(one: MotionClip, other: MotionClip) -> dict[str, float]:
     turns = [Rotation.from_rotvec(clip.poses.reshape(-1, 3)) for clip in (one, other)]
-    apart = np.degrees((turns[0].inv() * turns[1]).magnitude()).reshape(-1, len(JOINT_NAMES))
-    return dict(zip(JOINT_NAMES, apart.max(axis=0), strict=True))
+    angles = np.degrees((turns[0].inv() * turns[1]).magnitude()).reshape(-1, len(JOINT_NAMES))
+    return dict(zip(JOINT_NAMES, angles.max(axis=0), strict=True))
 
 
 def moved(**turned: tuple[float, float, float]) -> np.ndarray:
@@ -78,17 +78,17 @@ def test_the_recording_lies_where_the_released_means_and_deviations_say(
 def test_the_recording_comes_back_as_it_was_on_its_own_skeleton(recording: BvhMotion) -> None:
     _, joint_map = choose_joint_map(recording.joint_names)
     known, _ = place(retarget(recording, joint_map))
-    found = beat_clip(with_still_face(body_values(recording)), 15, recording.joints)
-    assert max(degrees_apart(known, found).values()) < 0.1
-    assert np.abs(known.trans - found.trans).max() < 1e-3
+    result = beat_clip(with_still_face(body_values(recording)), 15, recording.joints)
+    assert max(degrees_apart(known, result).values()) < 0.1
+    assert np.abs(known.trans - result.trans).max() < 1e-3
 
 
 def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) -> None:
     values = with_still_face(body_values(recording))
-    apart = degrees_apart(beat_clip(values, 15, recording.joints), beat_clip(values, 15))
+    angles = degrees_apart(beat_clip(values, 15, recording.joints), beat_clip(values, 15))
     fingers = ("index", "middle", "pinky", "ring", "thumb")
-    assert max(v for k, v in apart.items() if not any(f in k for f in fingers)) < 0.1
-    assert max(apart.values()) < 2
+    assert max(v for k, v in angles.items() if not any(f in k for f in fingers)) < 0.1
+    assert max(angles.values()) < 2
 
 
 def test_values_survive_the_way_over_angles_about_axes() -> None:

@@ -42,9 +42,9 @@ def test_directions_are_units_from_which_joints_are_built_again() -> None:
     directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
     joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
-    wanted = joints[:, [joint_index(name) for name in JOINT_NAMES]] - joints[:, :1]
-    np.testing.assert_allclose(joints_from_directions(directions), wanted, atol=1e-6)
-    np.testing.assert_allclose(joints_from_directions(3 * directions), wanted, atol=1e-6)
+    expected = joints[:, [joint_index(name) for name in JOINT_NAMES]] - joints[:, :1]
+    np.testing.assert_allclose(joints_from_directions(directions), expected, atol=1e-6)
+    np.testing.assert_allclose(joints_from_directions(3 * directions), expected, atol=1e-6)
     np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
 
 
@@ -70,10 +70,10 @@ def test_the_clip_of_values_has_the_same_values() -> None:
         body=FACE.body,
         landmarks=values[:, BONE_VALUES:].reshape(5, -1, 3).astype(np.float32),
     )
-    found = bone_and_landmark_values(again, FACE)
+    result = bone_and_landmark_values(again, FACE)
     arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
-    np.testing.assert_allclose(found[:, arms], values[:, arms], atol=0.02)
-    np.testing.assert_allclose(found[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
+    np.testing.assert_allclose(result[:, arms], values[:, arms], atol=0.02)
+    np.testing.assert_allclose(result[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
 
 
 def test_a_bone_without_length_is_refused() -> None:
@@ -84,8 +84,8 @@ def test_a_bone_without_length_is_refused() -> None:
 def test_joints_are_those_of_equation_2() -> None:
     directions = torch.randn(4, 9, 3)
     joints = joint_tensors(directions)
-    wanted = joints_from_directions(directions.double().numpy())
-    torch.testing.assert_close(joints, torch.from_numpy(wanted).float())
+    expected = joints_from_directions(directions.double().numpy())
+    torch.testing.assert_close(joints, torch.from_numpy(expected).float())
     lengths = (joints[:, 5] - joints[:, 4]).norm(dim=-1)
     torch.testing.assert_close(lengths, torch.full((4,), float(BONE_LENGTHS[4])))
 
