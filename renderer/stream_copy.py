@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil
@@ -12,11 +14,11 @@ import av
 import numpy as np
 from av.bitstream import BitStreamFilterContext
 
-from motion.audio import Audio, read_audio
+from motion.audio import Audio
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import MP4_OPTIONS, SOUND_RATE, clear_bit_rates, encoded_sound
-from renderer.loudness import at_common_loudness
+from renderer.loudness import speech_sound
 
 TICKS: Final = 90_000
 """Ticks per second of a copy's timestamps."""
@@ -74,15 +76,22 @@ def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> N
     end = ceil(lasts * 1000) * (TICKS // 1000)
     options = {**MP4_OPTIONS, "video_track_timescale": str(TICKS)}
     try:
-        with replacing(target) as draft:
-            with (
-                av.open(str(source)) as original,
-                av.open(str(draft), "w", format="mp4", options=options) as copy,
-            ):
-                _copy(original, copy, end, sound=sound)
-            clear_bit_rates(draft)
+        with _opened(source, target, options) as (original, copy):
+            _copy(original, copy, end, sound=sound)
     except (av.FFmpegError, OSError, IndexError) as error:
         raise _unreadable(source) from error
+
+
+@contextmanager
+def _opened(source: Path, target: Path, options: dict[str, str]) -> Iterator[tuple[Any, Any]]:
+    """Open `source`, and `target` as a new MP4 file without bit rates."""
+    with replacing(target) as draft:
+        with (
+            av.open(str(source)) as original,
+            av.open(str(draft), "w", format="mp4", options=options) as copy,
+        ):
+            yield original, copy
+        clear_bit_rates(draft)
 
 
 def _copy(original: Any, copy: Any, end: int, *, sound: bool) -> None:
@@ -145,16 +154,10 @@ def write_dubbed(
     InputError
         If picture or speech cannot be read.
     """
-    excerpt = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
-    sound = _padded(excerpt, round(seconds * SOUND_RATE))
+    sound = _padded(speech_sound(speech, start, end), round(seconds * SOUND_RATE))
     try:
-        with replacing(video) as draft:
-            with (
-                av.open(str(picture)) as original,
-                av.open(str(draft), "w", format="mp4", options=MP4_OPTIONS) as copy,
-            ):
-                _write(original, copy, sound)
-            clear_bit_rates(draft)
+        with _opened(picture, video, MP4_OPTIONS) as (original, copy):
+            _write(original, copy, sound)
     except (av.FFmpegError, IndexError) as error:
         raise InputError(
             f"the rendered clip cannot be read ({error})",

@@ -17,17 +17,43 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClipJob:
-    """One motion clip to be made into a video with its speech, and into lossless frames.
+class _VideoJob:
+    """What all jobs have.
 
     Attributes
     ----------
     name : str
-        What its outcome is called.
-    motion, speech : Path
-        The clip, and what is heard.
+        Identifies its outcome.
+    speech : Path
+        The speech of the video.
     start, end : float
-        The excerpt of the speech in seconds; the motion begins with it.
+        The excerpt of the speech in seconds.
+    """
+
+    name: str
+    speech: Path
+    start: float
+    end: float
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Files of other jobs that it is made from."""
+        return ()
+
+    @property
+    def outputs(self) -> tuple[Path, ...]:
+        """Files that other jobs may be made from."""
+        return ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClipJob(_VideoJob):
+    """A motion clip to be rendered as a video with its speech, and as lossless frames.
+
+    Attributes
+    ----------
+    motion : Path
+        The clip; it begins with the excerpt of the speech.
     freeze : tuple of str
         Channels to hold still.
     body : Path or None
@@ -35,16 +61,12 @@ class ClipJob:
     camera, look
         What all stimuli of the study share.
     frames : Path or None
-        Where to write the lossless frames; None where no pair is composed from them.
+        Where to write the lossless frames; None if no pair is composed from them.
     video : Path or None
-        Where to write the video; None where only pairs are shown.
+        Where to write the video; None if only pairs are shown.
     """
 
-    name: str
     motion: Path
-    speech: Path
-    start: float
-    end: float
     freeze: tuple[str, ...]
     body: Path | None
     camera: Camera
@@ -53,93 +75,58 @@ class ClipJob:
     video: Path | None
 
     @property
-    def inputs(self) -> tuple[Path, ...]:
-        """Files of other jobs that it is made from: none."""
-        return ()
-
-    @property
     def outputs(self) -> tuple[Path, ...]:
-        """Files that other jobs may be made from."""
+        """The files that it writes."""
         return tuple(path for path in (self.frames, self.video) if path is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
-class DubJob:
+class DubJob(_VideoJob):
     """A rendered clip to be given another speech.
 
     Attributes
     ----------
-    name : str
-        What its outcome is called.
     picture : Path
-        The video that a clip job left.
-    speech : Path
-        What is heard instead.
-    start, end : float
-        The excerpt of the speech in seconds.
+        The video of a clip job.
     seconds : float
-        How long the sound lasts; silence follows a shorter excerpt.
+        Length of the sound; silence follows a shorter excerpt.
     video : Path
         Where to write.
     """
 
-    name: str
     picture: Path
-    speech: Path
-    start: float
-    end: float
     seconds: float
     video: Path
 
     @property
     def inputs(self) -> tuple[Path, ...]:
-        """Files of other jobs that it is made from."""
+        """The video of the clip job."""
         return (self.picture,)
-
-    @property
-    def outputs(self) -> tuple[Path, ...]:
-        """Files that other jobs may be made from: none."""
-        return ()
 
 
 @dataclass(frozen=True, kw_only=True)
-class PairJob:
+class PairJob(_VideoJob):
     """Two rendered clips to be shown side by side.
 
     Attributes
     ----------
-    name : str
-        What its outcome is called.
     left, right : Path
-        Lossless frames that clip jobs left.
-    speech : Path
-        What is heard.
-    start, end : float
-        The excerpt of the speech in seconds.
+        Lossless frames of clip jobs.
     video : Path
         Where to write.
     look : Look
         The study's look.
     """
 
-    name: str
     left: Path
     right: Path
-    speech: Path
-    start: float
-    end: float
     video: Path
     look: Look
 
     @property
     def inputs(self) -> tuple[Path, ...]:
-        """Files of other jobs that it is made from."""
+        """The frames of both clip jobs."""
         return (self.left, self.right)
-
-    @property
-    def outputs(self) -> tuple[Path, ...]:
-        """Files that other jobs may be made from: none."""
-        return ()
 
 
 Job = ClipJob | DubJob | PairJob

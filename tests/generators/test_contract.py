@@ -102,7 +102,7 @@ def test_facial_actions_are_weights(generator: Generator, clip: MotionClip) -> N
     assert clip.arkit.max() <= 1
 
 
-def test_the_clip_says_where_it_comes_from(
+def test_the_clip_names_its_origin(
     generator: Generator, speech: SpeechSegment, clip: MotionClip
 ) -> None:
     facts = clip.provenance
@@ -123,7 +123,7 @@ def test_joints_stay_within_what_a_body_can_do_unless_it_is_broken(
     assert within.all() == (generator.name != "broken")
 
 
-def test_a_generator_that_needs_a_source_says_so(
+def test_a_generator_that_needs_a_source_refuses_to_run_without(
     generator: Generator, speech: SpeechSegment
 ) -> None:
     if not generator.needs_source:

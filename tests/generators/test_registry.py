@@ -41,7 +41,7 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
     assert "telepathic" in refusal.value.what
 
 
-def test_a_network_without_weights_says_which_key_names_them() -> None:
+def test_a_network_without_weights_is_refused_with_the_key_that_names_them() -> None:
     assert needs_model("diffsheg")
     with pytest.raises(InputError, match="diffsheg is a network and was given no weights") as error:
         load_generator("diffsheg")

@@ -96,7 +96,7 @@ def test_channels_are_averaged(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_audio(tmp_path / "a.wav").samples, 0.5, atol=1e-6)
 
 
-def test_level_above_full_scale_is_scaled_down_and_said(tmp_path: Path) -> None:
+def test_a_level_above_full_scale_is_scaled_down_with_a_note(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "a.wav", 4 * tone(), 16000, subtype="FLOAT")
     audio = read_audio(tmp_path / "a.wav")
     assert np.abs(audio.samples).max() == pytest.approx(1)
@@ -131,7 +131,7 @@ def test_truncated_files_are_refused_by_name(tmp_path: Path, ending: str, compla
         (bytes(range(256)) * 20, "cannot be read as audio|no audio stream"),
     ],
 )
-def test_what_is_no_audio_is_refused_by_name(
+def test_files_without_audio_are_refused_by_name(
     tmp_path: Path, content: bytes, complaint: str
 ) -> None:
     path = tmp_path / "odd.wav"
@@ -183,7 +183,7 @@ def test_cut_has_exactly_the_samples_asked_for(start: float, length: float) -> N
     np.testing.assert_array_equal(cut.samples, audio.samples[first : first + len(cut.samples)])
 
 
-def test_cut_fills_a_short_end_with_silence_and_refuses_what_lies_outside() -> None:
+def test_cut_pads_a_short_end_with_silence_and_refuses_more() -> None:
     cut = Audio(tone(1.0), 16000).cut(0.5, 1.05)
     assert len(cut.samples) == 8800
     assert not cut.samples[8000:].any()

@@ -41,7 +41,7 @@ def held(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[
         yield lambda: fcntl.flock(lock, fcntl.LOCK_UN)
 
 
-def test_nobody_waits_for_what_another_process_computes(held: Callable[[], None]) -> None:
+def test_plain_functions_do_not_wait_for_another_process(held: Callable[[], None]) -> None:
     load_librosa().util.localmax(np.zeros(9))
 
 

@@ -54,7 +54,7 @@ def test_a_clip_keeps_read_only_float32_copies() -> None:
         ({"gender": "robot"}, "gender"),
     ],
 )
-def test_a_clip_refuses_what_it_cannot_be(changes: dict[str, Any], message: str) -> None:
+def test_a_clip_refuses_invalid_arrays(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         clip(**changes)
 
@@ -120,7 +120,7 @@ def test_unknown_channel_is_refused_with_the_known_ones() -> None:
         freeze(random_clip(), ["legs"])
 
 
-def test_what_a_network_leaves_of_noise_is_no_movement() -> None:
+def test_a_networks_residual_noise_is_not_taken_for_movement() -> None:
     still = random_clip(frames=1, face=False).frames(np.zeros(5, dtype=int))
     poses = still.poses.copy()
     poses[1, joint_index("jaw")] += 0.005
@@ -199,7 +199,7 @@ def test_cut_has_exactly_the_frames_asked_for(start: float, length: float, rate:
     np.testing.assert_array_equal(excerpt.poses, expected)
 
 
-def test_cut_holds_the_last_frame_over_a_short_end_and_refuses_what_lies_outside() -> None:
+def test_cut_repeats_the_last_frame_at_a_short_end_and_refuses_more() -> None:
     clip = random_clip(30, 30)
     excerpt = cut(clip, 0.5, 1.1)
     assert len(excerpt) == 18

@@ -7,7 +7,7 @@ import pytest
 from motion.errors import InputError, listed
 
 
-def test_a_message_says_what_where_and_what_to_do() -> None:
+def test_a_message_names_problem_place_and_remedy() -> None:
     error = InputError("there is no such key", where="study.toml", remedy="Leave it out")
 
     assert str(error) == "study.toml: there is no such key. Leave it out."

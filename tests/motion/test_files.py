@@ -65,7 +65,7 @@ def test_no_text_is_lost(text: str) -> None:
     assert cell_as_given(harmless_cell(text)) == text
 
 
-def test_an_apostrophe_that_nobody_added_stays() -> None:
+def test_an_original_apostrophe_is_kept() -> None:
     assert cell_as_given("'tis so") == "'tis so"
 
 

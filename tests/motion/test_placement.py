@@ -44,7 +44,7 @@ AXES = {
     shift=st.tuples(*[st.floats(-5, 5)] * 3),
 )
 @settings(max_examples=40)
-def test_same_motion_in_any_world_is_placed_alike(
+def test_the_same_motion_in_any_world_is_placed_the_same(
     seed: int, axis: str, heading: float, shift: tuple[float, float, float]
 ) -> None:
     clip = upright_clip(seed)
@@ -72,7 +72,7 @@ def test_placed_body_stands_on_the_floor_facing_z(seed: int) -> None:
     assert facing[2] > 0
 
 
-def test_what_was_turned_is_said() -> None:
+def test_turns_of_a_placed_clip_are_noted() -> None:
     clip = clip_of(np.zeros((2, 55, 3)))
     assert place(clip)[1] == ()
     turn = AXES["z"] * Rotation.from_euler("y", 90, degrees=True)
@@ -109,7 +109,7 @@ def test_no_sole_is_further_below_the_ground_than_it_may(
 
 
 @given(seed=st.integers(0, 9999), sway=st.floats(0.001, 1))
-def test_motion_with_a_height_of_its_own_is_left_as_it_is(seed: int, sway: float) -> None:
+def test_motion_with_changing_height_is_unchanged(seed: int, sway: float) -> None:
     clip = _stepping(seed)
     trans = clip.trans + [0, sway, 0] * np.linspace(0, 1, len(clip))[:, None]
     moving = replace(clip, trans=trans)

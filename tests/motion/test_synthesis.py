@@ -49,7 +49,7 @@ def test_every_emotion_is_audible_and_not_clipped(spoken: dict[str, Audio], emot
 
 
 @needs_espeak
-def test_emotions_sound_as_their_prosody_says(spoken: dict[str, Audio]) -> None:
+def test_each_emotion_has_its_own_prosody(spoken: dict[str, Audio]) -> None:
     def loudness(emotion: str) -> float:
         return float(np.sqrt(np.mean(spoken[emotion].samples ** 2)))
 
@@ -92,14 +92,14 @@ def test_unknown_voice_is_refused_and_nothing_written(tmp_path: Path) -> None:
     ("text", "emotion", "complaint"),
     [(SENTENCE, "boredom", "unknown emotion"), (" ...", "neutral", "nothing to say")],
 )
-def test_what_cannot_be_spoken_is_refused(
+def test_unusable_text_or_emotion_is_refused(
     tmp_path: Path, text: str, emotion: str, complaint: str
 ) -> None:
     with pytest.raises(InputError, match=complaint):
         speak(text, emotion, tmp_path / "a.wav")
 
 
-def test_missing_espeak_is_said_with_the_command(
+def test_without_espeak_the_command_to_install_it_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))

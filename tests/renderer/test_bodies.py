@@ -165,7 +165,7 @@ def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel) -> None:
 
 
 @pytest.mark.parametrize("name", FACELESS)
-def test_who_has_no_face_has_nothing_of_it_to_move(name: str) -> None:
+def test_an_avatar_without_a_face_has_no_facial_parts(name: str) -> None:
     body = read_body(default_body(name))
     assert not body.has_arkit_slots
     assert body.expression_directions.shape[2] == 0

@@ -3,7 +3,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from renderer.clip_video import Stage
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.framing import frame_clips
 from renderer.look import BACKGROUND, Look
-from renderer.picture import PixelBox, plane_pixels
 
 LEFT, RIGHT, TRUNK = 0, 1, 2
 
@@ -89,29 +87,12 @@ def test_the_shadow_turns_with_the_foot(cast: Cast, standing: MotionClip) -> Non
     assert abs(aside.axes[LEFT][0, 0]) > 2 * abs(forwards.axes[LEFT][0, 0])
 
 
-def _frames_of_whole_pictures(stage: Stage, clip: MotionClip) -> list[Any]:
-    """Return the video frames that are made when no part of a picture is left out."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(PixelBox, "around", lambda *given: PixelBox.full(given[2]))
-        return list(stage.video_frames(clip))
-
-
 def test_a_whole_body_is_drawn_with_its_shadow_on_an_otherwise_plain_background(
     clip: MotionClip, body: BodyModel, body_path: Path
 ) -> None:
     look = Look(size=160, framing="full_body")
-    part = clip.frames(slice(0, 2))
     with Stage(body_path, frame_clips([clip], body, look), look) as stage:
-        picture = next(stage.pictures(part)).astype(int)
-        frames = [
-            [plane_pixels(plane).copy() for plane in frame.planes]
-            for frame in stage.video_frames(part)
-        ]
-        whole = _frames_of_whole_pictures(stage, part)
-        for planes, expected in zip(frames, whole, strict=True):
-            for plane, other in zip(planes, expected.planes, strict=True):
-                # Where a box begins, what is interpolated rounds otherwise.
-                np.testing.assert_allclose(plane.astype(int), plane_pixels(other), atol=1)
+        picture = next(stage.pictures(clip.frames(slice(0, 1)))).astype(int)
     between_feet = picture[290:310, 150:170, :3]
     assert between_feet.min() < min(BACKGROUND) - 8
     for edge in (picture[:, 0], picture[:, -1], picture[0], picture[-1]):

@@ -24,7 +24,7 @@ def heard(video: Path) -> tuple[list[bytes], bytes]:
         return [bytes(p) for p in container.demux(stream) if p.pts is not None], rate
 
 
-def test_the_file_no_longer_says_how_many_bits_its_sound_has_and_nothing_else_changes(
+def test_only_the_bit_rates_of_the_sound_are_cleared(
     tmp_path: Path,
 ) -> None:
     video = tmp_path / "video.mp4"
@@ -43,7 +43,7 @@ def test_the_file_no_longer_says_how_many_bits_its_sound_has_and_nothing_else_ch
     assert not after[changed].any()
 
 
-def test_a_video_without_sound_stays_as_it_is(tmp_path: Path) -> None:
+def test_a_video_without_sound_is_unchanged(tmp_path: Path) -> None:
     path = tmp_path / "silent.mp4"
     write_video(path, Told(sound=None))
     before = path.read_bytes()

@@ -75,7 +75,7 @@ def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
     assert true_peak(result) <= PEAK_CEILING + 0.01
 
 
-def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:
+def test_peaks_stay_below_the_ceiling_and_a_missed_target_is_noted() -> None:
     clicks = np.zeros(2 * SOUND_RATE, np.float32)
     clicks[:: SOUND_RATE // 10] = 0.9
     result = at_common_loudness(Audio(clicks, SOUND_RATE))
@@ -93,7 +93,7 @@ def test_peaks_stay_below_the_ceiling_and_the_missed_target_is_said() -> None:
         (tone(2, 1e-5), "it is silent"),
     ],
 )
-def test_sound_without_a_loudness_stays_as_it_is_and_is_told(audio: Audio, message: str) -> None:
+def test_sound_without_a_loudness_is_unchanged_with_a_note(audio: Audio, message: str) -> None:
     result = at_common_loudness(audio)
     assert result.samples.tobytes() == audio.samples.tobytes()
     (note,) = result.notes
@@ -101,7 +101,7 @@ def test_sound_without_a_loudness_stays_as_it_is_and_is_told(audio: Audio, messa
     assert integrated_loudness(audio) is None
 
 
-def test_a_full_scale_sine_of_997_hertz_measures_as_the_standard_says() -> None:
+def test_a_full_scale_sine_of_997_hertz_has_the_standards_loudness() -> None:
     measured = integrated_loudness(tone(3, 1.0))
     assert measured == pytest.approx(-3.01, abs=0.02)
 

@@ -21,7 +21,7 @@ def _run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_machine_without_an_offscreen_library_is_told_which_package_to_install() -> None:
+def test_without_an_offscreen_library_the_package_to_install_is_named() -> None:
     code = "import ctypes.util; ctypes.util.find_library = lambda n: None; import renderer.opengl"
     done = _run(code)
     assert done.returncode != 0

@@ -19,7 +19,7 @@ from tests.renderer.conftest import SECONDS
 from tests.renderer.golden_frames import assert_like_golden
 
 
-def test_a_pair_before_a_dark_background_looks_as_kept(
+def test_a_pair_on_a_dark_background_matches_its_golden_picture(
     body_path: Path, camera: Camera, inputs: Path, small_look: Look, tmp_path: Path
 ) -> None:
     dark = replace(small_look, background=(0x2E, 0x34, 0x40))
@@ -46,7 +46,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "frames"
 
 
-def test_what_was_used_longest_ago_goes_first(folder: Path) -> None:
+def test_the_least_recently_used_is_removed_first(folder: Path) -> None:
     old, new, middle = (write(folder, n, 10, t) for n, t in (("a", 1), ("b", 3), ("c", 2)))
     FrameCache(folder, 20).shrink(required=())
     assert (old.exists(), middle.exists(), new.exists()) == (False, True, True)
@@ -80,7 +80,7 @@ def test_no_folder_is_an_empty_cache(folder: Path) -> None:
     limit=st.integers(0, 200),
     needed=st.sets(st.integers(0, 7)),
 )
-def test_the_limit_is_kept_but_for_what_is_needed_and_no_more_goes_than_must(
+def test_the_limit_holds_except_for_required_frames_and_no_more_is_removed(
     tmp_path: Path, sizes: list[int], limit: int, needed: set[int]
 ) -> None:
     folder = tmp_path / "many"

@@ -51,7 +51,7 @@ def test_a_copy_shows_and_sounds_as_the_original_does(tmp_path: Path, told: Told
     assert packets(copy, "audio") == packets(tmp_path / "source.mp4", "audio")
 
 
-def test_nothing_is_told_beside_picture_and_sound(tmp_path: Path) -> None:
+def test_a_copy_holds_no_metadata(tmp_path: Path) -> None:
     told = Told(name="groundtruth", language="jpn")
     copy = copied(tmp_path, told).read_bytes()
 
@@ -78,7 +78,7 @@ def test_copies_of_unlike_originals_last_equally_long(tmp_path: Path) -> None:
     assert lengths == {(2_071_000, LASTS)}
 
 
-def test_a_copy_without_sound_has_none_at_all(tmp_path: Path) -> None:
+def test_a_copy_without_sound_has_no_audio_stream(tmp_path: Path) -> None:
     with av.open(str(copied(tmp_path, Told(), sound=False))) as container:
         assert not container.streams.audio
 
@@ -98,7 +98,9 @@ def test_the_end_is_that_of_picture_or_sound_whichever_is_later(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("content", [b"", b"no video"])
-def test_what_is_no_video_is_named_and_nothing_is_written(tmp_path: Path, content: bytes) -> None:
+def test_an_unreadable_video_is_named_and_nothing_is_written(
+    tmp_path: Path, content: bytes
+) -> None:
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(content)
 

@@ -93,7 +93,7 @@ def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) 
     assert fingerprint(*result) == pytest.approx(VIDEOS[RENDERER_VERSION], abs=1e-3)
 
 
-def test_a_look_of_before_there_was_more_to_choose_is_told_by_the_same_text() -> None:
+def test_the_text_of_a_look_is_unchanged() -> None:
     assert repr(Look()) == (
         "Look(size=720, frame_rate=30.0, framing='upper_body', avatar='alex', "
         "expression_matrix=None)"

@@ -169,7 +169,7 @@ def test_frames_are_kept_without_loss(moving: Path, studio: Studio) -> None:
     np.testing.assert_array_equal(decoded, expected)
 
 
-def test_what_is_frozen_is_drawn_frozen(still: Path, moving: Path) -> None:
+def test_frozen_channels_change_the_picture(still: Path, moving: Path) -> None:
     frozen, free = (_pictures(frames).astype(int) for frames in (still, moving))
     assert np.abs(frozen - free).max() > 20
 
@@ -202,7 +202,7 @@ def test_labels_are_the_same_in_both_orders(
     assert np.abs(one[:20, :20] - one[:20, 160:180]).max() > 60
 
 
-def test_a_pair_looks_as_kept(pair: Path, tmp_path: Path) -> None:
+def test_a_pair_matches_its_golden_picture(pair: Path, tmp_path: Path) -> None:
     assert_like_golden(_pictures(pair)[12], "pair", tmp_path)
 
 

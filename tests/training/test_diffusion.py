@@ -10,12 +10,12 @@ import torch
 from training.diffusion import LINEAR, SCALED_LINEAR, Diffusion
 
 
-def test_what_is_kept_is_the_product_of_what_each_step_keeps() -> None:
+def test_alpha_bar_is_the_product_of_the_steps() -> None:
     schedule = Diffusion(beta_start=0.1, beta_end=0.3, steps=3)
     assert schedule.alpha_bar == pytest.approx([0.9, 0.9 * 0.8, 0.9 * 0.8 * 0.7])
 
 
-def test_the_first_and_the_last_of_a_thousand_steps_keep_what_the_papers_schedule_keeps() -> None:
+def test_the_first_and_last_alpha_bar_are_the_papers() -> None:
     assert LINEAR.alpha_bar[0] == pytest.approx(1 - 1e-4)
     logarithm = sum(math.log1p(-(1e-4 + (0.02 - 1e-4) * step / 999)) for step in range(1000))
     assert LINEAR.alpha_bar[-1] == pytest.approx(math.exp(logarithm))

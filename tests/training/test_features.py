@@ -104,12 +104,12 @@ def test_features_that_come_out_otherwise_have_another_version(
         assert result == pytest.approx(golden[features.VERSION], abs=1e-4)
 
 
-def test_motion_of_nobody_is_refused(hubert: Hubert) -> None:
+def test_features_of_another_data_set_are_refused(hubert: Hubert) -> None:
     with pytest.raises(InputError, match=r"'ted'.*Use 'beat' or 'show'"):
         training_features("ted", hubert, 15)
 
 
-def test_frames_that_were_recorded_are_told_as_they_were(take: Take) -> None:
+def test_recorded_frames_are_unchanged(take: Take) -> None:
     motion = read_beat_bvh(take)
     recorded = body_values(replace(motion, values=motion.values[::8]))
     np.testing.assert_allclose(features.beat_gesture(15).compute(take), recorded, atol=1e-6)
@@ -127,7 +127,7 @@ def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> No
     assert angles[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
 
 
-def test_a_take_without_a_face_says_what_is_missing(take: Take) -> None:
+def test_a_take_without_a_face_is_refused_by_what_is_missing(take: Take) -> None:
     with pytest.raises(InputError, match=r"no facial weights.*2_scott_0_9_9\.json"):
         features.beat_expression(15).compute(replace(take, face=None))
 
@@ -148,7 +148,7 @@ def test_thinned_out_motion_is_read_at_the_rate_that_fits_the_sound(tmp_path: Pa
     assert len(features.beat_gesture(15).compute(take)) == 30
 
 
-def test_a_row_more_or_less_than_promised_is_no_matter(tmp_path: Path) -> None:
+def test_a_row_more_or_less_than_the_header_declares_is_accepted(tmp_path: Path) -> None:
     write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 2, (1,), promised=241)
     write_clicks(tmp_path / "2_scott_0_9_9.wav", 2)
     (take,) = read_takes(tmp_path).takes
@@ -163,7 +163,7 @@ def test_truncated_motion_is_refused(tmp_path: Path) -> None:
         features.beat_gesture(15).compute(take)
 
 
-def test_versions_tell_which_network_hears() -> None:
+def test_versions_depend_on_the_speech_network() -> None:
     one = stand_in()
     other = replace(one, identity="another")
     assert features.hubert_features(15, one).version != features.hubert_features(15, other).version
@@ -206,6 +206,6 @@ def test_ted_gesture_is_turned_into_our_axes_and_has_a_still_face(tmp_path: Path
     assert len(np.unique(result["words"], axis=0)) == 2
 
 
-def test_a_take_of_beat_without_a_face_says_what_to_do(tmp_path: Path) -> None:
+def test_a_take_of_beat_without_a_face_is_refused_with_a_remedy(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no facial weights.*--ablation without_face"):
         computed("beat", ted_take(tmp_path), faces=True)

@@ -16,7 +16,7 @@ def test_a_speaker_is_found_by_name_and_else_by_number(asked: int | str, number:
 
 
 @pytest.mark.parametrize("asked", ["zoe", 0, "5", -1])
-def test_who_is_not_known_is_refused_with_those_who_are(asked: int | str) -> None:
+def test_an_unknown_speaker_is_refused_with_the_known_ones(asked: int | str) -> None:
     with pytest.raises(InputError, match=f"no speaker '{asked}'.*1 to 3, or one of 2, 4 and anna"):
         KNOWN.number(asked)
 

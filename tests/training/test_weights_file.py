@@ -13,7 +13,7 @@ from training.weights_file import read_weights, write_weights
 TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3).T, "b": torch.tensor([1], dtype=torch.uint8)}
 
 
-def test_what_is_read_is_what_was_written(tmp_path: Path) -> None:
+def test_weights_written_are_read_back(tmp_path: Path) -> None:
     path = tmp_path / "new" / "w.safetensors"
     write_weights(path, TENSORS, {"name": "ä", "steps": [1, 2]})
     result = read_weights(path)
@@ -45,7 +45,7 @@ def test_a_file_that_cannot_be_used_is_named_with_a_remedy(tmp_path: Path) -> No
             read_weights(foreign)
 
 
-def test_what_cannot_be_stored_is_named_and_leaves_the_old_file(
+def test_a_failed_write_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, elsewhere = tmp_path / "w.safetensors", tmp_path / "gone" / "w"

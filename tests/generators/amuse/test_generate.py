@@ -54,7 +54,7 @@ def _recording(folder: Path, hertz: float, seconds: float = 4.0) -> Path:
     return path
 
 
-def test_long_speech_says_where_its_windows_begin(settings: AmuseSettings) -> None:
+def test_long_speech_records_its_windows(settings: AmuseSettings) -> None:
     heard: list[tuple[int, int]] = []
     clip = Amuse(settings, "cpu").generate(
         _speech(25.0), seed=1, frame_rate=30, on_part=lambda *part: heard.append(part)
@@ -94,7 +94,7 @@ def test_the_parts_of_two_speeches_go_together_as_named(
         ({"style": "anna"}, {"style": "520.wav"}, {"from_style": "anna"}),
     ],
 )
-def test_motion_goes_from_the_speechs_own_or_what_is_named_to_what_is_named(
+def test_motion_is_interpolated_between_named_labels_or_the_speechs_own(
     settings: AmuseSettings,
     begin: dict[str, str],
     end: dict[str, str],
@@ -128,16 +128,14 @@ def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> No
         ({"from_emotion": "disgust", "emotion": "fear"}, r"no emotion 'disgust'"),
     ],
 )
-def test_a_label_that_nobody_learned_is_refused(
+def test_an_unknown_label_is_refused(
     settings: AmuseSettings, changes: dict[str, str], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
         _clip(settings.model_copy(update=changes), _speech(3.0))
 
 
-def test_a_recording_that_says_nothing_is_refused_by_its_name(
-    settings: AmuseSettings, tmp_path: Path
-) -> None:
+def test_a_silent_recording_is_refused_by_name(settings: AmuseSettings, tmp_path: Path) -> None:
     write_wav(tmp_path / "still.wav", Audio(np.zeros(32_000, np.float32), 16_000))
     edited = settings.model_copy(update={"emotion": tmp_path / "still.wav"})
     with pytest.raises(InputError, match=r"emotion cannot be heard: .* silent") as caught:
@@ -169,7 +167,9 @@ def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
         _clip(changed, _speech(3.0))
 
 
-def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_path: Path) -> None:
+def test_settings_distinguish_recordings_from_labels(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
     _recording(tmp_path, 520)
     edited = settings.model_copy(update={"emotion": "520.wav", "style": "anna"}).resolved_in(
         tmp_path
@@ -180,7 +180,7 @@ def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_pat
         settings.model_copy(update={"emotion": "missing.wav"}).resolved_in(tmp_path)
 
 
-def test_without_a_prior_the_denoiser_tells_the_frames_themselves(tmp_path: Path) -> None:
+def test_without_a_prior_the_denoiser_predicts_frames(tmp_path: Path) -> None:
     settings = written_networks(tmp_path)
     model = MotionModel(replace(MOTION, frames=60, prior=False))
     write_motion(settings.checkpoint, MotionNetworks(model=model))

@@ -91,7 +91,7 @@ def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> 
 
 @pytest.mark.parametrize("predicts", ["eps", "v"])
 @torch.inference_mode()
-def test_each_draw_of_noise_counts_alike(predicts: Literal["eps", "v"]) -> None:
+def test_each_draw_of_noise_has_the_same_weight(predicts: Literal["eps", "v"]) -> None:
     torch.manual_seed(5)
     model = MotionModel(replace(SMALL, predicts=predicts)).eval()
     alone = [_losses(model, DENOISER_ALONE, draws=(draw,))["ld"] for draw in range(2)]

@@ -57,7 +57,7 @@ def test_each_latent_of_a_batch_has_its_own_step() -> None:
     torch.testing.assert_close(together[1:], alone)
 
 
-def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it(
+def test_the_noise_follows_from_a_predicted_velocity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     torch.manual_seed(4)
@@ -69,7 +69,7 @@ def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it(
     assert torch.allclose(result, eps, atol=1e-5)
 
 
-def test_equal_noise_gives_equal_latents_whatever_is_sampled_beside_it() -> None:
+def test_equal_noise_gives_equal_latents_in_any_batch() -> None:
     model = MotionModel(SMALL).eval()
     noise, *speech = torch.randn(9, 1, SMALL.width), *torch.randn(3, 9, 1, SMALL.condition_width)
     with torch.inference_mode():

@@ -22,7 +22,7 @@ def model() -> SpeechModel:
     return SpeechModel(SMALL).eval()
 
 
-def test_what_is_heard_in_a_speech_does_not_hang_on_its_batch_mates(model: SpeechModel) -> None:
+def test_latents_of_speech_do_not_depend_on_the_batch(model: SpeechModel) -> None:
     filterbanks = torch.randn(3, 64, 32, generator=torch.Generator().manual_seed(1))
     with torch.inference_mode():
         together, alone = model(filterbanks), model(filterbanks[1:2])
@@ -38,7 +38,7 @@ def test_the_reconstruction_is_that_of_the_three_latents(model: SpeechModel) -> 
 
 
 @pytest.mark.parametrize("classified", ["tokens", "latent"])
-def test_what_names_the_emotion_is_the_latent_itself_where_that_is_wanted(
+def test_the_emotions_classifier_may_be_the_latent_itself(
     classified: Literal["tokens", "latent"],
 ) -> None:
     torch.manual_seed(4)
@@ -50,7 +50,7 @@ def test_what_names_the_emotion_is_the_latent_itself_where_that_is_wanted(
     assert (weight.grad is not None) == (classified == "latent")
 
 
-def test_the_autoencoder_hears_what_the_discrete_cosine_transform_tells() -> None:
+def test_the_autoencoder_reads_the_discrete_cosine_transform() -> None:
     model = SpeechAutoencoder(replace(SMALL, mfcc=3))
     rows = torch.ones(1, 64, 32)
     result = model.coefficients(rows).view(64, 3)

@@ -155,7 +155,7 @@ def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Pa
 
 
 @pytest.mark.parametrize("named", [0.0, 0.5, 1.0])
-def test_emotion_and_style_are_told_by_name_as_often_as_is_wanted(
+def test_emotion_and_style_are_given_by_name_at_the_chosen_rate(
     takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, named: float
 ) -> None:
     heard: list[Sequence[Tensor]] = []
@@ -202,7 +202,7 @@ def take(tmp_path: Path) -> Take:
     return take_named("a", tmp_path)
 
 
-def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path, take: Take) -> None:
+def test_each_window_gets_the_latents_of_its_speech(tmp_path: Path, take: Take) -> None:
     network = load_speech(written_networks(tmp_path).speech_model)
     result = speech_latents(network, "x", frames=30, stride=30).compute(take)
     assert result.shape == (90, 24)

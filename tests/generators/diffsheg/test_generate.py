@@ -39,7 +39,9 @@ def model(tmp_path: Path) -> DiffShegSettings:
     return DiffShegSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
 
 
-def test_a_clip_says_what_made_it_and_what_stood_in(model: DiffShegSettings, speak: Speak) -> None:
+def test_the_provenance_of_a_clip_names_network_and_stand_ins(
+    model: DiffShegSettings, speak: Speak
+) -> None:
     clip = DiffSheg(model.model_copy(update={"speaker": 2})).generate(
         speak("one", 2.0), seed=3, frame_rate=30
     )
@@ -91,7 +93,7 @@ def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Sp
     assert windows == ["34", "2", "15"]
 
 
-def test_a_long_clip_says_how_far_it_is(model: DiffShegSettings, speak: Speak) -> None:
+def test_a_long_clip_reports_its_progress(model: DiffShegSettings, speak: Speak) -> None:
     progress: list[tuple[int, int]] = []
     DiffSheg(model).generate(
         speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
@@ -99,7 +101,7 @@ def test_a_long_clip_says_how_far_it_is(model: DiffShegSettings, speak: Speak) -
     assert progress == [(28, 90), (56, 90), (84, 90), (90, 90)]
 
 
-def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
+def test_long_speech_is_encoded_in_windows_and_recorded_so(
     model: DiffShegSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     speech = speak("one", 5.0)
@@ -126,7 +128,7 @@ def named(tmp_path: Path) -> DiffShegSettings:
     return DiffShegSettings(checkpoint=tmp_path / "named.safetensors")
 
 
-def test_a_network_moves_as_who_speaks_where_nobody_is_named(
+def test_without_a_named_speaker_the_network_moves_as_the_segments(
     named: DiffShegSettings, speak: Speak
 ) -> None:
     speech = speak("one", 1.0)
@@ -150,9 +152,7 @@ def test_a_network_that_learned_from_another_hubert_is_refused(
         made(DiffShegSettings(checkpoint=path), speak("one", 1.0))
 
 
-def test_a_speaker_whom_the_network_does_not_know_is_refused(
-    model: DiffShegSettings, speak: Speak
-) -> None:
+def test_an_unknown_speaker_is_refused(model: DiffShegSettings, speak: Speak) -> None:
     with pytest.raises(InputError, match="no speaker 31") as refusal:
         made(model, speak("one", 1.0), speaker=31)
     assert "from 1 to 30" in str(refusal.value.remedy)
@@ -169,7 +169,7 @@ def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: 
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_clips_come_while_somebody_speaks_and_are_the_clip_of_all_speech_at_once(
+def test_streamed_clips_equal_the_clip_of_the_whole_speech(
     dataset: str, tmp_path: Path, speak: Speak
 ) -> None:
     checkpoint = written_network(tmp_path / "small.safetensors", dataset)
@@ -199,7 +199,7 @@ def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
 PAGE = Path(__file__).parents[3] / "docs" / "diffsheg.md"
 
 
-def test_the_example_of_streaming_moves_while_somebody_speaks(
+def test_the_documented_example_of_streaming_works(
     tmp_path: Path,
     speak: Callable[..., SpeechSegment],
     monkeypatch: pytest.MonkeyPatch,

@@ -62,7 +62,7 @@ def test_the_logarithm_of_mel_bands_is_read_from_silence_at_minus_one() -> None:
 
 
 @pytest.mark.parametrize("guidance", [None, 1.3])
-def test_a_window_is_answered_alike_alone_and_in_a_batch(guidance: float | None) -> None:
+def test_a_window_gets_the_same_answer_alone_and_in_a_batch(guidance: float | None) -> None:
     config = replace(SMALL, guidance=guidance)
     denoiser, question = shaken(config), asked(config, batch=3)
     together = denoiser(*question)
@@ -106,7 +106,7 @@ def test_the_body_never_learns_from_errors_of_the_face() -> None:
         ("joint", True, True),
     ],
 )
-def test_the_parts_follow_each_other_as_the_flow_says(
+def test_the_parts_depend_on_each_other_as_configured(
     flow: Flow, body_follows: bool, face_follows: bool
 ) -> None:
     denoiser = shaken(replace(SMALL, flow=flow))

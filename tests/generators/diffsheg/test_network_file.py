@@ -28,7 +28,7 @@ from training.weights_file import write_weights
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_what_is_written_comes_back(tmp_path: Path, dataset: str) -> None:
+def test_a_network_written_is_read_back(tmp_path: Path, dataset: str) -> None:
     original = small_network(dataset)
     write_network(tmp_path / "network.safetensors", original)
     result = load_network(tmp_path / "network.safetensors", "beat", None)
@@ -179,7 +179,7 @@ def test_a_pickle_that_runs_code_is_refused_unrun(
 
 
 @pytest.mark.parametrize("content", [b"", b"no network", b"\x80\x02garbage"])
-def test_a_file_that_is_no_checkpoint_is_refused(content: bytes, tmp_path: Path) -> None:
+def test_a_file_other_than_a_checkpoint_is_refused(content: bytes, tmp_path: Path) -> None:
     (tmp_path / "net.pt").write_bytes(content)
     with pytest.raises(InputError, match="not a file of network weights"):
         load_released(tmp_path / "net.pt")

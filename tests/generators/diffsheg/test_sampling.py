@@ -173,7 +173,7 @@ def test_the_motion_is_that_of_the_plain_network(
     assert float((result - plain).abs().max()) < 1e-4 * float(plain.abs().max())
 
 
-def test_speakers_are_told_apart() -> None:
+def test_speakers_are_distinguished() -> None:
     assert not torch.equal(moved(WindowSampler(NETWORK, PERSON.roll(1), SAMPLING)), moved())
 
 

@@ -31,13 +31,15 @@ def changed(model: DiffShegSettings, **values: Any) -> DiffShegSettings:
 
 
 @pytest.mark.parametrize("what", ["checkpoint", "stats", "hubert"])
-def test_what_is_not_there_is_named(model: DiffShegSettings, tmp_path: Path, what: str) -> None:
+def test_missing_files_are_named(model: DiffShegSettings, tmp_path: Path, what: str) -> None:
     absent = tmp_path / "absent"
     with pytest.raises(InputError, match=re.escape(str(absent))):
         changed(model, **{what: Path("absent")}).resolved_in(tmp_path)
 
 
-def test_a_file_is_no_folder_and_a_folder_no_file(model: DiffShegSettings, tmp_path: Path) -> None:
+def test_a_file_is_not_taken_for_a_folder_nor_a_folder_for_a_file(
+    model: DiffShegSettings, tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match="no such checkpoint"):
         changed(model, checkpoint=tmp_path / "stats").resolved_in(tmp_path)
     with pytest.raises(InputError, match="no such folder of stats"):
@@ -79,7 +81,7 @@ def test_the_fingerprint_changes_with_values_and_not_with_where_files_lie(
     assert changed(model, checkpoint=elsewhere).fingerprint() == before
 
 
-def test_another_device_makes_no_clip_anew_and_an_unknown_one_is_refused(
+def test_the_device_is_not_a_setting_and_an_unknown_one_is_refused(
     model: DiffShegSettings,
 ) -> None:
     assert "device" not in DiffShegSettings.model_fields

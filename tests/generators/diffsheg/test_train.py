@@ -105,7 +105,7 @@ def test_it_is_computed_where_its_device_is(
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
 
 
-def test_the_file_says_what_it_was_made_of(learn: Train, tmp_path: Path) -> None:
+def test_the_file_names_its_training(learn: Train, tmp_path: Path) -> None:
     out = tmp_path / "small.safetensors"
     learn(2, out, choices={"ablation": "without_x0", "preset": "release"})
     network = read(out)
@@ -127,7 +127,7 @@ def test_another_ablation_does_not_go_on_with_a_run(learn: Train, tmp_path: Path
         learn(2, out, choices={"ablation": "naive_concat"})
 
 
-def test_motion_is_normalised_by_what_is_learned_from_alone(takes: PreparedTakes) -> None:
+def test_motion_is_normalised_by_the_training_split_only(takes: PreparedTakes) -> None:
     chosen = [number for number, take in enumerate(takes.takes) if take.split == "train"]
     gestures = np.concatenate([takes.arrays["gesture"][number] for number in chosen])
     result = normalisation_of(takes)
@@ -135,7 +135,7 @@ def test_motion_is_normalised_by_what_is_learned_from_alone(takes: PreparedTakes
     np.testing.assert_allclose(result.std[:141], gestures.std(axis=0, dtype=float), rtol=1e-6)
 
 
-def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: PreparedTakes) -> None:
+def test_held_out_windows_are_measured_without_chance(takes: PreparedTakes) -> None:
     task = task_of(takes)
     network = task.network().eval()
     measured = []
@@ -157,7 +157,7 @@ def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: Prep
     )
 
 
-def test_the_network_is_told_who_speaks(takes: PreparedTakes) -> None:
+def test_the_network_gets_the_speaker(takes: PreparedTakes) -> None:
     told: list[torch.Tensor] = []
 
     class Listening(torch.nn.Module):

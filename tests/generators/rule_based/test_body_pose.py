@@ -47,7 +47,7 @@ def test_both_sides_mirror_each_other(hand: HandPose) -> None:
 
 
 @pytest.mark.parametrize("hand", ALL_HANDS.values(), ids=ALL_HANDS)
-def test_the_wrist_is_where_the_hand_pose_says(hand: HandPose) -> None:
+def test_the_wrist_has_the_hand_poses_position(hand: HandPose) -> None:
     joints, _ = posed(hand)
     shoulder = REST_JOINTS[joint_index("left_shoulder")]
     arm = abs(REST_JOINTS[joint_index("left_wrist"), 0] - shoulder[0])

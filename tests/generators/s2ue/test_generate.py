@@ -78,12 +78,12 @@ def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None
         assert seam_acceleration(points, seams, of="points").value < 1.2
 
 
-def test_without_variation_the_seed_is_no_matter(checkpoint: Path, speech: SpeechSegment) -> None:
+def test_without_variation_the_seed_is_ignored(checkpoint: Path, speech: SpeechSegment) -> None:
     still = generator(checkpoint, variation=0.0)
     np.testing.assert_array_equal(values(still, speech), values(still, speech, seed=2))
 
 
-def test_it_moves_as_whom_it_is_told(checkpoint: Path, speech: SpeechSegment) -> None:
+def test_it_moves_as_the_chosen_speaker(checkpoint: Path, speech: SpeechSegment) -> None:
     anna, ben, anybody = (
         values(generator(checkpoint, variation=0.0, speaker=name), speech)
         for name in ("anna", 2, "anybody")
@@ -94,7 +94,7 @@ def test_it_moves_as_whom_it_is_told(checkpoint: Path, speech: SpeechSegment) ->
         values(generator(checkpoint, speaker="carl"), speech)
 
 
-def test_the_clip_says_what_stood_in(checkpoint: Path, speech: SpeechSegment) -> None:
+def test_the_clip_names_its_stand_ins(checkpoint: Path, speech: SpeechSegment) -> None:
     clip = generator(checkpoint).generate(speech, seed=1, frame_rate=30)
     assert len(clip) == 219
     assert clip.provenance["speaker"] in ("anna", "ben")
@@ -140,7 +140,7 @@ def test_a_checkpoint_of_another_system_is_refused(tmp_path: Path, speech: Speec
 
 
 @pytest.mark.parametrize(("left_out", "still"), [("faces", "arkit"), ("poses", "poses")])
-def test_what_a_network_does_not_tell_is_still(
+def test_parts_that_a_network_does_not_generate_are_still(
     tmp_path: Path, speech: SpeechSegment, left_out: str, still: str
 ) -> None:
     path = written_network(tmp_path / "a.safetensors", **{left_out: False})

@@ -144,7 +144,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
 
 
 @pytest.mark.parametrize(("left_out", "values"), [("faces", slice(27, None)), ("poses", slice(27))])
-def test_what_is_not_told_does_not_count(left_out: str, values: slice) -> None:
+def test_missing_parts_have_no_loss(left_out: str, values: slice) -> None:
     network = small_network(**{left_out: False})
     one, two = motion(1), motion(1)
     two[..., values] += 1

@@ -80,7 +80,7 @@ def task(takes: PreparedTakes, **weights: float) -> S2ueTask:
     )
 
 
-def test_it_learns_and_says_what_from(learn: Learn, tmp_path: Path) -> None:
+def test_it_learns_and_reports_its_data(learn: Learn, tmp_path: Path) -> None:
     outcome = learn(16, tmp_path / "a.safetensors")
     assert "24 windows of 6 takes by 2 speakers (a, b)" in outcome.sentences[0]
     assert any("stand-in for FastText" in one for one in outcome.warnings)

@@ -49,7 +49,7 @@ def _clip(**more: Any) -> MotionClip:
         ({}, {"betas": np.zeros(10)}, None),
     ],
 )
-def test_what_a_body_does_not_show_is_said(
+def test_unsupported_features_are_noted(
     body: dict[str, Any], clip: dict[str, Any], sentence: str | None
 ) -> None:
     message = unsupported_features(_clip(**clip), _body(**body))
@@ -93,7 +93,7 @@ def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
         ("m.npy", np.full((100, 52), None), "cannot be read"),
     ],
 )
-def test_what_is_no_such_matrix_is_refused(
+def test_other_matrices_are_refused(
     tmp_path: Path, name: str, content: np.ndarray, message: str
 ) -> None:
     path = _written(tmp_path, name, content)
@@ -119,7 +119,7 @@ def test_files_without_one_array_are_refused(tmp_path: Path) -> None:
             read_expression_matrix(tmp_path / name)
 
 
-def test_what_a_clip_says_in_the_bodys_own_terms_comes_first() -> None:
+def test_a_clips_face_in_the_bodys_own_parameters_comes_first() -> None:
     both = _clip(expressions=np.ones((2, 100)), arkit=np.full((2, 52), 0.5))
     for has_arkit_slots, expected in ((True, both.arkit), (False, both.expressions)):
         assert face_for(both, has_arkit_slots=has_arkit_slots, matrix=MATRIX) is expected

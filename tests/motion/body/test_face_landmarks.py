@@ -6,19 +6,13 @@ import numpy as np
 import pytest
 
 from motion.body.face_landmarks import FaceLandmarks, landmark_vertices
-from motion.body.model import BodyModel, read_body
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.look import default_body
 from tests.motion.random_clips import random_clip
 
 JAW = joint_index("jaw")
-
-
-@pytest.fixture(scope="module")
-def body() -> BodyModel:
-    return read_body(default_body())
 
 
 @pytest.fixture(scope="module")

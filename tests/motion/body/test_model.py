@@ -120,7 +120,7 @@ def _with_twist(arrays: Arrays) -> Arrays:
     return arrays | twist | {"twist_weights": weights}
 
 
-def test_vertices_are_what_matrices_and_weights_make_of_the_unposed_body(
+def test_vertices_are_the_unposed_body_skinned_by_matrices_and_weights(
     arrays: Arrays, tmp_path: Path
 ) -> None:
     body = _read(tmp_path, _with_twist(arrays))
@@ -184,7 +184,7 @@ def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path
         (lambda a: a | {"v_template": np.float32(1)}, r"v_template .* has shape \(\)"),
     ],
 )
-def test_a_file_that_is_no_smplx_body_is_refused(
+def test_a_file_other_than_an_smplx_body_is_refused(
     arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], message: str
 ) -> None:
     with pytest.raises(InputError, match=message) as caught:
@@ -217,7 +217,7 @@ def test_a_damaged_body_is_refused_by_name(
         read_body(tmp_path / "body.npz")
 
 
-def test_a_missing_body_and_a_folder_are_told(tmp_path: Path) -> None:
+def test_a_missing_body_and_a_folder_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "gone.npz"):
         with pytest.raises(InputError, match="there is no such body model"):
             read_body(path)

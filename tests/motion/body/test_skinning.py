@@ -41,7 +41,7 @@ def test_matrices_carry_the_joints_to_where_forward_kinematics_puts_them(seed: i
     around=st.floats(0, 2 * np.pi),
     seed=st.integers(0, 99),
 )
-def test_twist_is_what_remains_when_the_swing_is_taken_off(
+def test_twist_is_the_rotation_without_the_swing(
     swing: float, twist: float, around: float, seed: int
 ) -> None:
     frame = Rotation.random(rng=seed)

@@ -105,7 +105,7 @@ def test_missing_and_foreign_files_are_refused_by_name(tmp_path: Path) -> None:
             read_arkit_json(tmp_path / name, 30)
 
 
-def test_what_is_written_is_read_back(tmp_path: Path) -> None:
+def test_motion_written_is_read_back(tmp_path: Path) -> None:
     weights = np.random.default_rng(1).uniform(size=(7, 51))
     write_arkit_json(tmp_path / "a.json", weights, 60.0)
     back = read_arkit_json(tmp_path / "a.json", 60.0)
@@ -128,14 +128,14 @@ def test_annotations_are_read_as_beat_writes_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "row", ["name\t0\t1", "name\tx\t1\t1\t0.5", "name\t2\t1\t1\t0.5", "name\t0\t1\t1\tnan"]
 )
-def test_a_row_that_is_no_annotation_is_named(tmp_path: Path, row: str) -> None:
+def test_a_malformed_annotation_is_refused_by_line(tmp_path: Path, row: str) -> None:
     path = tmp_path / "a.txt"
     path.write_text(f"ok\t0\t1\t1\t0.5\n{row}\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"a\.txt, line 2: the row is not an annotation"):
         read_semantic_scores(path)
 
 
-def test_frames_get_the_greater_score_of_what_they_lie_in() -> None:
+def test_frames_get_the_largest_score_of_their_spans() -> None:
     spans = (
         SemanticSpan(start=0.5, end=1.5, score=0.2),
         SemanticSpan(start=1.0, end=2.0, score=0.7),

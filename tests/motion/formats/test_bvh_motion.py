@@ -34,7 +34,7 @@ def a_motion(frames: int = 5, seed: int = 0) -> BvhMotion:
     return BvhMotion(joints=JOINTS, values=values, frame_rate=30.0)
 
 
-def test_what_is_written_is_read_back(tmp_path: Path) -> None:
+def test_motion_written_is_read_back(tmp_path: Path) -> None:
     motion = a_motion()
     write_bvh(tmp_path / "deep" / "a.bvh", motion)
     back = read_bvh(tmp_path / "deep" / "a.bvh")
@@ -78,7 +78,7 @@ def test_the_same_motion_gives_the_same_bytes_and_zero_has_no_sign(tmp_path: Pat
         ({"joints": (JOINTS[0], replace(JOINTS[1], parent=-1), *JOINTS[2:])}, "2 roots"),
     ],
 )
-def test_what_cannot_be_written_is_said_and_leaves_no_file(
+def test_unwritable_motion_is_refused_and_leaves_no_file(
     tmp_path: Path, change: dict[str, object], complaint: str
 ) -> None:
     with pytest.raises(InputError, match=complaint):
@@ -100,7 +100,7 @@ def test_pose_left_over_in_the_first_frame_settles(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("frames", [1, 2, 4])
-def test_motion_without_such_a_pose_stays_as_it_is(tmp_path: Path, frames: int) -> None:
+def test_motion_without_such_a_pose_is_unchanged(tmp_path: Path, frames: int) -> None:
     rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(frames)])
     motion = chain(tmp_path, rows)
     assert settle_first_frame(motion) is motion
@@ -112,7 +112,7 @@ def _bending(**first: tuple[float, float, float]) -> np.ndarray:
     return np.stack([columns_of(CHAIN, first), *rows[1:]])
 
 
-def test_calibration_pose_in_the_first_row_is_no_motion(tmp_path: Path) -> None:
+def test_a_calibration_pose_in_the_first_row_is_removed(tmp_path: Path) -> None:
     rows = _bending(hip=(170, 0, 0), knee=(0, 0, 90))
     motion = settle_first_frame(chain(tmp_path, rows))
     np.testing.assert_allclose(motion.values, rows[[1, 1, 2, 3]])
@@ -139,7 +139,7 @@ def _jumping() -> np.ndarray:
 
 
 @pytest.mark.parametrize("rows", [_bending(hip=(80, 0, 0), knee=(0, 0, 60)), _jumping()])
-def test_a_quick_start_and_jumps_all_along_are_no_calibration(
+def test_a_quick_start_and_jumps_throughout_are_not_taken_for_calibration(
     tmp_path: Path, rows: np.ndarray
 ) -> None:
     motion = chain(tmp_path, rows)
@@ -164,7 +164,7 @@ def test_every_joint_is_where_the_clip_puts_it(
     assert_joints_found(path, clip)
 
 
-def test_turns_by_a_right_angle_are_told_without_a_warning(tmp_path: Path) -> None:
+def test_turns_by_a_right_angle_are_written_without_a_warning(tmp_path: Path) -> None:
     poses = np.full((3, 55, 3), 0.2)
     poses[:, 16] = (np.pi / 2, 0, 0)
     clip = clip_of(poses)

@@ -69,7 +69,7 @@ def test_equal_clips_make_equal_bytes(tmp_path: Path) -> None:
         {"dmpls": np.zeros((4, 8)), "marker_labels": np.array(["C7"])},
     ],
 )
-def test_variants_of_the_field_read_alike(tmp_path: Path, arrays: dict[str, Any]) -> None:
+def test_variants_of_the_field_are_read_the_same(tmp_path: Path, arrays: dict[str, Any]) -> None:
     clip = read_clip(save(tmp_path / "a.npz", **arrays))
     assert clip.poses.shape == (4, 55, 3)
     assert np.allclose(clip.poses, 0.1)
@@ -81,7 +81,7 @@ def test_variants_of_the_field_read_alike(tmp_path: Path, arrays: dict[str, Any]
 
 @pytest.mark.parametrize("joints", [24, 52])
 @pytest.mark.parametrize("flat", [True, False])
-def test_smpl_and_smplh_get_at_rest_what_they_do_not_tell(
+def test_joints_missing_from_smpl_and_smplh_are_at_rest(
     tmp_path: Path, joints: int, flat: bool
 ) -> None:
     rows = np.arange(4 * joints * 3, dtype=float).reshape(4, joints, 3) / 1000
@@ -100,7 +100,7 @@ def test_python_objects_beside_the_motion_are_left_alone(tmp_path: Path) -> None
     assert not has_fingers_relative_to_mean_hands(tmp_path / "a.npz")
 
 
-def test_poses_told_in_parts_are_put_together(tmp_path: Path) -> None:
+def test_poses_in_parts_are_joined(tmp_path: Path) -> None:
     whole = np.arange(4 * 165, dtype=float).reshape(4, 165) / 1000
     parts = np.split(whole, [3, 66, 69, 75], axis=1)
     names = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")

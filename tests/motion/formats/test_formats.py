@@ -39,7 +39,7 @@ def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) 
     assert clip.provenance["format"] == "bvh (smplx)"
 
 
-def test_foreign_npz_is_placed_and_says_so(tmp_path: Path) -> None:
+def test_foreign_npz_is_placed_with_a_note(tmp_path: Path) -> None:
     poses = np.zeros((4, 165))
     poses[:, 0] = np.pi / 2
     np.savez(tmp_path / "amass.npz", poses=poses, trans=np.ones((4, 3)), mocap_framerate=120)
@@ -91,7 +91,7 @@ def test_own_files_and_amass_keep_their_fingers(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("ending", ["bvh", "npz"])
-def test_fingers_that_nobody_recorded_are_relaxed_and_said(tmp_path: Path, ending: str) -> None:
+def test_missing_fingers_are_relaxed_with_a_note(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"a.{ending}"
     if ending == "bvh":
         person_bvh(path)
@@ -102,7 +102,7 @@ def test_fingers_that_nobody_recorded_are_relaxed_and_said(tmp_path: Path, endin
     assert "no finger is told by the file; relaxed ones are shown" in clip.provenance["notes"]
 
 
-def test_only_fingers_that_nobody_recorded_are_relaxed(tmp_path: Path) -> None:
+def test_only_missing_fingers_are_relaxed(tmp_path: Path) -> None:
     poses = np.zeros((3, 55, 3))
     thumb = joint_index("left_thumb2")
     poses[:, thumb] = 0.5

@@ -10,19 +10,13 @@ import trimesh
 from numpy.typing import NDArray
 
 from benchmarks.rendering.sample_motion import gesturing_clip
-from motion.body.model import BodyModel, read_body
+from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
 from motion.formats.glb import write_glb
 from motion.skeleton import JOINT_NAMES, forward_kinematics
-from renderer.look import default_body
 from tests.motion.random_clips import clip_of
 
 SMILE, BLINK = arkit_index("mouthSmileLeft"), arkit_index("eyeBlinkRight")
-
-
-@pytest.fixture(scope="module")
-def body() -> BodyModel:
-    return read_body(default_body())
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +57,7 @@ def test_another_reader_finds_each_joint_where_it_is(
         np.testing.assert_allclose(result, expected[frame], atol=1e-4)
 
 
-def test_what_is_played_is_every_frame(clip: MotionClip, body: BodyModel, tmp_path: Path) -> None:
+def test_the_animation_holds_every_frame(clip: MotionClip, body: BodyModel, tmp_path: Path) -> None:
     write_glb(tmp_path / "whole.glb", clip, body)
     document, _ = document_of(tmp_path / "whole.glb")
     animation = document["animations"][0]

@@ -24,7 +24,7 @@ def test_an_own_map_is_read_from_plain_lines(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["pelvis: Hips", "pelvis = 3", "[joints]\npelvis = 'Hips'"])
-def test_a_file_that_is_no_joint_map_is_named(tmp_path: Path, text: str) -> None:
+def test_a_file_other_than_a_joint_map_is_refused_by_name(tmp_path: Path, text: str) -> None:
     path = tmp_path / "joints.toml"
     path.write_text(text)
     with pytest.raises(InputError, match=r"joints.toml: the file is not a joint map"):
@@ -53,7 +53,7 @@ def test_skeleton_is_known_by_its_joints(name: str) -> None:
 
 
 @pytest.mark.parametrize("prefix", ["mixamorig:", "mixamorig1:", "mixamorig_", "scene:actor:"])
-def test_namespace_is_no_matter(prefix: str) -> None:
+def test_a_namespace_is_ignored(prefix: str) -> None:
     names = [prefix + joint for joint in JOINT_MAPS["mixamo"].values()]
     chosen, joint_map = choose_joint_map(names)
     assert chosen == "mixamo"
@@ -67,7 +67,7 @@ def test_skeleton_without_legs_and_fingers_is_enough() -> None:
     assert set(joint_map) == {*REQUIRED_JOINTS, "spine1", "neck"}
 
 
-def test_unknown_skeleton_is_refused_with_what_is_not_mapped() -> None:
+def test_an_unknown_skeleton_is_refused_with_its_unmapped_joints() -> None:
     names = [name for name in JOINT_MAPS["beat"].values() if name != "LeftForeArm"]
     with pytest.raises(InputError) as caught:
         choose_joint_map([*names, "LeftFourArm", "Tail"])

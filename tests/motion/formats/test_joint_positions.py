@@ -132,7 +132,7 @@ def test_clips_of_ted_gesture_are_motion_too(tmp_path: Path) -> None:
         ({"joints": np.zeros((3, 1, 3)), "names": ["pelvis"], "fps": 30}, "lack left_shoulder"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_said(
+def test_an_unusable_file_is_refused_with_the_reason(
     tmp_path: Path, arrays: dict[str, object], sentence: str
 ) -> None:
     np.savez(tmp_path / "a.npz", **arrays)  # type: ignore[arg-type]
@@ -149,7 +149,9 @@ def test_what_is_wrong_with_a_file_is_said(
         ("", "rows of other lengths, or no row"),
     ],
 )
-def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, rows: str, sentence: str) -> None:
+def test_an_unusable_table_is_refused_with_the_reason(
+    tmp_path: Path, rows: str, sentence: str
+) -> None:
     joints = ("pelvis", "left_shoulder", "right_shoulder")
     heading = ",".join(f"{joint}_{axis}" for joint in joints for axis in "xyz")
     (tmp_path / "a.csv").write_text(f"{heading}\n{rows}")
@@ -158,7 +160,7 @@ def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, rows: str, sentence:
     assert sentence in str(caught.value)
 
 
-def test_a_clip_of_joints_can_be_told_with_the_names_of_other_tools(tmp_path: Path) -> None:
+def test_joint_names_of_other_tools_are_understood(tmp_path: Path) -> None:
     clip = gesturing()
     points = detected(clip)
     names = ["".join(word.title() for word in name.split("_")) for name in points]
@@ -174,7 +176,7 @@ def directions(joints: np.ndarray) -> np.ndarray:
     return np.asarray(bones / np.linalg.norm(bones, axis=2, keepdims=True))
 
 
-def test_joints_and_directions_tell_the_same(tmp_path: Path) -> None:
+def test_joints_and_directions_are_read_the_same(tmp_path: Path) -> None:
     expected = directions(JOINTS)
     np.savez(tmp_path / "joints.npz", joints=JOINTS * 7)
     np.savez(tmp_path / "flat.npz", directions=expected.reshape(4, 27), frame_rate=25)

@@ -121,7 +121,7 @@ def test_motion_of_smplx_itself_comes_back_as_it_was(seed: int) -> None:
 
 @given(seed=st.integers(0, 999), droop=st.floats(-80, 60), spread=st.floats(0, 20))
 @settings(max_examples=30)
-def test_limbs_point_where_the_source_points_whatever_its_rest_pose(
+def test_limbs_have_the_sources_directions_for_any_rest_pose(
     seed: int, droop: float, spread: float
 ) -> None:
     def bent(name: str, offset: Offset) -> Offset:
@@ -222,7 +222,7 @@ def test_rest_pose_that_does_not_stand_is_refused() -> None:
         at_rest(changed(folded))
 
 
-def test_leaning_build_of_a_spine_is_no_posture() -> None:
+def test_a_leaning_spine_at_rest_is_not_taken_for_posture() -> None:
     def leaning(name: str, offset: Offset) -> Offset:
         x, y, z = offset
         return (x, y, z + 3) if "spine" in name or name == "neck" else offset
@@ -230,7 +230,7 @@ def test_leaning_build_of_a_spine_is_no_posture() -> None:
     np.testing.assert_allclose(at_rest(changed(leaning)).poses, 0, atol=1e-6)
 
 
-def test_arms_alone_give_the_scale_where_there_are_no_legs() -> None:
+def test_arms_give_the_scale_of_a_skeleton_without_legs() -> None:
     above = {name: name for name in JOINT_NAMES}
     for part in ("hip", "knee", "ankle", "foot"):
         for side in ("left", "right"):
@@ -329,7 +329,9 @@ def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: floa
 
 
 @pytest.mark.parametrize("pose", [{"pelvis": 80}, {"left_shoulder": 10, "spine2": 50}])
-def test_first_pose_that_is_no_upright_t_pose_straightens_nothing(pose: dict[str, float]) -> None:
+def test_a_first_pose_other_than_an_upright_t_pose_straightens_nothing(
+    pose: dict[str, float],
+) -> None:
     clip = _in_t_pose(pose)
     for joint, pitch in pose.items():
         bend = np.degrees(clip.poses[0, joint_index(joint), 0])

@@ -53,7 +53,7 @@ def test_every_channel_of_motion_x_lands_on_its_joint(tmp_path: Path) -> None:
         (np.array([None]), "plain array"),
     ],
 )
-def test_what_is_no_talkshow_motion_is_refused_by_name(
+def test_other_arrays_than_talkshow_motion_are_refused_by_name(
     tmp_path: Path, rows: np.ndarray, complaint: str
 ) -> None:
     np.save(tmp_path / "bad.npy", rows, allow_pickle=True)

@@ -76,9 +76,7 @@ def bones(names: tuple[str, ...]) -> list[tuple[str, str]]:
 @given(
     names=st.sampled_from([TEN_JOINTS, BODY_JOINTS, JOINT_NAMES]), seed=st.integers(0, 2**32 - 1)
 )
-def test_every_bone_of_any_motion_points_where_it_was_told_to(
-    names: tuple[str, ...], seed: int
-) -> None:
+def test_every_bone_has_its_given_direction(names: tuple[str, ...], seed: int) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=clip.poses * 0.8)
     back = clip_from(chosen(clip, names), names)
@@ -86,7 +84,7 @@ def test_every_bone_of_any_motion_points_where_it_was_told_to(
         assert degrees(bone(clip, *ends), bone(back, *ends)).max() < 0.1, ends
 
 
-def test_what_is_not_told_stands_with_arms_down_and_relaxed_hands() -> None:
+def test_without_limbs_the_body_stands_with_arms_down_and_relaxed_hands() -> None:
     clip = random_clip(5)
     clip = replace(clip, poses=0.3 * clip.poses)
     needed = ("pelvis", "neck", "left_shoulder", "right_shoulder")
@@ -147,7 +145,7 @@ def test_a_face_comes_back_from_its_landmarks(seed: int) -> None:
         (lambda p, n: (0 * p, n), "are one point in frame 0"),
     ],
 )
-def test_what_is_wrong_with_joints_is_said(change: object, sentence: str) -> None:
+def test_unusable_joints_are_refused_with_the_reason(change: object, sentence: str) -> None:
     assert callable(change)
     points, names = change(chosen(random_clip(3)), TEN_JOINTS)
     with pytest.raises(InputError, match=sentence):
@@ -163,7 +161,7 @@ def test_what_is_wrong_with_joints_is_said(change: object, sentence: str) -> Non
         (lambda s: 1000 * s, "Give metres"),
     ],
 )
-def test_what_is_wrong_with_landmarks_is_said(change: object, sentence: str) -> None:
+def test_unusable_landmarks_are_refused_with_the_reason(change: object, sentence: str) -> None:
     assert callable(change)
     clip = random_clip(3)
     shifts = change(LANDMARKS.shifts(clip))

@@ -4,29 +4,22 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.body.face_landmarks import landmark_vertices
-from motion.body.model import BodyModel, read_body
+from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
 from motion.points.clip_from_points import facial_actions
 from motion.points.detection import Detection, stretches
 from motion.points.found_motion import clip_from_detection, landmark_shifts
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from renderer.look import default_body
 from tests.motion.random_clips import clip_of
 
 FloatArray = NDArray[np.float64]
 FRAMES = 150
 JAW = arkit_index("jawOpen")
 BLINK = arkit_index("eyeBlinkLeft")
-
-
-@pytest.fixture(scope="module")
-def body() -> BodyModel:
-    return read_body(default_body())
 
 
 def talking() -> MotionClip:
@@ -134,7 +127,7 @@ def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
     assert result.arkit is not None and result.frame_rate == 30
 
 
-def test_an_arm_out_of_the_picture_hangs_and_that_is_said(body: BodyModel) -> None:
+def test_an_arm_out_of_the_picture_hangs_with_a_note(body: BodyModel) -> None:
     clip = talking()
     visibility = np.ones((FRAMES, 33))
     visibility[:, 13] = 0.1

@@ -109,13 +109,11 @@ def test_names_words_and_time_stand_below(grid: Path) -> None:
     assert np.abs(first[footer] - last[footer]).max() > 40  # the clock goes on
 
 
-def test_the_speech_is_heard_and_the_video_plays_while_it_loads(grid: Path) -> None:
+def test_the_speech_is_heard(grid: Path) -> None:
     assert sound_of(grid)[4800:-4800].std() > 0.02
-    data = grid.read_bytes()
-    assert data.index(b"moov") < data.index(b"mdat")
 
 
-def test_slow_motion_is_longer_silent_and_says_so(
+def test_slow_motion_is_longer_silent_and_labelled(
     write: Write, clips: Clips, tmp_path: Path
 ) -> None:
     slow = tuple(resample(clip, 120) for clip in clips)

@@ -40,7 +40,7 @@ def test_a_hand_before_the_body_leaves_its_trail_on_it() -> None:
     assert at(faded([body, hand]), 15) == RED
 
 
-def test_what_hardly_moved_in_depth_is_seen_as_it_was_last() -> None:
+def test_the_latest_of_figures_at_the_same_depth_is_seen() -> None:
     assert at(faded([square(RED, 10, 2.98), square(GREEN, 10, 3.0)]), 15) == GREEN
 
 
@@ -53,7 +53,7 @@ def test_variations_have_the_colour_of_their_legend_where_they_differ() -> None:
         assert np.ptp(result) > 60
 
 
-def test_what_variations_share_keeps_its_colours() -> None:
+def test_shared_parts_of_variations_keep_their_colours() -> None:
     shared = blended([square(RED, 10, 3.0), square(RED, 10, 3.0)])
     assert np.abs(np.array(at(shared, 15)[:3]) - RED[:3]).max() <= 2
 
@@ -69,7 +69,7 @@ def test_more_variations_than_colours_are_refused() -> None:
         blended([square(RED, 5, 3.0)] * 8)
 
 
-def test_the_page_says_what_each_colour_is_and_which_moments_are_seen() -> None:
+def test_the_page_has_a_legend_and_the_moments() -> None:
     page = draw_overlay(Image.new("RGBA", (300, 200)), ["ours", "theirs"], "1.2 s", clear=True)
     assert [text.get_text() for text in page.figure.texts] == ["ours", "theirs", "1.2 s"]
     swatches = [patch.get_facecolor() for axes in page.figure.axes for patch in axes.patches]

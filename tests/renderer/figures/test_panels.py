@@ -59,7 +59,7 @@ def test_nothing_of_the_background_is_left_on_the_edges(figure: CutOut) -> None:
     assert np.abs(pixels[partly, :3] - BACKGROUND).max(axis=-1).min() > 10
 
 
-def test_depth_says_where_the_figure_is_and_how_far(
+def test_depth_is_the_figures_distance(
     figure: CutOut, clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     solid = np.asarray(figure.picture)[..., 3] == 255
@@ -112,7 +112,7 @@ def test_faces_are_seen_from_the_side_that_the_camera_is_on(
     assert projected.min() > 20 and projected.max() < 80
 
 
-def test_faces_of_who_sits_and_who_stands_are_in_one_place(
+def test_faces_of_seated_and_standing_speakers_coincide(
     clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     seated = clip_of(clip.poses, clip.trans - [0.1, 0.45, 0.2])

@@ -54,7 +54,7 @@ def sheet_of(cell: Cell, count: int) -> Sheet:
     )
 
 
-def test_the_page_shows_every_stimulus_and_says_what_is_missing(cell: Cell) -> None:
+def test_the_page_shows_every_stimulus_or_that_it_is_missing(cell: Cell) -> None:
     page = sheet_page(sheet_of(cell, 3))
     assert len(re.findall("<img[ >]", page)) == 3
     assert len(re.findall("<td[ >]", page)) == 6
@@ -119,18 +119,18 @@ def _rested(frames: int) -> list[int]:
     ],
     ids=["never moves", "freezes", "rests", "jumps", "jerks"],
 )
-def test_what_is_wrong_with_a_motion_is_told_once_with_its_times(
+def test_problems_of_a_motion_are_remarked_once_with_their_times(
     tmp_path: Path, places: list[int], remarks: tuple[str, ...]
 ) -> None:
     assert glance(tmp_path, places).remarks == remarks
 
 
-def test_a_missing_figure_is_told(tmp_path: Path) -> None:
+def test_a_missing_figure_is_remarked(tmp_path: Path) -> None:
     (first, *_) = glance(tmp_path, [*[None] * 15, *SWAYING[:45]]).remarks[::-1]
     assert first == "nobody in the picture 25% of the time"
 
 
-def test_a_figure_at_the_edge_is_told(tmp_path: Path) -> None:
+def test_a_figure_at_the_edge_is_remarked(tmp_path: Path) -> None:
     leaving = [44 + k for k in range(60)]
     assert glance(tmp_path, leaving).remarks[-1].startswith("out of the picture")
 
@@ -142,7 +142,7 @@ def test_presence_is_the_share_of_frames_at_each_place(tmp_path: Path) -> None:
     assert presence[middle, round(62 / 128 * TILE_SIZE)] == 0
 
 
-def test_what_is_no_video_is_refused(tmp_path: Path) -> None:
+def test_an_unreadable_video_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.mp4").write_bytes(b"no video" * 30)
     with pytest.raises(InputError, match="cannot be read"):
         glance_at(tmp_path / "bad.mp4")
@@ -167,7 +167,7 @@ def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path
     assert inked[1] > 500
 
 
-def test_a_figure_is_found_before_whatever_background_the_videos_have(tmp_path: Path) -> None:
+def test_a_figure_is_found_on_any_background(tmp_path: Path) -> None:
     black = Look(background=(0, 0, 0))
     usual = glance_at(write_block_video(tmp_path / "usual.mkv", [40, 44, 48] * 10))
     dark = glance_at(write_block_video(tmp_path / "dark.mkv", [40, 44, 48] * 10, (0, 0, 0)), black)
@@ -175,7 +175,7 @@ def test_a_figure_is_found_before_whatever_background_the_videos_have(tmp_path: 
     np.testing.assert_allclose(dark.presence, usual.presence, atol=0.05)
 
 
-def test_who_is_framed_in_part_may_reach_over_any_edge(tmp_path: Path) -> None:
+def test_a_partly_framed_figure_may_reach_over_any_edge(tmp_path: Path) -> None:
     video = write_block_video(tmp_path / "video.mkv", [-20, -18, -16] * 10)
     message = "out of the picture 100% of the time"
     assert message in glance_at(video, Look(framing="full_body")).remarks

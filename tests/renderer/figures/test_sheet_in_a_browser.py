@@ -59,7 +59,7 @@ def rows(page: Page) -> list[str]:
     return [name.inner_text() for name in page.locator("tbody b").all() if name.is_visible()]
 
 
-def test_rows_are_found_by_what_is_said_and_felt(page: Page) -> None:
+def test_rows_are_found_by_transcript_and_emotion(page: Page) -> None:
     assert rows(page) == ["one", "two"]
     for words, result in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
         page.fill("#words", words)
@@ -83,7 +83,7 @@ def test_search_and_segments_stay_in_view_beside_far_conditions(page: Page) -> N
         assert box["x"] >= 0
 
 
-def test_it_fits_a_laptop_or_says_that_it_goes_on_and_fits_a_telephone(
+def test_it_fits_a_phone_and_on_a_laptop_fits_or_hints_at_more_columns(
     page: Page, tmp_path: Path
 ) -> None:
     further = page.locator("#further")

@@ -38,7 +38,7 @@ def test_a_moment_may_have_a_key_word() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "soon", "word=", "2,4"])
-def test_what_is_no_moment_is_refused(text: str) -> None:
+def test_a_malformed_moment_is_refused(text: str) -> None:
     with pytest.raises(InputError, match=r"'word=2\.4'"):
         Moment.parse(text)
 
@@ -141,7 +141,7 @@ def test_the_wave_may_be_left_out() -> None:
     assert not [a for a in strip(wave=False).figure.axes if a.collections]
 
 
-def test_with_skeletons_the_page_says_which_side_is_which() -> None:
+def test_with_skeletons_the_page_explains_the_sides() -> None:
     page = strip(skeleton=True)
     told = {text.get_text() for text in page.figure.texts}
     assert {"● left", "■ right"} <= told

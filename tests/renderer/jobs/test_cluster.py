@@ -133,7 +133,7 @@ def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(
     assert [outcome.error for outcome in rest] == [None, None]
 
 
-def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
+def test_a_scheduler_without_workers_and_a_lost_one_are_reported(
     clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with _scheduler(tmp_path) as (address, process):
@@ -182,7 +182,7 @@ def test_a_worker_of_several_threads_is_refused(
             run_jobs([clip_job], processes=1, cluster=cluster_of_two)
 
 
-def test_an_address_where_nobody_answers_is_told(
+def test_an_address_that_does_not_answer_is_reported(
     clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_CONNECT_TIMEOUT", 0.5)
@@ -194,7 +194,7 @@ def test_an_address_where_nobody_answers_is_told(
 
 
 @pytest.mark.parametrize("address", ["", "nonsense", "http://node1", "tcp://"])
-def test_what_is_no_address_is_told_before_a_client_is_made(
+def test_a_malformed_address_is_refused_before_connecting(
     clip_job: ClipJob, address: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delattr(distributed.Client, "__init__")
@@ -202,9 +202,7 @@ def test_what_is_no_address_is_told_before_a_client_is_made(
         run_jobs([clip_job], processes=1, cluster=address)
 
 
-def test_without_dask_the_remedy_is_said(
-    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_dask_a_remedy_is_given(clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'motionjury\[cluster\]'"):
         run_jobs([clip_job], processes=1, cluster="tcp://127.0.0.1:1")

@@ -216,7 +216,7 @@ def test_pairs_wait_for_both_their_clips() -> None:
 
 
 @given(data=st.data(), clips=st.integers(1, 6), pairs=st.integers(0, 12))
-def test_every_job_is_begun_once_or_lost_once_whatever_fails(
+def test_every_job_is_started_once_or_blocked_once(
     data: st.DataObject, clips: int, pairs: int
 ) -> None:
     side = st.integers(0, clips - 1).map(str)

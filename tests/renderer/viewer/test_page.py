@@ -17,7 +17,7 @@ def test_the_library_is_the_one_that_its_readme_describes() -> None:
     assert b"three 0.187.0, MIT" in library[:80]
 
 
-def test_what_two_figures_share_is_embedded_once(clip: MotionClip) -> None:
+def test_shared_data_of_two_figures_is_embedded_once(clip: MotionClip) -> None:
     figures = MotionFigures(Look())
     for name in ("first", "second"):
         figures.figure(Scene(name=name, clips={name: clip}))
@@ -33,7 +33,7 @@ def test_names_are_text(clip: MotionClip) -> None:
 
 
 @pytest.mark.parametrize("count", [0, 7])
-def test_what_does_not_fit_side_by_side_is_refused(count: int, clip: MotionClip) -> None:
+def test_too_few_or_too_many_clips_are_refused(count: int, clip: MotionClip) -> None:
     scene = Scene(name="many", clips={str(number): clip for number in range(count)})
 
     with pytest.raises(InputError, match="do not fit side by side"):

@@ -81,7 +81,7 @@ def test_a_body_that_wanders_off_keeps_its_way(far: float, body: BodyModel) -> N
         elements=st.integers(-LARGEST, LARGEST),
     )
 )
-def test_what_is_packed_is_read_again(
+def test_packed_arrays_are_read_back(
     values: np.ndarray[tuple[int, ...], np.dtype[np.int16]],
 ) -> None:
     facts, arrays = unpacked(pack({"rate": 30.0}, {"first": values, "second": values[::-1]}))

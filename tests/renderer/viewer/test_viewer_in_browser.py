@@ -187,7 +187,7 @@ def test_pages_that_share_viewer_and_avatar_play_without_a_server(
         assert barriers(page) == []
 
 
-def test_a_browser_without_graphics_says_so(
+def test_a_browser_without_graphics_shows_a_message(
     browser: Browser, shown: MotionClip, tmp_path: Path
 ) -> None:
     path = tmp_path / "page.html"

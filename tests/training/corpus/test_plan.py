@@ -10,7 +10,7 @@ from training.corpus.plan import RESERVED_SENTENCES, SENTENCES, passage, planned
 from training.corpus.request import MOST_RECORDINGS, CorpusRequest
 
 
-def test_the_default_corpus_is_what_it_is_said_to_be() -> None:
+def test_the_default_corpus_is_as_documented() -> None:
     takes = list(planned_takes(CorpusRequest()))
     assert len(takes) == 8 * 16 * 2
     assert Counter(take.emotion for take in takes) == dict.fromkeys(EMOTIONS, 32)
@@ -39,7 +39,7 @@ def test_testing_has_takes_of_heard_and_unheard_sentences_and_of_held_out_speake
     assert {held_out for *_, held_out in kinds} == {True, False}
 
 
-def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
+def test_a_speaker_moves_the_same_in_corpora_of_any_size() -> None:
     small, large = (
         {take.name: take for take in planned_takes(CorpusRequest(speakers=count))}
         for count in (4, 20)
@@ -96,7 +96,7 @@ def test_81_passages_differ_and_the_first_nine_share_no_sentence(emotion: str) -
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_what_is_kept_for_testing_is_heard_in_no_other_passage(emotion: str) -> None:
+def test_texts_reserved_for_testing_are_in_no_other_passage(emotion: str) -> None:
     kept = [text for part in SENTENCES[emotion].values() for text in part[-RESERVED_SENTENCES:]]
     told = "".join(passage(emotion, number) for number in range(81))
     assert not any(text in told for text in kept)

@@ -60,7 +60,7 @@ def test_features_are_computed_once(takes: TakeFolder, tmp_path: Path) -> None:
         assert again.frames(index) == 30
 
 
-def test_another_version_rate_or_file_is_computed_anew(takes: TakeFolder, tmp_path: Path) -> None:
+def test_another_version_rate_or_file_is_recomputed(takes: TakeFolder, tmp_path: Path) -> None:
     feature, asked = counting("digit", digit)
     newer, asked_newer = counting("digit", digit, version="2")
     cache = tmp_path / "cache"
@@ -123,7 +123,9 @@ def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> N
     assert "take02: its digit has shape (0, 2)" in empty
 
 
-def test_sound_and_motion_of_unlike_length_are_no_take(takes: TakeFolder, tmp_path: Path) -> None:
+def test_sound_and_motion_of_different_length_are_refused(
+    takes: TakeFolder, tmp_path: Path
+) -> None:
     longer = {"take00": 7, "take01": 8}
     motion, _ = counting("motion", lambda take: np.zeros((30 + longer.get(take.name, 0), 3)))
     sound, asked = counting("sound", digit)
@@ -144,7 +146,7 @@ def test_no_usable_take_is_an_error_that_quotes_the_first(
         prepared(takes, tmp_path / "cache", feature)
 
 
-def test_stopping_keeps_what_was_done_and_leaves_nothing_half(
+def test_stopping_keeps_finished_takes_and_no_partial_files(
     takes: TakeFolder, tmp_path: Path
 ) -> None:
     def stopped(take: Take) -> np.ndarray:
@@ -179,7 +181,7 @@ def test_no_file_stays_open_however_many_takes_there_are(takes: TakeFolder, tmp_
     assert len(result.takes) == 4
 
 
-def test_a_cache_that_cannot_be_written_is_said(takes: TakeFolder, tmp_path: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_reported(takes: TakeFolder, tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file")
     feature, _ = counting("digit", digit)
     with pytest.raises(InputError, match="features cannot be kept"):

@@ -56,7 +56,7 @@ def test_beat_is_read_as_downloaded(tmp_path: Path) -> None:
     assert not result.skipped
 
 
-def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
+def test_incomplete_takes_of_beat_are_named_and_skipped(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_9_9")
     beat_take(tmp_path / "again", "2_scott_0_9_9")
     touch(tmp_path / "2_scott_0_10_10.bvh", tmp_path / "2_scott_0_11_11.wav")
@@ -77,7 +77,7 @@ def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
         assert any(what in text and remedy in text for text in said(result)), what
 
 
-def test_flat_folders_of_beat_are_read_and_hidden_files_are_no_recordings(tmp_path: Path) -> None:
+def test_flat_folders_of_beat_are_read_without_hidden_files(tmp_path: Path) -> None:
     beat_take(tmp_path, "2_scott_0_9_9")
     touch(tmp_path / "._2_scott_0_9_9.bvh", tmp_path / ".cache" / "2_scott_0_10_10.bvh")
     result = read_takes(tmp_path)
@@ -151,7 +151,7 @@ def test_show_is_read_as_talkshow_sorts_it(tmp_path: Path) -> None:
     assert "1 recording cut into takes of several splits" in result.notes[1]
 
 
-def test_clips_of_one_video_are_in_one_split_where_no_folder_says_so(tmp_path: Path) -> None:
+def test_without_folders_of_splits_clips_of_one_video_share_a_split(tmp_path: Path) -> None:
     for video in range(6):
         for clip in range(3):
             show_clip(tmp_path / "oliver" / f"video {video}" / f"{video}-{clip}")

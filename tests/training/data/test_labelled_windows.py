@@ -39,7 +39,7 @@ def test_of_too_many_some_are_drawn_the_same_each_time() -> None:
     assert (fours == quadruples(_windows(), limit=3, seed=7)).all()
 
 
-def test_there_are_none_where_one_speaker_speaks_all_texts() -> None:
+def test_one_speaker_alone_gives_no_quadruples() -> None:
     prepared = toy_speech()
     alone = tuple(take for take in prepared.takes if take.speaker == "ann")
     arrays = {"filterbank": prepared.arrays["filterbank"][: len(alone)]}
@@ -54,7 +54,7 @@ def test_there_are_none_where_one_speaker_speaks_all_texts() -> None:
 FIELDS = ("emotion", "speaker")
 
 
-def test_classes_are_those_of_what_is_learned_from_and_others_are_not_known() -> None:
+def test_classes_are_those_of_the_training_split() -> None:
     prepared = toy_speech()
     strangers = tuple(
         replace(take, speaker="eve") if take.emotion == "anger" and take.speaker == "bob" else take

@@ -60,7 +60,7 @@ def test_a_folder_of_names_a_split_is_a_list(folder: Path) -> None:
     assert splits_of(read_takes(folder, split_list=lists)) == WANTED
 
 
-def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> None:
+def test_missing_and_unlisted_clips_are_reported(folder: Path) -> None:
     (folder / "splits.csv").write_text(
         f"name,split\n{NAMES[0]},train\n{NAMES[1]},additional\n2_scott_0_12_12,test\n"
     )
@@ -88,7 +88,7 @@ def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> N
         ("a.json", '{"train": "a", "test": ["b"]}', "not JSON of names by split"),
     ],
 )
-def test_unusable_lists_say_what_is_wrong(
+def test_unusable_lists_are_refused_with_the_reason(
     tmp_path: Path, name: str, text: str, message: str
 ) -> None:
     (tmp_path / name).write_text(text)
@@ -107,7 +107,7 @@ def test_lists_that_are_not_there_or_of_other_takes_are_refused(folder: Path) ->
         read_takes(folder)
 
 
-def test_without_a_list_the_published_rule_counts_and_says_so(folder: Path) -> None:
+def test_without_a_list_the_published_rule_applies_and_is_named(folder: Path) -> None:
     for ending in (".bvh", ".wav"):
         (folder / f"2_scott_0_1_1{ending}").write_bytes(b"not looked at yet")
     result = read_takes(folder)
@@ -118,7 +118,7 @@ def test_without_a_list_the_published_rule_counts_and_says_so(folder: Path) -> N
 
 
 @given(st.sets(st.text(min_size=1, max_size=5), max_size=60))
-def test_hashes_split_as_stated_whatever_the_order(names: set[str]) -> None:
+def test_hashes_split_as_documented_in_any_order(names: set[str]) -> None:
     splits = split_by_hash(sorted(names))
     assert splits == split_by_hash(sorted(names, reverse=True))
     number = Counter(splits.values())
@@ -159,7 +159,7 @@ def named(name: str) -> BeatName:
     return result
 
 
-def test_a_name_tells_speaker_type_and_texts() -> None:
+def test_a_name_holds_speaker_type_and_texts() -> None:
     name = named("12_zhao_2_1_8")
     assert (name.number, name.speaker, name.recording_type) == (12, "zhao", 2)
     assert (name.start, name.end) == (1, 8)
@@ -168,7 +168,7 @@ def test_a_name_tells_speaker_type_and_texts() -> None:
 @pytest.mark.parametrize(
     "name", ["scott", "2_scott_0_1", "2_scott_0_1_1_mirrored", "scott_2_0_1_1", "2_scott_0_1_b"]
 )
-def test_other_names_tell_nothing(name: str) -> None:
+def test_other_names_are_not_parsed(name: str) -> None:
     assert BeatName.parse(name) is None
 
 
@@ -181,7 +181,7 @@ def test_other_names_tell_nothing(name: str) -> None:
         *(("0_119_119", ""), ("0_57_72", ""), ("1_3_3", "")),
     ],
 )
-def test_texts_tell_the_emotion_of_whoever_speaks_alone(texts: str, emotion: str) -> None:
+def test_texts_determine_the_emotion(texts: str, emotion: str) -> None:
     assert named(f"2_scott_{texts}").emotion == emotion
 
 
@@ -203,5 +203,5 @@ def test_splits_of_one_hour_keep_recordings_whole() -> None:
 @pytest.mark.parametrize(
     "name", ["12_zhao_2_1_1", "2_scott_0_1_8", "31_eve_0_1_1", "2_a_0_119_119"]
 )
-def test_the_published_rule_says_nothing_of_other_recordings(name: str) -> None:
+def test_the_published_rule_covers_no_other_recordings(name: str) -> None:
     assert named(name).published_split is None

@@ -67,7 +67,7 @@ def test_window_k_of_a_take_begins_at_frame_k_strides_in_all_features(
         np.testing.assert_array_equal(batch["other"][row], -batch["one"][row])
 
 
-def test_windows_are_of_one_split_and_too_short_takes_are_told() -> None:
+def test_windows_are_of_one_split_and_short_takes_are_reported() -> None:
     prepared = takes_of(50, 50, 50, 5, 60)
     windows = Windows(prepared, split="train", frames=34, stride=10)
     assert {windows.take_of(row).name for row in range(len(windows))} == {"take0"}
@@ -75,7 +75,7 @@ def test_windows_are_of_one_split_and_too_short_takes_are_told() -> None:
     assert windows.frame_rate == 15
 
 
-def test_a_split_without_takes_says_so() -> None:
+def test_a_split_without_takes_is_refused() -> None:
     with pytest.raises(InputError, match=r"none of 0 takes for validation lasts the 2\.27 s"):
         Windows(takes_of(60), split="validation", frames=34, stride=10)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -41,13 +42,6 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def copied(folder: Path, to: Path) -> Path:
-    to.mkdir()
-    for path in folder.iterdir():
-        (to / path.name).write_bytes(path.read_bytes())
-    return to
-
-
 @pytest.mark.parametrize(
     ("samples", "vectors"), [(0, 1), (399, 1), (400, 1), (720, 2), (16000, 49)]
 )
@@ -64,7 +58,7 @@ def test_the_stand_in_is_the_same_every_time_and_takes_nothing_from_other_chance
     assert torch.equal(stand_in().features(speech(0.5)), first)
 
 
-def test_the_stand_in_tells_speech_from_other_speech_and_calls_itself_one() -> None:
+def test_the_stand_in_distinguishes_speech_and_is_named_one() -> None:
     hubert = stand_in()
     assert hubert.stands_in
     assert "stand-in" in hubert.description
@@ -92,7 +86,7 @@ def test_weights_of_a_folder_are_heard_with_and_named_by_their_hash(saved: Path)
 
 
 def test_a_folder_that_lacks_a_weight_is_refused(saved: Path, tmp_path: Path) -> None:
-    folder = copied(saved, tmp_path / "hubert")
+    folder = shutil.copytree(saved, tmp_path / "hubert")
     weights = load_file(folder / "model.safetensors")
     weights.pop("encoder.layers.0.attention.k_proj.weight")
     save_file(weights, folder / "model.safetensors", metadata={"format": "pt"})
@@ -101,10 +95,10 @@ def test_a_folder_that_lacks_a_weight_is_refused(saved: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("name", ["config.json", "model.safetensors"])
-def test_a_folder_without_one_of_its_files_says_how_to_make_them(
+def test_a_folder_that_lacks_a_file_is_refused_with_how_to_make_it(
     saved: Path, tmp_path: Path, name: str
 ) -> None:
-    folder = copied(saved, tmp_path / "hubert")
+    folder = shutil.copytree(saved, tmp_path / "hubert")
     (folder / name).unlink()
     (folder / "pytorch_model.bin").write_bytes(b"not read")
     with pytest.raises(InputError, match=name) as refusal:
@@ -119,7 +113,7 @@ def test_a_folder_without_one_of_its_files_says_how_to_make_them(
 def test_another_network_is_refused(
     saved: Path, tmp_path: Path, change: dict[str, object], message: str
 ) -> None:
-    folder = copied(saved, tmp_path / "hubert")
+    folder = shutil.copytree(saved, tmp_path / "hubert")
     config = json.loads((folder / "config.json").read_text())
     (folder / "config.json").write_text(json.dumps(config | change))
     with pytest.raises(InputError, match=message):

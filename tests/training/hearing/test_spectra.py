@@ -48,7 +48,7 @@ def test_speech_twice_as_loud_lies_higher_by_the_logarithm_of_four() -> None:
     ("samples", "message"),
     [(_tone(440, 0.3), "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
 )
-def test_what_holds_no_speech_is_refused(samples: NDArray[np.float32], message: str) -> None:
+def test_samples_without_speech_are_refused(samples: NDArray[np.float32], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check_speech(samples)
 

@@ -46,7 +46,7 @@ def _image_model(**changes: int) -> DeiTModel:
     return model
 
 
-def test_an_encoder_with_the_weights_of_an_ast_hears_what_it_hears(tmp_path: Path) -> None:
+def test_an_encoder_with_the_weights_of_an_ast_computes_the_same(tmp_path: Path) -> None:
     model = _saved(tmp_path).eval()
     encoder = SpeechEncoder(SMALL).eval()
     encoder.transformer.load_state_dict(read_ast_weights(tmp_path, CONFIG))
@@ -96,7 +96,7 @@ def test_another_architecture_is_refused_by_its_name(tmp_path: Path) -> None:
         read_ast_weights(tmp_path, CONFIG)
 
 
-def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
+def test_an_encoder_of_speech_responds_to_when_a_sound_comes() -> None:
     torch.manual_seed(3)
     config = SPEECH_PRESETS["tiny"].network
     encoder = SpeechEncoder(config).eval()

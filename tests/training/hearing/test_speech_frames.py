@@ -61,7 +61,7 @@ def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[in
     assert torch.equal(result.hubert, at_once.hubert)
 
 
-def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
+def test_a_window_over_all_speech_gives_the_features_of_each_moment() -> None:
     result = streamed([SPEECH], StreamWindow(past=4, ahead=4.0)).hubert
     vectors = HUBERT.features(SPEECH)
     frame = np.arange(0, len(result), 3)  # every third frame lies on a feature, 0.2 s apart
@@ -76,7 +76,7 @@ def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int)
     assert count == round(seconds * rate)
 
 
-def test_a_second_is_heard_as_soon_as_what_lies_ahead_of_it_is_known() -> None:
+def test_a_second_is_encoded_as_soon_as_its_context_is_known() -> None:
     given_out: list[int] = []
 
     def pieces() -> Iterator[np.ndarray]:

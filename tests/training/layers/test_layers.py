@@ -46,7 +46,7 @@ def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -
     assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
 
 
-def test_graphs_join_what_the_paper_says() -> None:
+def test_graphs_have_the_papers_edges() -> None:
     bones = bone_graph(2)
     assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
     assert bones[5, 8] == 0  # the two forearms

@@ -47,7 +47,7 @@ def state_of(folder: Path) -> WeightsFile:
     return read_weights(folder / "checkpoint.safetensors")
 
 
-def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(
+def test_two_processes_equal_one_and_resume_after_ctrl_c(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     config = replace(CONFIG, steps=4, accumulate=2)

@@ -30,7 +30,7 @@ def learned(config: TrainingConfig, *, steps: int, chance: bool) -> Learner[Plai
 
 
 @pytest.mark.parametrize("accumulate", [3, 10, 50])
-def test_a_step_in_parts_comes_to_what_it_does_in_one(accumulate: int) -> None:
+def test_a_step_in_parts_equals_a_step_in_one(accumulate: int) -> None:
     one = learned(CONFIG, steps=6, chance=False)
     parts = learned(replace(CONFIG, accumulate=accumulate), steps=6, chance=False)
     torch.testing.assert_close(parts.tensors(), one.tensors(), rtol=1e-5, atol=1e-6)

@@ -127,7 +127,7 @@ class Small(Line):
         return {"size": size(network), **super().validation(network)}
 
 
-def test_the_weights_that_are_kept_are_chosen_by_what_the_task_measures_first(
+def test_the_best_weights_are_chosen_by_the_tasks_first_measure(
     tmp_path: Path,
 ) -> None:
     with pytest.raises(TrainingStopped):
@@ -151,7 +151,7 @@ def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_loss_that_is_no_number_stops_the_run_and_says_what_to_do(tmp_path: Path) -> None:
+def test_a_loss_that_is_not_a_number_stops_the_run_with_a_remedy(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"loss is no longer a number.*step 1.*smaller learning rate"
     ):
@@ -206,7 +206,7 @@ def test_a_run_stopped_at_any_step_ends_in_the_same_bytes(kind: str, stops: set[
     assert run(CONFIGS[kind], *stops) == of_whole(kind)
 
 
-def test_averaged_weights_are_what_is_measured_and_kept(tmp_path: Path) -> None:
+def test_averaged_weights_are_measured_and_saved(tmp_path: Path) -> None:
     averaged = CONFIGS["averaged, in parts, slower from epoch to epoch"]
     trained = train(Line(), averaged, RunFolder(tmp_path))
     state = read_weights(tmp_path / "checkpoint.safetensors")

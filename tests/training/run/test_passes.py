@@ -96,7 +96,7 @@ def moved(before: dict[str, Tensor], after: dict[str, Tensor]) -> set[str]:
     return {name.split(".")[0] for name in before if not before[name].equal(after[name])}
 
 
-def test_two_passes_come_to_what_two_optimizers_come_to() -> None:
+def test_two_passes_equal_two_optimizers() -> None:
     learner = learner_of(CONFIG)
     torch.manual_seed(0)
     task = Rivalry(chance=False)
@@ -137,7 +137,7 @@ def test_a_pass_has_its_rhythm_and_its_rate() -> None:
     assert learner.learning_rates(4) == {"learning_rate_maker": 0.02, "learning_rate_judge": 0.005}
 
 
-def test_what_no_pass_of_a_stage_teaches_is_frozen_with_its_statistics_and_without_chance() -> None:
+def test_untaught_parts_are_frozen_with_their_statistics_and_without_dropout() -> None:
     stages = (replace(MAKER, parts=("maker", "last"), end=3), replace(JUDGE, first=3))
     learner = learner_of(replace(CONFIG, passes=stages, ema_decay=0.5), chance=True)
     seen = []

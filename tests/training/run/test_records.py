@@ -69,7 +69,7 @@ def test_equal_logs_make_equal_pictures_of_the_same_size(steps: int, tmp_path: P
         assert picture.size == (900, 620)
 
 
-def test_what_was_measured_of_held_out_examples_is_seen(tmp_path: Path) -> None:
+def test_held_out_measures_are_drawn(tmp_path: Path) -> None:
     learned = [line for line in lines(40) if "held_out" not in line]
     seen = {}
     for name, shown in (("all", lines(40)), ("learned", learned)):

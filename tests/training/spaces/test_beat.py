@@ -97,12 +97,12 @@ def test_values_survive_the_way_over_angles_about_axes() -> None:
     np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-9)
 
 
-def test_a_turn_at_which_angles_are_not_unique_is_no_matter() -> None:
+def test_a_turn_with_ambiguous_angles_is_accepted() -> None:
     body = moved(RightForeArm=(0, np.pi / 2, 0))
     np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-7)
 
 
-def test_nothing_turned_is_a_person_with_level_arms_who_stands_upright() -> None:
+def test_the_zero_pose_stands_upright_with_level_arms() -> None:
     clip = beat_clip(np.zeros((1, 192)), 15)
     joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     at = {name: joints[0, joint_index(name)] for name in JOINT_NAMES}

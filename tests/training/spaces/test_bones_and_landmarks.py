@@ -48,7 +48,7 @@ def test_directions_are_units_from_which_joints_are_built_again() -> None:
     np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
 
 
-def test_it_is_seen_from_the_front_whichever_way_somebody_stands() -> None:
+def test_it_is_seen_from_the_front_for_any_heading() -> None:
     np.testing.assert_allclose(
         bone_and_landmark_values(clip(2.0), FACE), bone_and_landmark_values(clip(), FACE), atol=1e-6
     )

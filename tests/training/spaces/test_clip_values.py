@@ -45,7 +45,7 @@ def test_a_clip_comes_back_from_its_values() -> None:
     assert back.trans == pytest.approx(clip.trans, abs=1e-5)
 
 
-def test_values_that_are_no_rotation_give_the_nearest_whose_first_row_is_theirs() -> None:
+def test_values_are_orthonormalised_from_their_first_row() -> None:
     clip = _clip()
     values = smplx_6d_values(clip)
     stretched = values.copy()
@@ -85,7 +85,7 @@ def test_each_value_turns_its_joint_and_no_other(column: int, joint: str) -> Non
     assert [JOINT_NAMES[index] for index in changed] == [joint]
 
 
-def test_what_is_normalised_is_restored() -> None:
+def test_normalised_motion_is_restored() -> None:
     rng = np.random.default_rng(1)
     motion = rng.normal(3, 2, (50, 4))
     known = Normalisation(motion.mean(axis=0), motion.std(axis=0))
