@@ -1,4 +1,4 @@
-"""Controls: conditions that a study compares generators with, and a flaw that nobody overlooks.
+"""Controls: conditions that a study compares generators with, and an obvious flaw.
 
 `Static` is the least that a condition can do. `Mismatched` is right motion to wrong speech: what
 the same condition does to another segment.

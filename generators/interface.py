@@ -22,9 +22,9 @@ class SpeechSegment:
     Attributes
     ----------
     segment : Segment
-        What is spoken, by whom, in which emotion.
+        The text, speaker and emotion.
     audio : Audio
-        The excerpt itself, not the whole recording that it lies in.
+        The excerpt only, not the whole recording.
     """
 
     segment: Segment
@@ -168,7 +168,7 @@ def required_source(source: StudyClips | None, generator: str) -> StudyClips:
 
 
 def provenance_of(generator: str, seed: int, speech: SpeechSegment) -> dict[str, str]:
-    """Return what the provenance of every generated clip says."""
+    """Return the provenance that every generated clip has."""
     return {"generator": generator, "seed": str(seed), "segment": speech.segment.name}
 
 

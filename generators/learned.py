@@ -1,4 +1,4 @@
-"""What learned generators share: how their networks are trained, and what motion these tell."""
+"""What learned generators share: training their networks, and generating motion by them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 class NetworkGenerator(ABC, Generic[SettingsT]):
-    """A generator whose motion a network tells at a frame rate of its own.
+    """A generator whose network generates motion at a frame rate of its own.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
 
 
 def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
-    """Check what a network told.
+    """Check a network's motion.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def network_provenance(
     frame_rate: float,
     stand_ins: Sequence[str] = (),
 ) -> dict[str, str]:
-    """Return what provenance says of any network: its file, how its windows lie, what stood in."""
+    """Return any network's provenance: its file, its windows, and its stand-ins."""
     facts = {
         "window_frames": str(frames),
         "window_overlap": str(overlap),
@@ -183,7 +183,7 @@ def cut_windows(
 
 
 def describe_training_data(windows: Windows, speakers: Speakers) -> str:
-    """Say how much somebody learned from, and from whom."""
+    """Return a sentence about the amount and the speakers of training data."""
     takes = sum(take.split == "train" for take in windows.prepared.takes)
     return (
         f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} speakers "
@@ -194,7 +194,7 @@ def describe_training_data(windows: Windows, speakers: Speakers) -> str:
 def describe_training(
     task: WindowTask, trained: Trained[Any], *sentences: str, warnings: Sequence[str] = ()
 ) -> TrainedGenerator:
-    """Return what came out, by what is said of it and by which step's weights were kept."""
+    """Return the outcome of a training with its sentences."""
     chosen_weights = f"Its weights are those of step {trained.best.step} of {trained.steps}."
     return TrainedGenerator(
         sentences=(*sentences, chosen_weights),

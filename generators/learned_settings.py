@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from generators.settings import File, Folder, NameOrFile, Settings, content
 
 MIXED_SPEAKER: Final = "anybody"
-"""In place of a speaker of S2UE: a mixture of those it learned from, which the seed draws."""
+"""In place of a speaker of S2UE: a mixture of its speakers that the seed draws."""
 
 
 def _check_speaker(speaker: int | str | None) -> int | str | None:
@@ -37,7 +37,7 @@ class ModelSettings(Settings):
 
 
 class DiffShegSettings(ModelSettings):
-    """Which network moves, and as whom.
+    """The network, and the speaker to move as.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class DiffShegSettings(ModelSettings):
     stats : Path or None
         Folder of means and standard deviations, which a released checkpoint needs.
     hubert : Path or None
-        Folder of HuBERT's weights; None for a stand-in that hears no words.
+        Folder of HuBERT's weights; None for a stand-in that does not recognise words.
     speaker : int, str or None
         Number of the speaker in the data set, from 1, or the name where the checkpoint knows names.
         None for who speaks in the segment, as far as the checkpoint knows names; else the first.
@@ -135,7 +135,7 @@ class AmuseSettings(ModelSettings):
 
 
 class S2ueSettings(ModelSettings):
-    """Which network moves, as whom, and what is said.
+    """The network, the speaker to move as, and the text.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which generators there are, and what can be trained of them; each is imported when asked for."""
+"""The generators and which of them can be trained; each is imported when it is used."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class TrainingChoice:
     Attributes
     ----------
     name : str
-        As the command line tells it, such as ``ablation``.
+        Its name on the command line, such as ``ablation``.
     help : str
         What it does, for whoever reads the command's help.
     values : tuple of str
@@ -136,7 +136,7 @@ class TrainedGenerator:
     Attributes
     ----------
     sentences : tuple of str
-        What was learned, from what, and how well, for whoever asked.
+        What was learned, from which data, and how well, in sentences.
     skipped : tuple of InputError
         Recordings that could not be used.
     warnings : tuple of str

@@ -34,14 +34,14 @@ class Reader:
     generator : str
         Who is to take them.
     sibling_keys : tuple of str
-        Keys that stand beside theirs, which a misspelt one may be near.
+        Other keys of the same table, for suggestions when a key is misspelt.
     """
 
     generator: str = ""
     sibling_keys: tuple[str, ...] = ()
 
     def unknown(self, key: str, known: Sequence[str]) -> str:
-        """Say that a key is none of those that are known."""
+        """Return the error of an unknown key."""
         close_matches = get_close_matches(key, [*known, *self.sibling_keys], n=1)
         if close_matches:
             return f"unknown key (did you mean {close_matches[0]!r}?)"

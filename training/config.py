@@ -139,7 +139,7 @@ class TrainingConfig:
     ) -> Self:
         """Return the settings with some of them changed.
 
-        Where `epochs` are told and the changes tell no steps, there are as many steps as go so
+        If `epochs` are given and the changes give no steps, there are as many steps as go so
         often through so many examples.
         """
         config = replace(self, **changes)
@@ -161,7 +161,7 @@ class Preset:
     Attributes
     ----------
     training : TrainingConfig
-        Its steps are those of one epoch where `epochs` are told.
+        Its steps are those of one epoch if `epochs` are given.
     epochs : int or None
         How often all examples are gone through, in place of a number of steps.
     """

@@ -21,7 +21,7 @@ from torch import Tensor
 
 @dataclass(frozen=True)
 class Diffusion:
-    """Noise that grows from step to step, put into motion or its latent and taken out of it.
+    """A schedule of noise that is added to motion or its latent and removed from it.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Diffusion:
         return alpha_bar.reshape(-1, *([1] * (motion.ndim - 1)))
 
     def ddim(self, x_t: Tensor, eps_of: Callable[[Tensor, Tensor], Tensor], steps: int) -> Tensor:
-        """Return what is left when the noise of `x_t` is taken out in evenly spaced steps.
+        """Return the result of removing the noise of `x_t` in evenly spaced steps.
 
         Song et al. 2021, equation 12 without new noise (eta = 0). As in latent diffusion, steps
         are one above the multiples of their distance, and the last leads to the schedule's first

@@ -1,4 +1,4 @@
-"""What networks are told of takes and learn to give, computed from their files."""
+"""Networks' conditions and targets, computed from the files of takes."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 
 
 def beat_gesture(frame_rate: float) -> Feature:
-    """Return the rotations of BEAT's 47 told joints, 141 channels, axis-angle in radians.
+    """Return the rotations of BEAT's 47 joints, 141 channels, axis-angle in radians.
 
     Rotations between two recorded frames are on the shortest turn from one to the other.
     """
@@ -92,7 +92,7 @@ def beat_expression(frame_rate: float) -> Feature:
 
 
 def show_gesture(frame_rate: float) -> Feature:
-    """Return the rotations of SHOW's 43 told joints, 129 channels, axis-angle in radians."""
+    """Return the rotations of SHOW's 43 joints, 129 channels, axis-angle in radians."""
 
     def compute(take: Take) -> FloatArray:
         return _show_motion(take, frame_rate)[:, :_SHOW_BODY]
@@ -138,7 +138,7 @@ def mel(frame_rate: float) -> Feature:
 
 
 def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
-    """Return what HuBERT hears in the speech, 1024 channels, see `extract_frames`."""
+    """Return HuBERT's features of the speech, 1024 channels, see `extract_frames`."""
 
     def compute(take: Take) -> FloatArray:
         pieces = extract_frames(read_audio(take.speech), frame_rate, hubert)
@@ -150,7 +150,7 @@ def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
 def semantic_scores(frame_rate: float) -> Feature:
     """Return how much the gesture of each frame means, one channel, from 0.
 
-    Takes whose gestures nobody annotated have 0 throughout, as where there is no gesture.
+    Takes without annotation have 0 throughout, as where there is no gesture.
     """
 
     def compute(take: Take) -> FloatArray:

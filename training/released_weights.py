@@ -79,7 +79,7 @@ class ReleasedNames:
 
     @classmethod
     def read(cls, file: Path) -> ReleasedNames:
-        """Return what a TOML file says."""
+        """Return the contents of a TOML file."""
         return cls(**tomllib.loads(file.read_text("utf-8")))
 
     def renamed_weights(self, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
@@ -108,7 +108,7 @@ def not_weights_error(file: Path, reason: str) -> InputError:
 def fill(
     network: Network, weights: Mapping[str, Tensor], file: Path, description: str, remedy: str
 ) -> Network:
-    """Give a network of the meta device the weights of a file; return it, ready to be asked.
+    """Give a network of the meta device the weights of a file; return it, ready to run.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ CONFIG: Final = "config.json"
 
 @dataclass(frozen=True, kw_only=True)
 class SavedNetworks:
-    """Which networks a folder may hold, and what to say where it holds none of them.
+    """Which networks a folder may hold, and the remedy if it holds none of them.
 
     Attributes
     ----------

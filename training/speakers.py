@@ -1,4 +1,4 @@
-"""Who speaks, as networks are told: by name or number, or as a latent that can be sampled."""
+"""Speakers as conditions of networks: by name or number, or as a latent that can be sampled."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from motion.errors import InputError, found_at, listed
 
 @dataclass(frozen=True)
 class Speakers:
-    """The speakers a network learned from.
+    """The speakers of a network's training data.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Speakers:
         Raises
         ------
         InputError
-            If the network never heard of them.
+            If they are unknown to the network.
         """
         text = str(speaker)
         if text in self.names:
@@ -53,7 +53,7 @@ class Speakers:
         )
 
     def number_or_substitute(self, name: str) -> int:
-        """Return whom the network moves as for a speaker it may never have heard of.
+        """Return the network's speaker for one that may be unknown to it.
 
         Known ones are themselves. All others are one of the known, which one the name decides: a
         network is never told of two speakers at once, so a mixture would be none it learned.
@@ -63,7 +63,7 @@ class Speakers:
         return zlib.crc32(name.encode()) % len(self.names) + 1
 
     def resolve(self, requested: int | str | None, speaker: str | None, checkpoint: Path) -> int:
-        """Return whom the network moves as: whom is wanted, else who speaks, else the first one.
+        """Return the speaker to move as: the chosen one, else the segment's, else the first.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Speakers:
             return self.number(requested)
 
     def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
-        """Return the vectors, (names, width), of whoever stands in for each of `names`."""
+        """Return the vectors, (names, width), of the known speakers that represent `names`."""
         vectors = np.zeros((len(names), self.width), np.float32)
         vectors[np.arange(len(names)), [self.number_or_substitute(name) - 1 for name in names]] = 1
         return vectors

@@ -61,14 +61,14 @@ class WeightsFile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrainedNetwork(Generic[Network]):
-    """A network with what its file says of it.
+    """A network with the facts in its file.
 
     Attributes
     ----------
     model : Module
         In evaluation mode, on the CPU.
     training : mapping
-        How it was trained, as JSON values; empty where nobody knows.
+        How it was trained, as JSON values; empty if unknown.
     """
 
     model: Network

@@ -1,4 +1,4 @@
-"""AMUSE: speech taken apart into content, emotion and style, and motion by latent diffusion.
+"""AMUSE: speech disentangled into content, emotion and style, and motion by latent diffusion.
 
 Chhatre et al., CVPR 2024.
 """

@@ -20,7 +20,7 @@ STEPS: Final = 50
 """Of DDIM, of the 1000 that the denoiser learns."""
 
 SPEECH_PARTS: Final = ("content", "emotion", "style")
-"""What speech is taken apart into."""
+"""The latents of disentangled speech."""
 
 LABEL_FIELDS: Final[Mapping[str, str]] = {"emotion": "emotion", "style": "speaker"}
 """What of a take names its emotion and its style."""
@@ -44,17 +44,17 @@ class MotionConfig:
     condition_width : int
         Width of each of the latents of content, emotion and style.
     conditions : int
-        How many latents tell the speech: 3, or 1 where a speech model does not take it apart.
+        Latents of the speech: 3, or 1 if the speech model does not disentangle it.
     prior : bool
         Whether motion is coded by a prior; without, the denoiser sees its frames (Table A.3).
     tokens : int
         Of a motion's latent, each as wide as the networks. The release has one, which tells little
         of the movement before it has learned for days.
     log_variance : float
-        Added to the logarithms of the latent's variances that the prior tells. Of a latent that
+        Added to the logarithms of the latent's variances that the prior predicts. Of a latent that
         is half noise a denoiser learns little; below 0 it begins with less noise than the release.
     predicts : {'eps', 'v'}
-        What the denoiser's layers tell: the noise, as released, or the velocity of Salimans &
+        What the denoiser's layers predict: the noise, as released, or the velocity of Salimans &
         Ho 2022, of which the noise follows. A small error of the noise is a large one of the
         latent where little but noise is left: after some hundred steps, sampled latents are
         several times too large by the one, and of the right size by the other.
@@ -95,7 +95,7 @@ class SpeechConfig:
     latent : int
         Width of each latent.
     emotions, styles : int
-        Classes told apart: emotions, and speakers.
+        Numbers of classes: emotions, and speakers.
     decoder_width, decoder_hidden : int
         Width of the decoder's transformer, and of the layer before the filterbank.
     decoder_feed_forward, decoder_heads, fusion_layers, decoder_layers : int
@@ -107,7 +107,7 @@ class SpeechConfig:
         says, or the latents of emotion and style themselves, as section 3.2 and appendix B.4 say.
         By the tokens only rebuilding asks anything of the latents.
     mfcc : int
-        Cepstral coefficients that an auto-encoder hears in place of the three encoders
+        Cepstral coefficients that an auto-encoder reads in place of the three encoders
         (Table A.3); 0 for the speech model itself.
     """
 
@@ -146,11 +146,11 @@ class MotionPreset(Preset):
         Steps in which prior and denoiser learn together, as in the paper; all where None. Then the
         denoiser learns alone: its steps cost a tenth, and its latents stay where they are.
     weights : mapping of str to float
-        Of losses that count otherwise than `generators.amuse.losses.MOTION_LOSSES` says.
+        Weights of losses that differ from `generators.amuse.losses.MOTION_LOSSES`.
     align_steps : int
         Of DDIM in the third pass.
     named : float
-        How often emotion, and style, are told by the mean latent of their label, as in edits by
+        How often emotion, and style, are given by the mean latent of their label, as in edits by
         name, in place of what is heard.
     """
 
@@ -174,7 +174,7 @@ class SpeechPreset(Preset):
     network : SpeechConfig
         Its sizes; emotions and styles are those of the recordings.
     seconds, stride : int
-        Length of a window, and from the beginning of one that is learned from to the next.
+        Length of a window, and distance from one training window to the next.
     """
 
     network: SpeechConfig

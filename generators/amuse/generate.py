@@ -148,7 +148,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
 
     @cached_property
     def _replacement_latents(self) -> dict[str, Tensor]:
-        """Latents (windows, latent) of what stands in for parts of the speech, by their keys."""
+        """Latents (windows, latent) that replace parts of the speech, by their keys."""
         return {
             key: self._latents_of_replacement(_part_of(key), replacement)
             for key, replacement in self._replacements.items()

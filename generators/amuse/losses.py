@@ -85,7 +85,7 @@ def motion_losses(
 ) -> dict[str, Tensor]:
     """Return the loss of the three-step pass, and its parts.
 
-    First the prior codes and decodes the motion. Then its latent, of which no gradient is taken,
+    First the prior encodes and decodes the motion. Then its latent, without its gradient,
     gets noise for the denoiser to find. Last a latent is denoised from noise alone, without
     gradients, and decoded: what misses the motion then teaches the decoder.
 
@@ -118,7 +118,7 @@ def motion_losses(
     points = model.points(motion) if weights.keys() & {"vrec", "valign"} else None
 
     def compare(z: Tensor, name: str, points_name: str) -> Tensor:
-        """Return the motion of latents, and tell by how much it and its points miss the true."""
+        """Return the motion of latents, and the errors of it and of its points."""
         decoded = model.prior.decode(z, motion.shape[1])
         parts[name] = functional.smooth_l1_loss(decoded, motion)
         if points is not None and points_name in weights:
@@ -198,7 +198,7 @@ def reconstruction_errors(
     decoder : SpeechDecoder
         Of the network.
     output : HeardSpeech
-        What it heard in them.
+        Its latents of them.
     target : Tensor
         (4 batch, frames, bands), what is to be rebuilt.
     names : collection of str

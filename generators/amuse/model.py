@@ -114,14 +114,14 @@ class Denoiser(nn.Module):
         self.final_layer = nn.Identity() if config.prior else nn.Linear(width, frame)
 
     def forward(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
-        """Return eps, the noise in `z_t`, whatever the layers tell; see `predict`."""
+        """Return eps, the noise in `z_t`, from what the layers predict; see `predict`."""
         predicted = self.predict(z_t, timestep, *speech)
         if self.config.predicts == "eps":
             return predicted
         return SCALED_LINEAR.eps_of_v(z_t, predicted, timestep)
 
     def predict(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
-        """Return what the layers tell of `z_t`: its noise, or its velocity.
+        """Return what the layers predict for `z_t`: its noise, or its velocity.
 
         Parameters
         ----------

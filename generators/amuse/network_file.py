@@ -30,7 +30,7 @@ _RELEASED_REMEDY: Final = (
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
 MotionNetworks = TrainedNetwork[MotionModel]
-"""The two networks that tell motion."""
+"""The two networks of motion."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

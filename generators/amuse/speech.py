@@ -1,4 +1,4 @@
-"""AMUSE's speech disentanglement: what is said, with which emotion, and by whom.
+"""AMUSE's speech disentanglement: content, emotion and style.
 
 Chhatre et al., CVPR 2024, section 3.2 and appendix B: three audio spectrogram transformers hear a
 filterbank, a fusion and a decoder rebuild it from their three latents.
@@ -20,7 +20,7 @@ from generators.amuse.config import SPEECH_PARTS, SpeechConfig
 
 
 class DisentangledSpeech(NamedTuple):
-    """What the speech model says of filterbanks, one row for each.
+    """The speech model's output for filterbanks, one row each.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ def ast_config(config: SpeechConfig) -> ASTConfig:
 
 
 class SpeechEncoder(nn.Module):
-    """One of the three encoders: E_c, E_e or E_s; with a head where it tells classes apart."""
+    """One of the three encoders, E_c, E_e or E_s, with a head if it classifies."""
 
     def __init__(self, config: SpeechConfig, classes: int | None = None) -> None:
         super().__init__()
@@ -125,12 +125,12 @@ class SpeechModel(nn.Module):
         self.decoder = SpeechDecoder(config)
 
     def latent(self, part: str, filterbank: Tensor) -> Tensor:
-        """Return one latent (batch, latent) of filterbanks; the other encoders are not asked."""
+        """Return one latent (batch, latent) of filterbanks; the other encoders do not run."""
         latent: Tensor = self.get_submodule(part)(filterbank)[0]
         return latent
 
     def forward(self, filterbank: Tensor) -> DisentangledSpeech:
-        """Return what is heard in filterbanks (batch, frames, bands)."""
+        """Return the latents of filterbanks (batch, frames, bands)."""
         content, _ = self.content(filterbank)
         emotion, emotion_logits = self.emotion(filterbank)
         style, style_logits = self.style(filterbank)
@@ -141,7 +141,7 @@ class SpeechModel(nn.Module):
 class SpeechAutoencoder(nn.Module):
     """Eight linear layers around one latent of cepstral coefficients (appendix C.3).
 
-    It stands in the speech model's place where that is left out. Its latent counts as content; no
+    It replaces the speech model where that is left out. Its latent counts as content; no
     part of the speech can be swapped.
     """
 
@@ -181,5 +181,5 @@ AnySpeechModel = SpeechModel | SpeechAutoencoder
 
 
 def make_speech_model(config: SpeechConfig) -> AnySpeechModel:
-    """Return a fresh speech model, or what stands in its place."""
+    """Return an untrained speech model, or the auto-encoder that replaces it."""
     return SpeechAutoencoder(config) if config.mfcc else SpeechModel(config)

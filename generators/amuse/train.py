@@ -1,4 +1,4 @@
-"""Training AMUSE's motion prior and denoiser on recordings, told what a speech model hears."""
+"""Training AMUSE's motion prior and denoiser on recordings and a speech model's latents."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ from training.run.passes import Pass
 from training.run.task import WindowTask
 
 MOST_HELD_OUT: Final = 128
-"""At most so many windows tell how well held-out takes are known."""
+"""Largest number of windows by which held-out takes are measured."""
 
 MOST_INITIAL: Final = 1_000
-"""At most so many windows tell the mean of the motion."""
+"""Largest number of windows by which the motion's mean is estimated."""
 
 DRAWS: Final = 4
 """How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
 _SHORTEST_WAVE: Final = 12
-"""Frames of the fastest wave that tells the time."""
+"""Frames of the fastest wave of the time encoding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +72,7 @@ class MotionTask(WindowTask):
     align_steps : int
         Of DDIM in the third pass.
     named : float
-        How often emotion, and style, are told by the mean latent of their label.
+        How often emotion, and style, are given by the mean latent of their label.
     means : mapping of str to (mapping of str to Tensor)
         These, see `SpeechNetwork.latents`.
     training, held_out : Windows
@@ -91,7 +91,7 @@ class MotionTask(WindowTask):
         windows = self.training.batch(evenly_spaced(self.examples, MOST_INITIAL))
         if isinstance(model.prior, MotionPrior):
             initialise_prior(model.prior, torch.from_numpy(windows["motion"]))
-        # All parts of the speech are to count alike.
+        # All parts of the speech have the same weight.
         latents_by_part = self._split_latents(torch.from_numpy(windows["latents"][:, 0]))
         for part, latents in zip(SPEECH_PARTS, latents_by_part, strict=False):
             layer = model.denoiser.get_submodule(f"{part}.1")
@@ -110,7 +110,7 @@ class MotionTask(WindowTask):
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
 
-        All count, whatever is learned by, so that ablations are measured alike.
+        All losses count, also those not trained by, so that ablations are comparable.
         """
         rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
         weights = (
@@ -125,7 +125,7 @@ class MotionTask(WindowTask):
         values = self.tensors(windows, rows)
         noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (DRAWS, len(rows))).to(self.device)
-        # All frames of a window are told the same of its speech.
+        # All frames of a window get the same latents of its speech.
         latents = self._split_latents(values["latents"][:, :1])
         if self.named and windows is self.training:
             latents = self._with_label_means(latents, windows.takes(rows))
@@ -175,7 +175,7 @@ def initialise_prior(prior: MotionPrior, motion: Tensor) -> None:
     first_weights.decode_components(prior.final_layer, components)
 
     def times(count: int) -> Tensor:
-        """Return what tells the time of `count` evenly spaced moments of a window."""
+        """Return the time encoding of `count` evenly spaced moments of a window."""
         moments = (torch.arange(count) + 0.5) * config.frames / count
         slowest, fastest = math.pi / config.frames, 2 * math.pi / _SHORTEST_WAVE
         waves = first_weights.waves(moments, slowest, fastest, config.width - motion_width)
@@ -199,7 +199,7 @@ def speech_latents(
     """Return content, emotion and style of the window that begins at each `stride`-th frame.
 
     The frames up to the next window hold the same, and those behind the last window that fits.
-    They are heard on `device`, to which the speech model moves.
+    They are computed on `device`, to which the speech model moves.
     """
 
     def compute(take: Take) -> NDArray[np.float32]:

@@ -41,26 +41,26 @@ from training.run.batches import evenly_spaced
 from training.run.task import WindowTask
 
 MOST_QUADRUPLES: Final = 20_000
-"""Quadruples that are learned from, at most."""
+"""Largest number of training quadruples."""
 
 MOST_HELD_OUT: Final = 64
-"""At most so many windows tell how well held-out recordings are known."""
+"""Largest number of windows by which held-out recordings are measured."""
 
 MOST_INITIAL: Final = 200
-"""At most so many windows tell what patches are like."""
+"""Largest number of windows by which patches are analysed."""
 
 QUADRUPLE_SELF_ERROR: Final = "self of fours"
 """Self-reconstruction error of the very windows whose latents are swapped."""
 
 MFCC: Final = 13
-"""Cepstral coefficients that an auto-encoder hears."""
+"""Cepstral coefficients that an auto-encoder reads."""
 
 _AT_ONCE: Final = 16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpeechTask(WindowTask):
-    """Learning to take speech apart, and to put it together again.
+    """Learning to disentangle speech and to reconstruct it.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class SpeechTask(WindowTask):
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return `speech_losses` of quadruples that chance masks, shifts and makes noisy.
 
-        An auto-encoder rebuilds them as they are.
+        An auto-encoder reconstructs them unchanged.
         """
         windows = self.quadruples[rows].ravel()
         filterbanks = self._filterbanks(self.training, windows)
@@ -155,7 +155,7 @@ class SpeechTask(WindowTask):
 
     @cached_property
     def validation_rows(self) -> NDArray[np.int64]:
-        """Rows of `held_out` that tell how well held-out recordings are known."""
+        """Rows of `held_out` by which held-out recordings are measured."""
         labelled = self.classes.labelled_rows(self.held_out)
         return labelled[evenly_spaced(len(labelled), MOST_HELD_OUT)]
 
@@ -169,7 +169,7 @@ class SpeechTask(WindowTask):
     def _encode_held_out(
         self, network: SpeechModel, rows: NDArray[np.int64]
     ) -> tuple[Tensor, DisentangledSpeech]:
-        """Return held-out filterbanks, and what is heard in them."""
+        """Return held-out filterbanks and their latents."""
         filterbanks = self._filterbanks(self.held_out, rows)
         outputs = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
         return filterbanks, DisentangledSpeech(

@@ -14,7 +14,7 @@ from training.config import Preset, read_presets
 from training.diffusion import LINEAR
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
-"""What is told to what: see `DenoiserConfig.flow`."""
+"""Which branch conditions which: see `DenoiserConfig.flow`."""
 
 FLOWS: Final[tuple[Flow, ...]] = get_args(Flow)
 
@@ -44,7 +44,7 @@ class DenoiserConfig:
     gesture_width, expression_width : int
         Values of body and of face in a frame; a frame is the body's, then the face's.
     speakers : int
-        Length of the one-hot vector that tells who speaks.
+        Length of the speaker's one-hot vector.
     frames : int
         Frames of the windows it is trained on.
     frame_rate : float
@@ -61,7 +61,7 @@ class DenoiserConfig:
     longest : int
         Frames that have a position.
     flow : {'expression_to_gesture', 'gesture_to_expression', 'none', 'joint'}
-        Which branch is told the other's estimate of the clean motion: as the paper has it; the
+        Which branch gets the other's estimate of the clean motion: as in the paper; the
         other way round ('Reverse Direction'); none ('w/o x̂0'); or a single, wider branch for body
         and face together ('Naive Concat').
     detached : bool
@@ -229,7 +229,7 @@ def _check(valid: bool, problem: str, remedy: str) -> None:
 
 
 STRIDE: Final = 10
-"""Frames from one window to the next, as for BEAT in the release; of SHOW nothing is told."""
+"""Frames from one window to the next, as for BEAT in the release; for SHOW it is not known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -249,7 +249,7 @@ class TrainingPreset(Preset):
 
 
 PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), dict[str, TrainingPreset])
-"""By config, and by whose motion it tells."""
+"""By config and data set."""
 
 BEAT: Final = PRESETS["beat"]["beat"].network
 SHOW: Final = PRESETS["show"]["show"].network

@@ -38,7 +38,7 @@ from training.spaces.smplx_bodies import show_clip
 
 
 class DiffSheg(NetworkGenerator[DiffShegSettings]):
-    """Moves as a trained network tells (Chen et al. 2024), window after window by FOPPAS.
+    """Generates motion by a trained network (Chen et al. 2024), window by window with FOPPAS.
 
     Raises
     ------
@@ -86,7 +86,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         seed: int,
         window: StreamWindow | None = None,
     ) -> Iterator[NDArray[np.float64]]:
-        """Yield motion while somebody still speaks, as soon as it is settled.
+        """Yield motion of live speech as soon as it is final.
 
         How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
         A frame is settled at the latest when a window of motion and what `window` looks ahead have
@@ -99,7 +99,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         seed : int
             Not negative.
         window : StreamWindow, optional
-            What is heard around each second; by default four seconds before and one ahead.
+            Context of each second; by default four seconds before and one ahead.
 
         Yields
         ------
@@ -125,7 +125,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         seed: int,
         window: StreamWindow | None = None,
     ) -> Iterator[MotionClip]:
-        """Yield clips while somebody still speaks, as soon as they are settled.
+        """Yield clips of live speech as soon as they are final.
 
         One after the other they are the clip of all the speech at once, bit by bit.
 
@@ -188,7 +188,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         return make_clip(motion, self._network.denoiser.config.frame_rate)
 
     def _speaker_number(self, segment_speaker: str | None) -> int:
-        """Return the number of whom it moves as, when the speaker of that name is heard."""
+        """Return the number of the speaker to move as, for a segment's speaker."""
         known, requested = self._network.speakers, self._settings.speaker
         if known is not None:
             return known.resolve(requested, segment_speaker, self._settings.checkpoint)
@@ -204,7 +204,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         return requested
 
     def _facts(self, speaker: int, segment_speaker: str | None) -> dict[str, str]:
-        """Return what a clip's provenance says of network and sampling."""
+        """Return a clip's provenance of network and sampling."""
         config, sampling = self._network.denoiser.config, self._sampling
         speakers = self._network.speakers
         name = str(speaker) if speakers is None else speakers.names[speaker - 1]

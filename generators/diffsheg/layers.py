@@ -220,7 +220,7 @@ class Fusion(nn.Module):
         return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 
     def unconditioned(self, null: Tensor) -> Tensor:
-        """Return what is added where the learned vector `null` stands for v, (1, width)."""
+        """Return what is added if v is the learned vector `null`, (1, width)."""
         return self._narrow(self.widen(self.norm(null)))
 
     def _map(self, values: Tensor, first: int) -> Tensor:

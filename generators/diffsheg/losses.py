@@ -25,7 +25,7 @@ class LossWeights:
     velocity : float
         Of the motion's steps from frame to frame, equation 6.
     reconstruction : float
-        Of the motion itself, Huber's loss, equation 7.
+        Of the motion: Huber's loss, equation 7.
     turn : float
         Error of normalised values at which Huber's loss turns from square to straight, the
         paper's δ, of which it does not tell the value.

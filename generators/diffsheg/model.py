@@ -33,7 +33,7 @@ MEL_GAIN: Final = 2.0
 """The shared encoder reads mel bands doubled, as the released network's outputs show."""
 
 SILENCE: Final = 1e-4
-"""Power of a mel band that counts as silence, added before its logarithm is taken."""
+"""Power of silence, added to mel bands before the logarithm."""
 
 CONDITION_DROPOUT: Final = 0.2
 """Share of the training windows of a guided network that are given no conditions."""
@@ -191,7 +191,7 @@ class Denoiser(nn.Module):
 
     @property
     def ordered_branches(self) -> list[tuple[str, Branch]]:
-        """The branches by name; the first one's estimate is told to the second."""
+        """The branches by name; the second is conditioned on the first one's estimate."""
         return [
             (name, branch) for name, branch in self.branches.items() if isinstance(branch, Branch)
         ]
@@ -241,7 +241,7 @@ class Denoiser(nn.Module):
         return {name: branch.encode_speech(audio, hubert) for name, branch in self.ordered_branches}
 
     def estimate(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor | None:
-        """Return x̂0, which the next branch is told (equation 5); None where none is told."""
+        """Return x̂0, which conditions the next branch (equation 5), or None without one."""
         if self.config.flow in ("none", "joint"):
             return None
         x0_hat = LINEAR.x0_hat(x_t, eps, t)
@@ -261,7 +261,7 @@ class Denoiser(nn.Module):
 
 
 def _branch_layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
-    """Return each branch's name, its values of a frame, those it is told, and its width."""
+    """Return each branch's name, its values of a frame, its conditions, and its width."""
     no_values = slice(0, 0)
     body = slice(0, config.gesture_width)
     face = slice(config.gesture_width, config.motion_width)

@@ -35,7 +35,7 @@ _STATISTICS_REMEDY: Final = (
 
 
 def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
-    """Return the released network, ready to be asked.
+    """Return the released network, ready to run.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ _NETWORK: Final = NetworkKind(name="diffsheg", wanted="a DiffSHEG network")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionNetwork:
-    """A network that tells motion.
+    """A network that generates motion.
 
     Attributes
     ----------
@@ -158,11 +158,11 @@ class MotionNetwork:
     normalisation : Normalisation
         Of its values.
     speakers : Speakers or None
-        Whom it learned from; None where only their numbers are known, as of a released network.
+        Its speakers; None if only their numbers are known, as of a released network.
     hubert : str or None
-        Which network heard the speech for it, `Hubert.identity`; None where nobody knows.
+        The `Hubert.identity` of its features; None if unknown.
     training : mapping
-        How it was trained, as JSON values; empty where nobody knows.
+        How it was trained, as JSON values; empty if unknown.
     """
 
     denoiser: Denoiser

@@ -167,7 +167,7 @@ def draw_noise(
 ) -> WindowNoise:
     """Return the noise of a window of `shape`, frames and values, which may continue another one.
 
-    It is drawn where `random` is, so that other devices move alike.
+    It is drawn on the device of `random`, so that all devices give the same motion.
     """
     steps = len(sampling.later_walk) - 1 if continues else 0
     start, *later = (torch.randn(1, *shape, generator=random) for _ in range(1 + steps))
@@ -340,7 +340,7 @@ class WindowSampler:
         ]
 
     def _encode_speech(self, window: Window) -> dict[str, list[FusedSpeech]]:
-        """Return what each branch is told of the speech at each place of the window's walk."""
+        """Return each branch's speech condition at each place of the window's walk."""
         places = self._sampling.entry if window.noise.continues else self._sampling.steps
         modulations = {
             name: [modulation[:places] for modulation in blocks]

@@ -52,21 +52,21 @@ VALIDATION_WINDOWS: Final = 1024
 fewer: with other noise."""
 
 SELECTION_METRIC: Final = "noise_and_reconstruction"
-"""What of held-out windows chooses the weights that are kept."""
+"""The measure of held-out windows by which the best weights are chosen."""
 
 _VALIDATION_BATCH: Final = 64
 """Held-out windows that are looked at together."""
 
 _MOST_COVARIANCE_WINDOWS: Final = 5_000
-"""At most so many windows tell the covariance of the motion."""
+"""Largest number of windows by which the motion's covariance is estimated."""
 
 _VALIDATION_SEED: Final = 24
-"""Of the noise in held-out windows, which never changes."""
+"""Seed of the noise in held-out windows, which never changes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiffShegTask(WindowTask):
-    """Learning which noise is in windows of motion, told the speech.
+    """Learning to predict the noise in windows of motion, given the speech.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class DiffShegTask(WindowTask):
     normalisation : Normalisation
         Of the takes in `training`.
     speakers : Speakers
-        Whom it learns from.
+        The speakers of the training data.
     """
 
     config: DenoiserConfig
@@ -89,7 +89,7 @@ class DiffShegTask(WindowTask):
     speakers: Speakers
 
     def network(self) -> Denoiser:
-        """Return a fresh network, which knows the covariance of the motion where it has a skip."""
+        """Return an untrained network, with the motion's covariance if it has a skip."""
         network = Denoiser(self.config)
         if self.config.skip:
             network.fit_skips(self._covariance_windows)
@@ -161,7 +161,7 @@ class DiffShegTask(WindowTask):
 
 @contextmanager
 def _unguided(network: Denoiser) -> Iterator[None]:
-    """Let a guided network, in evaluation mode, say what it says when told the speech."""
+    """Turn off a network's guidance, in evaluation mode."""
     branches = [one for one in network.branches.values() if isinstance(one, Branch)]
     guidances = [branch.guidance for branch in branches]
     try:
@@ -174,7 +174,7 @@ def _unguided(network: Denoiser) -> Iterator[None]:
 
 
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
-"""As whose motion the recordings of a layout are told."""
+"""The data set whose motion representation the recordings of a layout have."""
 
 
 def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
@@ -185,7 +185,7 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
     dataset : {'beat', 'show'}
         As whose motion that of the takes is told; BEAT2's is SHOW's.
     hubert : Hubert
-        The network that hears.
+        The speech network.
     frame_rate : float
         Frames per second of all of them.
 
@@ -304,7 +304,7 @@ def normalisation_of(prepared: PreparedTakes) -> Normalisation:
 
 
 def _measure_untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
-    """Return what a network that learned nothing makes of the held-out windows."""
+    """Return an untrained network's measures of held-out windows."""
     with torch.random.fork_rng(devices=[]), torch.no_grad():
         torch.manual_seed(seed)
         return dict(task.validation(Denoiser(task.config).to(task.device).eval()))

@@ -95,7 +95,7 @@ def solve_limb(
 
 
 def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
-    """Return the share of the limb's length to span: itself, eased off near a straight limb."""
+    """Return the share of the limb's length to span, eased off near a straight limb."""
     margin = _STRAIGHTEST - comfort
     excess = np.maximum(share - comfort, 0)
     eased = np.minimum(share, comfort) + margin * np.tanh(excess / margin)
@@ -245,7 +245,7 @@ def _pose_arm(
 def _pose_leg(
     poses: FloatArray, joints: FloatArray, turns: FloatArray, side: str, sign: float
 ) -> None:
-    """Write hip, knee and ankle of one leg into `poses`, the foot staying where it stands."""
+    """Write hip, knee and ankle of one leg into `poses`, with the foot fixed."""
     hip, knee, ankle = (joint_index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle"))
     leg = Limb(
         upper=REST_JOINTS[knee] - REST_JOINTS[hip],

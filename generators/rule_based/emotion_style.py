@@ -65,7 +65,7 @@ class GestureManner:
 
 @dataclass(frozen=True, kw_only=True)
 class Posture:
-    """How an emotion stands; all in degrees.
+    """The posture of an emotion; all in degrees.
 
     Attributes
     ----------

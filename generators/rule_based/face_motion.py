@@ -48,7 +48,7 @@ def move_face(
     ----------
     style : EmotionStyle
     audio, prosody : Audio, Prosody
-        What is heard.
+        The speech.
     head_in_world : ndarray, shape (T, 3)
         Turn of the head in degrees; the eyes make up for it.
     times : ndarray, shape (T,)
@@ -93,7 +93,7 @@ def _accent_pulses(prosody: Prosody, times: FloatArray) -> FloatArray:
 
 
 def _sides(name: str) -> tuple[str, ...]:
-    """Return the ARKit actions that `name` means: itself, or its left and right one."""
+    """Return the ARKit actions that `name` means: that one, or its left and right ones."""
     return (name,) if name in ARKIT_NAMES else (f"{name}Left", f"{name}Right")
 
 

@@ -1,4 +1,4 @@
-"""The rule-based generator: the parts put together."""
+"""The rule-based generator, from its parts."""
 
 from __future__ import annotations
 

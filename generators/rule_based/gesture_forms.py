@@ -1,4 +1,4 @@
-"""The gestures that the rules know: where the hand goes, how it is held, how the stroke runs.
+"""The gestures of the rules: position and shape of the hand, and the course of the stroke.
 
 All are gestures that accompany speech rather than replace it: beats, and the open-hand and
 precision families that work like beats (Kendon 2004, *Gesture*, ch. 12-13; McNeill 1992, ch. 3).

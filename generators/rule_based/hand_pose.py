@@ -23,7 +23,7 @@ class HandShape:
 
 @dataclass(frozen=True, kw_only=True)
 class HandPose:
-    """Where a hand is and how it is held.
+    """Position and orientation of a hand.
 
     Attributes
     ----------

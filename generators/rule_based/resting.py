@@ -1,4 +1,4 @@
-"""How both hands rest between gestures: nobody keeps one pose, and none is quite still."""
+"""How both hands rest between gestures: in changing poses, and never quite still."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ class Idling:
     Attributes
     ----------
     own : mapping of str to ndarray
-        What each hand does by itself.
+        The motion of each hand.
     together : mapping of str to ndarray
         What both do as one, which leaves them where they are to each other.
     on_accents : ndarray

@@ -46,13 +46,13 @@ class NetworkConfig:
     hops : int
         Bones that are connected, or connected through a third one, are neighbours: 2.
     faces, poses : bool
-        Whether it tells faces, and poses; without one of them is 'w/o Face Synthesis' and
+        Whether it generates faces, and poses; without one of them is 'w/o Face Synthesis' and
         'w/o Pose Synthesis'.
     face_graph, pose_graph : bool
         Whether it has the higher graphs of components; without is 'w/o Face AC Graph' and
         'w/o Pose AC Graph'.
     synchronous : bool
-        Whether both are told from one embedding; two networks are 'w/o Synchronous Synthesis'.
+        Whether both are generated from one embedding; two networks are 'w/o Synchronous Synthesis'.
     """
 
     speakers: int
@@ -90,7 +90,7 @@ class NetworkConfig:
 
     @property
     def modalities(self) -> tuple[tuple[str, ...], ...]:
-        """What is told together: of each network the modalities."""
+        """The modalities of each network."""
         names = tuple(name for name, used in (("face", self.faces), ("pose", self.poses)) if used)
         return (names,) if self.synchronous else tuple((name,) for name in names)
 
@@ -107,7 +107,7 @@ class NetworkConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class LossWeights:
-    """How much each loss counts; the paper tells no number.
+    """The weights of the losses; the paper gives no numbers.
 
     All distances are means over frames and values, in units of how far the recordings' values
     spread, so that faces count as much as poses do.

@@ -43,7 +43,7 @@ that they share."""
 
 
 class S2ue(NetworkGenerator[S2ueSettings]):
-    """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024)."""
+    """Generates face and upper body by a trained network (Bhattacharya et al. 2024)."""
 
     name = "s2ue"
     version = "3"
@@ -74,7 +74,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         words: NDArray[np.float32] | None = None,
         segment_speaker: str | None = None,
     ) -> Iterator[NDArray[np.float64]]:
-        """Yield motion while somebody still speaks, as soon as it is settled.
+        """Yield motion of live speech as soon as it is final.
 
         How the speech is cut into pieces changes nothing. A frame is settled at the latest when a
         window of motion behind it, 34 frames, and a tenth of a second more have been heard.
@@ -86,9 +86,9 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         seed : int
             Not negative.
         words : ndarray, shape (frames, width), optional
-            See `training.hearing.word_vectors.word_rows`; by default nobody knows what is said.
+            See `training.hearing.word_vectors.word_rows`; by default the words are unknown.
         segment_speaker : str, optional
-            Who speaks, and so moves unless the settings say who does.
+            The speaker, whose motion it is unless the settings name another.
 
         Yields
         ------
@@ -117,7 +117,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
 
     def _name(self, segment_speaker: str | None) -> str:
-        """Return whom it moves as: one whom it learned from, or somebody between all of them."""
+        """Return the speaker to move as: one of its speakers, or a mixture of them."""
         speakers, requested = self._network.speakers, self._settings.speaker
         if requested == MIXED_SPEAKER:
             return MIXED_SPEAKER
@@ -170,7 +170,7 @@ def synthesise_windows(
     person: Tensor,
     noise: Tensor,
 ) -> Iterator[NDArray[np.float64]]:
-    """Yield values of motion (some frames, 27 + 3 L), as soon as they are settled.
+    """Yield values of motion (some frames, 27 + 3 L) as soon as they are final.
 
     Of each window the first frames are what the one before ended with; from there it goes over
     smoothly to where it would be by itself. The first one begins at rest, as recordings do.
@@ -180,7 +180,7 @@ def synthesise_windows(
     windows : iterable of HeardWindow
         What is heard.
     words : ndarray, shape (frames, width), optional
-        The vector of the word in each frame of the speech; None where nobody knows the words.
+        The vector of the word in each frame of the speech; None if the words are unknown.
     network : Network
         In evaluation mode.
     person, noise : Tensor

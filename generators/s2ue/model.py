@@ -133,7 +133,7 @@ class Discriminator(nn.Module):
 
 
 class PhonemePredictor(nn.Module):
-    """Where the lips are for what is heard (equation 15): convolutions, then full layers."""
+    """Predicts the lips from sound (equation 15): convolutions, then fully connected layers."""
 
     def __init__(self, config: NetworkConfig, lips: int) -> None:
         super().__init__()
@@ -163,12 +163,12 @@ class Network(nn.Module):
     config : NetworkConfig
         Their sizes.
     face : FaceLandmarks
-        Whose shifts they tell.
+        The landmarks.
 
     Attributes
     ----------
     lips : list of int
-        Landmarks that the phoneme predictor tells: of the lips all but their corners.
+        Landmarks that the phoneme predictor predicts: of the lips all but their corners.
     """
 
     mean: Tensor
@@ -208,7 +208,7 @@ class Network(nn.Module):
     ) -> tuple[Tensor, Latents]:
         """Return values of motion (B, T, 27 + 3 L), and the latents of who speaks.
 
-        What the network does not tell, as the face without faces, is the recordings' mean.
+        What the network does not generate, as the face without faces, is the recordings' mean.
 
         Parameters
         ----------

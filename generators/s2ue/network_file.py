@@ -24,16 +24,16 @@ _NETWORK: Final = NetworkKind(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class S2ueNetwork:
-    """A network that tells motion.
+    """A network that generates motion.
 
     Attributes
     ----------
     network : Network
         In evaluation mode, on the CPU.
     speakers : Speakers
-        Whom it learned from.
+        Its speakers.
     vectors : str
-        Whose vectors of words it learned from.
+        The word vectors that it was trained with.
     training : mapping
         How it was trained, as JSON values.
     """

@@ -44,10 +44,10 @@ STRIDE: Final = 10
 """Frames from one window of a take to the next, as the TED Gesture data is cut."""
 
 MOST_HELD_OUT: Final = 256
-"""At most so many windows tell how well held-out takes are known."""
+"""Largest number of windows by which held-out takes are measured."""
 
 _MOST_STATISTICS_WINDOWS: Final = 4_000
-"""At most so many windows tell how the values of recordings spread."""
+"""Largest number of windows by which the spread of values is estimated."""
 
 _Settings = TypeVar("_Settings", NetworkConfig, LossWeights)
 _Batch = Mapping[str, Tensor]
@@ -56,7 +56,7 @@ _Batch = Mapping[str, Tensor]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class S2ueTask(WindowTask):
-    """Learning to move as somebody does who says something, from how they began.
+    """Learning to continue a speaker's motion to their speech.
 
     Attributes
     ----------
@@ -67,9 +67,9 @@ class S2ueTask(WindowTask):
     training, held_out : Windows
         Of the features ``motion``, ``sound``, ``spectrum`` and ``words``.
     face : FaceLandmarks
-        Whose shifts motion tells.
+        The landmarks of the motion.
     speakers : Speakers
-        Whom it learns from.
+        The speakers of the training data.
     """
 
     config: NetworkConfig
@@ -119,7 +119,7 @@ class S2ueTask(WindowTask):
     def validation(self, network: Network) -> Mapping[str, float]:
         """Return equations 17 and 16 of held-out windows, as their speakers on the average.
 
-        All of equation 17 counts, whatever is learned by, so that ablations are measured alike.
+        All of equation 17 counts, also losses not trained by, so that ablations are comparable.
         """
         rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
         batch = self._batch(self.held_out, rows)

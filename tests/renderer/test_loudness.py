@@ -86,7 +86,7 @@ def test_peaks_stay_below_the_ceiling_and_a_missed_target_is_noted() -> None:
 
 
 @pytest.mark.parametrize(
-    ("audio", "why"),
+    ("audio", "message"),
     [
         (tone(SHORTEST - 0.05, 0.5), "too short"),
         (tone(2, 0), "it is silent"),

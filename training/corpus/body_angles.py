@@ -190,11 +190,11 @@ _BENT: Final = MappingProxyType({"1": 1.0, "2": 1.1, "3": 0.8})
 """How much of a finger's curl each of its joints takes."""
 
 _NECK_SHARE: Final = 0.55
-"""Of the head's angles, in the lower of the two joints that BEAT's prepared files tell."""
+"""Share of the head's angles in the lower of the two joints of BEAT's prepared files."""
 
 
 def joint_rotations(angles: BodyAngles) -> FloatArray:
-    """Return the rotations of BEAT's told joints.
+    """Return the rotations of BEAT's 47 joints.
 
     Parameters
     ----------

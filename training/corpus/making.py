@@ -46,7 +46,7 @@ class CorpusResult:
 def make_corpus(
     folder: Path, request: CorpusRequest, *, processes: int = 1, show: Show | None = None
 ) -> CorpusResult:
-    """Make a corpus in `folder`; takes that are there already are kept.
+    """Make a corpus in `folder`; takes that exist already are not remade.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def _record_takes(
 
 
 def _prepare_process() -> None:
-    """Leave interruptions to the parent, which lets takes that are begun be finished."""
+    """Leave interruptions to the parent, which lets started takes finish."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threadpool_limits(1)
 

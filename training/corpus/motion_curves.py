@@ -69,7 +69,7 @@ def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCu
     Parameters
     ----------
     body : ndarray, shape (T, 141)
-        Axis-angle in radians of BEAT's told joints.
+        Axis-angle in radians of BEAT's 47 joints.
     face : ndarray, shape (T, 51)
         ARKit weights.
     frame_rate : float

@@ -56,7 +56,7 @@ class PlannedTake:
     emotion : str
         One of `motion.segment.EMOTIONS`.
     text : str
-        What is said.
+        The text.
     take : int
         Which take of it, from 1.
     split : {'train', 'validation', 'test'}
@@ -155,7 +155,7 @@ def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
         Which one, from 0. Passages repeat when openings have met all closings: after 81, or 9
         where `unheard`. The first 9, or 3, share no sentence.
     unheard : bool
-        Whether it is made of the sentences that are kept for testing.
+        Whether it consists of the sentences reserved for testing.
 
     Returns
     -------

@@ -26,7 +26,7 @@ VERSION: Final = "4"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Process:
-    """What makes one take move: who speaks what, and how it is felt.
+    """The causes of one take's motion: speaker, speech and emotion.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Process:
         Returns
         -------
         ndarray, shape (T, 141)
-            Axis-angle in radians of BEAT's told joints, ``T = round(duration * frame_rate)``.
+            Axis-angle in radians of BEAT's 47 joints, ``T = round(duration * frame_rate)``.
         """
         times = self._times(frame_rate)
         angles = body_angles(

@@ -144,7 +144,7 @@ def record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
     """
     files = RecordingFiles.of(corpus, take)
     write_wav(files.speech, _speak(take))
-    # The process hears what is in the file, so that anybody can compute the same from it.
+    # The process reads the file's samples, so that the same can be computed from the file.
     process = Process.from_speech(read_audio(files.speech), take.emotion, take.speaker)
     chance = Chance(seed=take.seed)
     write_bvh(

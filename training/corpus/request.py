@@ -1,4 +1,4 @@
-"""Which corpus is wanted, how BEAT would name its recordings, and what it says of itself.
+"""The request of a corpus, its recordings' names as in BEAT, and its self-description.
 
 A recording is ``{number}_{name}_0_{start}_{end}``; start and end are numbers of texts, and each
 emotion has its own. No two recordings of a speaker have the same pair. ``corpus.json`` in the

@@ -1,4 +1,4 @@
-"""The speakers of the corpus: what in their motion and voice is theirs whatever they say.
+"""The speakers of the corpus: traits of their motion and voice.
 
 How they move in each emotion stands in ``emotions.toml``.
 """

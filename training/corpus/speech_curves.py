@@ -1,4 +1,4 @@
-"""What the process hears of speech: loudness, pitch, how bright it is, and where strokes lie.
+"""Curves of speech that drive the process: loudness, pitch, brightness, and times of strokes.
 
 Definitions
 -----------
@@ -82,7 +82,7 @@ class SpeechCurves:
 
 
 def analyse_speech(speech: Audio) -> SpeechCurves:
-    """Return what the process hears of `speech`.
+    """Return the curves of `speech`.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def _brightness(samples: FloatArray, steps: int) -> FloatArray:
 
 
 def _with_length(values: FloatArray, steps: int) -> FloatArray:
-    """Return `values` cut to `steps`, or with the last one held."""
+    """Return `values` cut to `steps`, or with the last one repeated."""
     return values[np.minimum(np.arange(steps), len(values) - 1)]
 
 

@@ -33,7 +33,7 @@ class Truth:
     emotion, text : str
         How it is spoken, and what.
     speaker : int
-        The number of who speaks.
+        The speaker's number.
     seed : tuple of int
         Of all random numbers of the take, as `training.corpus.chance.Chance` takes it.
     """

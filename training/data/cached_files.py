@@ -105,7 +105,7 @@ class CachedArray:
 
 
 def write_array(path: Path, values: FloatArray) -> None:
-    """Write `values` to `path` (``.npy``), and a seal beside it that shows the file is intact."""
+    """Write `values` to `path` (``.npy``), and a seal in its folder that shows it is intact."""
     with replacing(path) as draft:
         np.save(draft, values, allow_pickle=False)
     write_text(_seal_of(path), FileState.of(path).model_dump_json())

@@ -1,1 +1,1 @@
-"""Speech as networks hear it."""
+"""Features of speech for networks."""

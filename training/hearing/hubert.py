@@ -1,4 +1,4 @@
-"""What is said, as HuBERT hears it: 1024 channels, 50 times a second.
+"""HuBERT's features of speech: 1024 channels, 50 times a second.
 
 Hsu et al. 2021. Its weights are a gigabyte that belongs to nobody's installation: they are read
 from a folder that the researcher names, and nothing is ever fetched. Without them another network
@@ -32,12 +32,12 @@ from training.device import check_device
 from training.released_weights import CONFIG, WEIGHTS, SavedNetworks
 
 WINDOW: Final = 400
-"""Samples that a feature looks at itself, as HuBERT's first layers do."""
+"""Samples of a feature's window, as of HuBERT's first layers."""
 
 HOP: Final = 320
 _BANDS: Final = 40
 _OFFSETS: Final = tuple(range(-24, 25, 4))
-"""Features before and after, of which each tells: half a second on either side."""
+"""Features on either side that each one depends on: half a second."""
 
 _STRESS_OFFSETS: Final = tuple(range(-36, 37, 2))
 """The same of loudness and syllables: seven tenths of a second, in which an arm is raised."""
@@ -54,7 +54,7 @@ _CENTRE, _SPREAD = 1.0, 4.5
 
 @dataclass(frozen=True, eq=False)
 class HubertOutput:
-    """What was heard, named as transformers' networks name it.
+    """The features, named as in transformers' outputs.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class _Network(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Hubert:
-    """A network that hears speech.
+    """A network of speech features.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class Hubert:
     stands_in : bool
         Whether its weights are seeded and not learned.
     identity : str
-        Equal for networks that hear alike, wherever their weights lie.
+        Equal for networks with the same features, wherever their weights are.
     device : str
         Where the network is.
     """
@@ -181,7 +181,7 @@ class Hubert:
     device: str = "cpu"
 
     def to_device(self, device: str) -> Hubert:
-        """Return the network, moved to a device; what it hears still comes back to the CPU.
+        """Return the network, moved to a device; its features still come back to the CPU.
 
         Raises
         ------
@@ -244,7 +244,7 @@ def check_hubert(folder: Path) -> None:
 
 
 def stand_in() -> Hubert:
-    """Return what stands in for HuBERT where its weights are not at hand: `SoundContext`."""
+    """Return the stand-in for HuBERT without its weights: `SoundContext`."""
     name = f"stand-in for HuBERT, pitch bands and syllables of a second, seed {_SEED}"
     network = SoundContext(FEATURES, _SEED).eval()
     return Hubert(network=network, description=name, stands_in=True, identity=name)
@@ -270,10 +270,10 @@ def interpolate_features(features: Tensor, positions: Tensor) -> Tensor:
 
 
 def feature_positions(times: NDArray[np.float64]) -> Tensor:
-    """Return which feature lies at each of `times`, in seconds from the first sample heard."""
+    """Return the index of the feature at each of `times`, in seconds from the first sample."""
     return torch.from_numpy(times * RATE)
 
 
 def sample_count(seconds: float) -> int:
-    """Return how many samples HuBERT hears in so many seconds."""
+    """Return the number of HuBERT's samples in so many seconds."""
     return round(seconds * SPEECH_RATE)

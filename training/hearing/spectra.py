@@ -1,4 +1,4 @@
-"""What is heard in bands of pitch: loudness a frame of motion, its cepstrum, and AMUSE's own bands.
+"""Spectra of speech: mel bands per frame of motion, their cepstrum, and AMUSE's filterbanks.
 
 AST and AMUSE read logarithms of Kaldi's mel bands, one row each 10 ms (Gong et al. 2021): frames of
 25 ms in a Hann window, standardised by the mean and the deviation that AMUSE's release states.
@@ -24,7 +24,7 @@ from motion.errors import InputError
 ROWS_PER_SECOND: Final = 100
 
 SHORTEST: Final = 0.5
-"""Seconds of speech below which nobody can be told apart."""
+"""Seconds of speech below which speakers cannot be distinguished."""
 
 SILENCE: Final = 1e-4
 """Largest amplitude up to which a recording is silent; 80 dB below the loudest."""

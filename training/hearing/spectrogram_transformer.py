@@ -1,4 +1,4 @@
-"""An audio spectrogram transformer (AST): what it sets out from, and what it hears while learning.
+"""An audio spectrogram transformer (AST): its initial weights and the augmentation of its input.
 
 Its first weights are those of another AST, or of a DeiT for images, of which Gong et al. 2021
 (section 2.2) make an AST. Or it sets out from the principal components of the patches that it is to
@@ -43,10 +43,10 @@ _TOKENS: Final = 2
 """For the class and for distillation, before the patches."""
 
 _COMPONENTS: Final = 64
-"""Principal components of a patch that an encoder hears at first; smaller ones are noise."""
+"""Principal components of a patch that an encoder uses at first; smaller ones are noise."""
 
 _INITIAL_SCALE: Final = 0.5
-"""Of a patch's components, and of the waves that tell its place."""
+"""Of a patch's components, and of the waves that encode its position."""
 
 
 def read_ast_weights(folder: Path, config: ASTConfig) -> dict[str, Tensor]:
@@ -88,7 +88,7 @@ def read_ast_weights(folder: Path, config: ASTConfig) -> dict[str, Tensor]:
 def _adapt_image_weights(weights: dict[str, Tensor], config: ASTConfig) -> dict[str, Tensor]:
     """Return a DeiT's weights for filterbanks: colours summed, places of patches fitted.
 
-    Of the grid of places the middle is taken, and stretched where it is too small.
+    The middle of the grid of positions is used, and stretched where it is too small.
     """
     patches = "embeddings.patch_embeddings.projection.weight"
     places = "embeddings.position_embeddings"

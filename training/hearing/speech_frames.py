@@ -1,4 +1,4 @@
-"""What a network is told of the speech, all at once or while somebody still speaks."""
+"""Speech features per frame of motion, of whole or of live speech."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ FloatArray = NDArray[np.float32]
 
 @dataclass(frozen=True, kw_only=True)
 class StreamWindow:
-    """How much speech is heard at once, and how much around it.
+    """How much speech is encoded at once, and its context.
 
     Attributes
     ----------
@@ -92,11 +92,11 @@ LONGEST_AT_ONCE: Final = 90.0
 square."""
 
 LONG_SPEECH_WINDOW: Final = StreamWindow(past=4, ahead=4.0, at_once=60)
-"""How longer speech is heard, such as the ten minutes of BEAT's conversations."""
+"""The window of longer speech, such as the ten minutes of BEAT's conversations."""
 
 
 def window_for(audio: Audio) -> StreamWindow | None:
-    """Return the window of `extract_frames` for `audio`; None where all of it is heard at once."""
+    """Return the window of `extract_frames` for `audio`; None if it is encoded at once."""
     return LONG_SPEECH_WINDOW if audio.duration > LONGEST_AT_ONCE else None
 
 
@@ -113,7 +113,7 @@ def extract_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[
     frame_rate : float
         Frames per second of the motion, whole for long speech.
     hubert : Hubert
-        The network that hears.
+        The speech network.
     """
     window = window_for(audio)
     if window is None:
@@ -159,9 +159,9 @@ def stream_frames(
     frame_rate : int
         Frames per second of the motion.
     hubert : Hubert
-        The network that hears.
+        The speech network.
     window : StreamWindow
-        What it hears at once, and around it.
+        What is encoded at once, and its context.
 
     Yields
     ------
@@ -196,7 +196,7 @@ def stream_frames(
 def _frames_of_excerpt(
     excerpt: Audio, seconds_before: int, count: int, frame_rate: float, hubert: Hubert
 ) -> SpeechFrames:
-    """Return `count` frames that begin so many whole seconds into what is heard around them."""
+    """Return `count` frames that begin so many whole seconds into their context."""
     skipped = round(seconds_before * frame_rate)
     mel = mel_bands(excerpt, frame_rate, skipped + count)[skipped:]
     times = seconds_before + np.arange(count) / frame_rate

@@ -1,4 +1,4 @@
-"""Windows of speech that overlap: as soon as they are heard, or under windows of motion."""
+"""Overlapping windows of speech: of live speech, or for windows of motion."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from training.hearing.speech_frames import at_speech_rate
 FloatArray = NDArray[np.float32]
 
 _BEFORE: Final = 1
-"""Whole seconds before a window that are heard with it."""
+"""Whole seconds of context before a window."""
 
 _AFTER: Final = 0.1
-"""Seconds behind a window that are heard with it."""
+"""Seconds of context after a window."""
 
 
 @dataclass(frozen=True)
 class SpeechWindow:
-    """What is heard in a window: MFCC and spectrogram, and which of its frames are speech.
+    """The features of a window: MFCC and spectrogram, and which of its frames are speech.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class SpeechWindow:
 def stream_windows(
     pieces: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
 ) -> Iterator[SpeechWindow]:
-    """Yield windows of speech as soon as they are heard.
+    """Yield windows of live speech as soon as they are complete.
 
     How the speech is cut into pieces changes nothing: all of it at once gives the same windows.
 

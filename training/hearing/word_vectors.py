@@ -1,4 +1,4 @@
-"""Vectors of words: FastText's where a researcher names them, a stand-in that knows no meaning."""
+"""Word vectors: FastText's if a researcher names them, or a stand-in without meaning."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class WordVectors(Protocol):
 
 @dataclass(frozen=True)
 class StandIn:
-    """Seeded vectors: the mean over a word's parts, so that words with common parts are alike."""
+    """Seeded vectors: the mean over a word's parts, so that words with common parts are similar."""
 
     width: int = WIDTH
     description: str = field(
@@ -74,7 +74,7 @@ def _ngram_vector(seed: int, width: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class TextVectors:
-    """FastText's ``.vec``: a header, then a line a word. Others than those asked for are passed."""
+    """FastText's ``.vec``: a header, then one line per word. Words not requested are skipped."""
 
     path: Path
     width: int
@@ -110,7 +110,7 @@ class TextVectors:
 
 @dataclass(frozen=True, eq=False)
 class BinaryVectors:
-    """FastText's ``.bin``, which knows parts of words and so every word; gensim reads it."""
+    """FastText's ``.bin``, which has parts of words and so every word; gensim reads it."""
 
     vectors: Any
     width: int
@@ -167,7 +167,7 @@ def _read_binary(path: Path) -> BinaryVectors:
 def word_rows(
     words: Sequence[Word], vectors: WordVectors, frames: int, frame_rate: float
 ) -> FloatArray:
-    """Return the vector of the word that is said in each frame, zeros where none is.
+    """Return the vector of the word in each frame, zeros where there is none.
 
     Returns
     -------

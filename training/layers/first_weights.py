@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 
 _LEAST_SPREAD: Final = 1e-3
-"""Of a principal component, or of what is heard; smaller ones are rounding."""
+"""Of a principal component or an input; smaller ones are rounding."""
 
 _SHARPNESS: Final = 3.0
 """How much more attention is paid to what is near in time."""
@@ -37,7 +37,7 @@ def principal_components(rows: Tensor, limit: int) -> Components:
 
 @torch.no_grad()
 def standardise_inputs(layer: nn.Module, values: Tensor) -> None:
-    """Let a fresh linear layer hear all inputs alike, whose spread `values` (n, in) tell."""
+    """Scale a new linear layer's inputs to equal spread, estimated from `values` (n, in)."""
     weight, bias = layer.get_parameter("weight"), layer.get_parameter("bias")
     weight.div_(values.std(dim=0).clamp_min(_LEAST_SPREAD))
     bias.sub_(weight @ values.mean(dim=0))
@@ -46,7 +46,7 @@ def standardise_inputs(layer: nn.Module, values: Tensor) -> None:
 def encode_components(
     layer: nn.Linear | nn.Conv2d, components: Components, size: float = 1.0, *, only: bool = False
 ) -> None:
-    """Let the first channels of a layer tell components, all of one size; alone, others nothing."""
+    """Let a layer's first channels be components of equal size; if `alone`, others are zero."""
     for weight in layer.parameters() if only else ():
         weight.zero_()
     rows = size * (components.directions / components.spread).T
@@ -56,7 +56,7 @@ def encode_components(
 
 
 def decode_components(layer: nn.Linear, components: Components) -> None:
-    """Let a layer make values of their components, which its first channels tell."""
+    """Let a layer compute values from their components in its first channels."""
     layer.weight.zero_()
     layer.weight[:, : len(components.spread)] = components.directions * components.spread
     layer.bias.copy_(components.mean)

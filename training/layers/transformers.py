@@ -1,4 +1,4 @@
-"""Transformers with skips, and transformers made ready to be asked on a processor.
+"""Transformers with skips, and transformers packed for a processor.
 
 Skips are those of Bao et al. 2023 (U-ViT) and Chen et al. 2023 (MLD). To be asked, layers are
 packed: faster, and the same to rounding. torch multiplies by MKL, which is slow on processors of
@@ -17,7 +17,7 @@ from transformers.modeling_utils import ALL_ATTENTION_FUNCTIONS
 
 
 class SkipTransformer(nn.Module):
-    """Transformer layers of which the first half is told to the second, as in a U-Net.
+    """Transformer layers with skips from the first half to the second, as in a U-Net.
 
     Parameters
     ----------

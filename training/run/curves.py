@@ -1,4 +1,4 @@
-"""A run as a picture: what each step lost, the learning rate, and what held-out examples say."""
+"""A picture of a run: training losses, the learning rate, and held-out measures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 
 
 def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
-    """Draw what the log of a run tells to the PNG file `path`.
+    """Draw the log of a run to the PNG file `path`.
 
     The loss is drawn large, the learning rate and everything else that was measured small below it.
     A line marks the step whose weights are `kept_step`. Equal logs make equal bytes.

@@ -1,4 +1,4 @@
-"""The processes that train one network together, and what they tell each other.
+"""The processes that train one network together, and their communication.
 
 A launcher (`training.run.launching`, torchrun, ``accelerate launch``) starts them, each with
 the same command; one process alone is a group of one.

@@ -30,7 +30,7 @@ _GRACE: Final = 30.0
 
 
 def group_size() -> int:
-    """Return how many processes train together, as the launcher of this one said; 1 without one."""
+    """Return how many processes train together, by this one's launcher; 1 without one."""
     return int(os.environ.get("WORLD_SIZE", "1")) if "LOCAL_RANK" in os.environ else 1
 
 
@@ -145,7 +145,7 @@ def _signals_passed_on(started: Sequence[subprocess.Popen[bytes]]) -> Iterator[N
 
 
 def _status(returncode: int) -> int:
-    """Return an exit status as a shell tells it: 128 and the signal that ended a process."""
+    """Return an exit status as of a shell: 128 plus the signal that ended a process."""
     return returncode if returncode >= 0 else 128 - returncode
 
 
@@ -159,7 +159,7 @@ _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
 class StopRequest:
-    """Whether somebody asked to stop."""
+    """Whether a stop was requested."""
 
     def __init__(self) -> None:
         self.times = 0

@@ -59,7 +59,7 @@ class Learner(Generic[Network]):
     config : TrainingConfig
         How.
     group : Group
-        The processes that learn together; each has a learner, and all stay alike.
+        The processes that learn together; each has a learner, and all stay equal.
 
     Raises
     ------
@@ -87,7 +87,7 @@ class Learner(Generic[Network]):
 
     @property
     def network(self) -> Network:
-        """The network as it is measured and kept: of the mean weights, where there is a mean."""
+        """The network that is measured and saved: with the mean weights, if there is a mean."""
         return self._network if self._average is None else self._average.network
 
     def learning_rate(self, step: int, update_pass: Pass | None = None) -> float:
@@ -104,7 +104,7 @@ class Learner(Generic[Network]):
         return rate * config.decay(epoch)
 
     def learning_rates(self, step: int) -> dict[str, float]:
-        """Return the learning rates of a step, from 0, as the log tells them."""
+        """Return the learning rates of a step, from 0, by their names in the log."""
         rates = {
             f"learning_rate_{update_pass.name}": self.learning_rate(step, update_pass)
             for update_pass in self._config.passes
@@ -115,7 +115,7 @@ class Learner(Generic[Network]):
     def learn(self, step: int) -> dict[str, float]:
         """Make a step, counted from 0, and return its losses over all processes.
 
-        Of several passes each tells its loss under its name; ``loss`` is the first one's.
+        Of several passes each has its loss under its name; ``loss`` is the first one's.
         """
         self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}
@@ -156,7 +156,7 @@ class Learner(Generic[Network]):
         config = self._config
         for settings in self._optimizer.param_groups:
             settings["lr"] = update.rate
-        # Weights without a gradient stay as they are, with their state of the optimizer.
+        # Weights without a gradient are unchanged, with their state of the optimizer.
         self._optimizer.zero_grad(set_to_none=True)
         with self._pass_weights.learning_only(self._network, update.name):
             losses = self._gradients(update)

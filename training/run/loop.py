@@ -50,7 +50,7 @@ class Trained(Generic[Network]):
 
 
 class TrainingStopped(KeyboardInterrupt):
-    """Somebody asked to stop; the state was saved, and the same call goes on from it.
+    """A stop was requested; the state was saved, and the same call resumes from it.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def train(
     config : TrainingConfig
         How.
     folder : RunFolder
-        Where the run is kept; made if needed. All processes read it, the leading one writes.
+        The run's folder; made if needed. All processes read it, the leading one writes.
     show : callable, optional
         Told about progress, in the leading process.
 
@@ -166,7 +166,7 @@ class _Run(Generic[Network]):
         )
 
     def _advance(self) -> None:
-        """Make one step, and look at held-out examples where it is time to."""
+        """Make one step, and measure held-out examples if it is due."""
         losses = self._learner.learn(self._step)
         rates = self._learner.learning_rates(self._step)
         self._step += 1
@@ -176,7 +176,7 @@ class _Run(Generic[Network]):
             self._validate()
 
     def _validate(self) -> Best:
-        """Measure held-out examples, and keep the weights where they do best so far."""
+        """Measure held-out examples, and keep the weights if they are the best so far."""
         measured = self._group.from_leader(self._measure() if self._group.leads else {})
         self._check_finite(measured)
         self._log.add({"step": self._step, "held_out": measured})
@@ -250,7 +250,7 @@ class _Run(Generic[Network]):
 
 @contextmanager
 def _generators_restored(device: str) -> Iterator[None]:
-    """Leave torch's generators as they were."""
+    """Restore torch's random generators."""
     with torch.random.fork_rng(devices=[torch.cuda.current_device()] if device == "cuda" else []):
         yield
 

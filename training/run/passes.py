@@ -21,7 +21,7 @@ class Pass:
     Attributes
     ----------
     name : str
-        By which the task is asked for the loss, and the log tells of it.
+        Its name for the task and in the log.
     parts : tuple of str
         Names of the network's modules or weights that learn, as in ``named_modules``; all of it
         where there are none.

@@ -99,12 +99,12 @@ class RunLog:
 
     @property
     def steps(self) -> int:
-        """How many steps the lines tell of."""
+        """The number of steps of the lines."""
         return int(self._lines[-1]["step"]) if self._lines else 0
 
     @property
     def ends_in_validation(self) -> bool:
-        """Whether held-out examples were looked at after the last step."""
+        """Whether held-out examples were measured after the last step."""
         return bool(self._lines) and "held_out" in self._lines[-1]
 
     @property

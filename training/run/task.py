@@ -31,7 +31,7 @@ class Task(Protocol[Network]):
 
     @property
     def examples(self) -> int:
-        """How many examples there are to learn from, without the held-out ones."""
+        """The number of training examples."""
         ...
 
     @property
@@ -72,7 +72,7 @@ class TaskInPasses(Task[Network], Protocol[Network]):
     ) -> Mapping[str, Tensor]:
         """Return the losses of a batch for the pass of that name, as `losses` does for all.
 
-        Weights that do not learn in the pass need no gradient while it is asked.
+        Weights that do not learn in the pass need no gradient meanwhile.
         """
         ...
 
@@ -83,7 +83,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowTask:
-    """What a `training.run.task.Task` of windows says of itself.
+    """The description of a `training.run.task.Task` of windows.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class WindowTask:
     weights : dataclass or mapping of str to float
         What counts how much.
     training, held_out : Windows
-        Of the features that the network is told and learns to give.
+        Of the network's conditions and targets.
     extra_settings : mapping
         What else makes this training another one than the next, as JSON values.
     device : str

@@ -1,1 +1,1 @@
-"""Motion as networks tell it."""
+"""Motion representations of networks."""

@@ -1,4 +1,4 @@
-"""BEAT's motion as DiffSHEG tells it: 47 joints' rotations and 51 facial weights a frame.
+"""BEAT's motion in DiffSHEG's representation: 47 joints' rotations and 51 facial weights a frame.
 
 Rotations are told on an idealised figure. Every speaker of BEAT has a skeleton of their own; they
 agree in their joints and in how the figure stands when nothing is turned: upright, arms level,
@@ -77,7 +77,7 @@ UPPER_BODY_JOINTS: Final = (
     *_MODELLED_TRUNK,
     *(f"{side}{name}" for side in ("Right", "Left") for name, *_ in _ARM),
 )
-"""The 47 joints whose rotations DiffSHEG tells, in its order. Of the others BEAT's prepared files
+"""The 47 joints of DiffSHEG's rotations, in its order. Of the others BEAT's prepared files
 hold nothing: hips and legs stand still, and the whole spine bends in its lowest joint."""
 
 
@@ -113,7 +113,7 @@ _BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 
 
 def body_values(motion: BvhMotion) -> FloatArray:
-    """Return the rotations of the told joints of a BEAT recording, (T, 141) axis-angle in radians.
+    """Return the rotations of a BEAT recording's 47 joints, (T, 141) axis-angle in radians.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def face_values(arkit: NDArray[np.float32]) -> FloatArray:
 def upper_body_motion(
     body: FloatArray, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
 ) -> BvhMotion:
-    """Return told rotations (T, 141) on a skeleton of BEAT; all other joints stay unturned.
+    """Return rotations (T, 141) on a skeleton of BEAT; all other joints are at rest.
 
     Parameters
     ----------

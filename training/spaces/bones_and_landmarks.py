@@ -1,4 +1,4 @@
-"""Motion as Speech2UnifiedExpressions tells it: directions of bones, and landmarks of the face.
+"""Speech2UnifiedExpressions' motion: directions of bones, and landmarks of the face.
 
 Bhattacharya et al. 2024, sections 3.1 and 3.2. A frame is nine unit vectors along the bones of ten
 joints of the upper body, then how far each landmark of the face is from where it is in the neutral

@@ -15,7 +15,7 @@ _LARGEST_ROUNDING: Final = 1e-6
 
 
 SMALLEST_DEVIATION: Final = 1e-5
-"""Least deviation that `mean_and_deviation` and `spread` tell, of what never changes."""
+"""Smallest deviation that `mean_and_deviation` and `spread` return, of constant values."""
 
 
 def mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:

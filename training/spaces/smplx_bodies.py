@@ -1,4 +1,4 @@
-"""SMPL-X bodies as numbers that networks tell.
+"""SMPL-X bodies in networks' representations.
 
 AMUSE tells a whole body: 55 joint rotations in 6D, and the translation (Zhou et al. 2019, "On the
 Continuity of Rotation Representations in Neural Networks"). Of each rotation matrix the first two
@@ -91,7 +91,7 @@ _JAW: Final = slice(_BODY, _BODY + 3)
 
 
 def show_values(clip: MotionClip) -> FloatArray:
-    """Return what DiffSHEG tells of a clip whose fingers are relative to SMPL-X's mean hands.
+    """Return DiffSHEG's values of a clip whose fingers are relative to SMPL-X's mean hands.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def show_values(clip: MotionClip) -> FloatArray:
 def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     """Return DiffSHEG's motion as a clip.
 
-    SHOW tells fingers relative to SMPL-X's mean hands, which only a licensed model holds; relaxed
+    SHOW's fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed
     hands take their place.
 
     Parameters
@@ -137,7 +137,7 @@ def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
 
 
 _AXIS_LENGTH: Final = 0.05
-"""Metres from a joint to the points beside it, about the radius of an arm."""
+"""Metres from a joint to the points around it, about the radius of an arm."""
 
 
 def _generations() -> list[tuple[list[int], list[int]]]:
@@ -152,7 +152,7 @@ def _generations() -> list[tuple[list[int], list[int]]]:
 _GENERATIONS: Final = _generations()
 
 _ORDER: Final = np.argsort([0, *(joint for found, _ in _GENERATIONS for joint in found)]).tolist()
-"""Where each joint stands among all generations."""
+"""Each joint's position in the order of generations."""
 
 
 class BodyPoints(nn.Module):

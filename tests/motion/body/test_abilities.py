@@ -69,7 +69,7 @@ def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
 
 
 @pytest.mark.parametrize("name", ["m.npy", "m.npz", "m.csv"])
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("transposed", [False, True])
 def test_matrix_is_read_in_every_format_either_way_round(
     tmp_path: Path, name: str, transposed: bool
 ) -> None:
@@ -84,7 +84,7 @@ def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "what"),
+    ("name", "content", "message"),
     [
         ("m.npy", np.zeros((100, 51)), r"shape \(100, 51\)"),
         ("m.npz", np.zeros(5200), r"shape \(5200,\)"),

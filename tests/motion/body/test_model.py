@@ -174,7 +174,7 @@ def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("broken", "what"),
+    ("broken", "message"),
     [
         (lambda a: {name: a[name] for name in a if name != "weights"}, "lacks weights"),
         (lambda a: a | {"weights": a["weights"][:, :52]}, "weights of the body model has shape"),
