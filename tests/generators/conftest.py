@@ -1,4 +1,4 @@
-"""Speech of known rhythm, and a small study of clips to take motion from."""
+"""Speech of known rhythm, and a small study of clips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The weights with which the released networks were asked for the reference's outputs."""
+"""The weights with which the released networks computed the reference outputs."""
 
 from __future__ import annotations
 

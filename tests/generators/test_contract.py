@@ -1,4 +1,4 @@
-"""What every registered generator promises."""
+"""The contract of every registered generator."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def test_a_frame_rate_that_gives_no_frame_is_refused(
 
 
 def counting(frames: int) -> MotionClip:
-    """A clip whose frames can be told apart: trans holds the frame's number."""
+    """A clip with distinct frames: trans holds the frame's number."""
     return clip_of(
         np.zeros((frames, 55, 3)), np.repeat(np.arange(float(frames))[:, None], 3, axis=1)
     )

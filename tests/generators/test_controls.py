@@ -1,4 +1,4 @@
-"""Mismatched: another segment's motion, nobody's own, everybody's a different one."""
+"""The control generators: static, mismatched and broken."""
 
 from __future__ import annotations
 

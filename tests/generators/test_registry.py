@@ -1,4 +1,4 @@
-"""The registry knows all generators and imports none of them before it must."""
+"""The registry lists all generators and imports each only when it is used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clips are kept for as long as their generator has the same version, which must be true."""
+"""A generator that gives other clips must have another version, by which clips are cached."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def _compile() -> None:
 
 @pytest.fixture
 def held(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[], None]]:
-    """Hold the lock of a temporary folder of this test's own; give how to let it go."""
+    """Hold the lock in this test's own temporary folder, and return its release."""
     load_librosa().util.localmax(np.zeros(4))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -49,7 +49,7 @@ def test_plain_functions_do_not_wait_for_another_process(held: Callable[[], None
 def test_compiled_functions_are_loaded_and_vectorised_ones_made_by_one_process_at_a_time(
     work: Callable[[], None], held: Callable[[], None]
 ) -> None:
-    # The lock of an open file holds a thread that opens it again as it holds another process.
+    # A file lock blocks a thread that opens the file again, as it blocks another process.
     with ThreadPoolExecutor(1) as other:
         done = other.submit(work)
         with pytest.raises(TimeoutError):

@@ -73,7 +73,8 @@ def test_hands_that_are_outside_stay_where_they_are(adduction: float, seed: int)
 
 
 @pytest.mark.parametrize(
-    ("file", "rate", "max_share"), [("2_scott_0_1_1.bvh", 15, 10), ("aitviewer_sample.bvh", None, 100)]
+    ("file", "rate", "max_share"),
+    [("2_scott_0_1_1.bvh", 15, 10), ("aitviewer_sample.bvh", None, 100)],
 )
 def test_real_hands_are_out_of_the_thighs(
     shared_data: Path, file: str, rate: float | None, max_share: int

@@ -1,4 +1,4 @@
-"""What a person reads where something they supplied cannot be used."""
+"""Messages about unusable input."""
 
 from __future__ import annotations
 

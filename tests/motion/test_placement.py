@@ -15,7 +15,7 @@ from tests.motion.random_clips import clip_of
 
 
 def upright_clip(seed: int, frames: int = 6) -> MotionClip:
-    """Return a clip of someone who leans and looks about a little while walking."""
+    """Return a clip of a person who leans and looks around a little while walking."""
     rng = np.random.default_rng(seed)
     poses = rng.uniform(-0.3, 0.3, (frames, 55, 3))
     return clip_of(poses, rng.uniform(-1, 1, (frames, 3)))

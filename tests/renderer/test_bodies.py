@@ -1,4 +1,4 @@
-"""What every avatar's body promises."""
+"""Properties of every avatar's body."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def test_people_face_the_viewer_with_open_eyes_at_rest(person: BodyModel) -> Non
 
 
 def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray[np.bool_]) -> int:
-    """Return how many of the marked vertices nothing of the skin lies in front of."""
+    """Return how many of the marked vertices the skin does not hide."""
     skin = body.faces[_of(body, "skin", "lash")[body.faces].all(axis=1)]
     a, b, c = (at[corner] for corner in skin.T)
     count = 0

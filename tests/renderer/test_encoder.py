@@ -17,7 +17,7 @@ NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.flo
 
 
 def heard(video: Path) -> tuple[list[bytes], bytes]:
-    """Return the encoded sound of a video, and its bit rate as a file tells it."""
+    """Return the encoded sound of a video, and its bit rate as in the file."""
     with av.open(str(video)) as container:
         stream: Any = container.streams.audio[0]
         rate = stream.codec_context.bit_rate.to_bytes(4, "big")

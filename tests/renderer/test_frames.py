@@ -26,7 +26,7 @@ from tests.renderer.golden_frames import assert_like_golden
 
 @pytest.fixture(scope="module")
 def on_llvmpipe(body: BodyModel, camera: Camera) -> None:
-    """Skip where something else than Mesa's software rasteriser draws: pixels would differ."""
+    """Skip unless Mesa's software rasteriser draws: pixels would differ."""
     with FrameRenderer(body.faces, surface_colours(body), camera, 64):
         gl: Any = import_module("OpenGL.GL")
         name = gl.glGetString(gl.GL_RENDERER).decode()
@@ -169,7 +169,7 @@ def test_a_video_frame_has_the_colours_of_the_picture(
         frame = next(stage.video_frames(part)).to_ndarray(format="rgb24").astype(float)
     size = small_look.size
     averaged = picture.reshape(size, 2, size, 2, 3).mean(axis=(1, 3))
-    # The test reads the frame back without being told that it is BT.709, hence only its luma.
+    # The test reads the frame back without knowing that it is BT.709, hence only its luma.
     weights = np.array([0.299, 0.587, 0.114])
     assert np.abs((averaged - frame) @ weights).mean() < 3
 

@@ -28,7 +28,7 @@ needs_espeak = pytest.mark.skipif(
 
 
 def loudness_by_another(audio: Audio) -> float:
-    """Return the loudness in LUFS as pyloudnorm, which shares no code with FFmpeg, has it."""
+    """Return the loudness in LUFS by pyloudnorm, which shares no code with FFmpeg."""
     meter = pyloudnorm.Meter(audio.sample_rate)
     return float(meter.integrated_loudness(audio.samples.astype(np.float64)))
 

@@ -119,7 +119,7 @@ def tone(seconds: float, pitch: float) -> Audio:
 
 
 def rendered(folder: Path, seconds: float) -> Path:
-    """Return a rendered clip with its own speech, which lies beside it."""
+    """Return a rendered clip with its speech, which is in the same folder."""
     write_wav(folder / "own.wav", tone(seconds, 200))
     speech = read_audio(folder / "own.wav", sample_rate=SOUND_RATE)
     with VideoWriter(folder / "clip.mp4", 64, 64, RATE, at_common_loudness(speech)) as writer:

@@ -1,4 +1,4 @@
-"""Videos are kept for as long as their version is the same, which must be true.
+"""Videos that look or sound different must have another version, by which they are cached.
 
 Where a change is wanted, raise the version in `renderer.look` and write its new numbers here.
 """
@@ -27,7 +27,7 @@ from tests.renderer.conftest import SECONDS
 from tests.support.fingerprint import fingerprint
 
 BLOCK = 16
-"""Pixels over which colours are averaged, so that rounding cannot be seen in them."""
+"""Pixels over which colours are averaged, so that rounding does not matter."""
 
 BODY = {"2": [0.64027, 0.00024, 0.0906]}
 VIDEOS = {"2": [-0.33847, -0.01861, 1.16539, -0.00989, -0.55042, -0.08854]}

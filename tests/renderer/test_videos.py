@@ -29,7 +29,7 @@ FRAMES = round(SECONDS * 30)
 
 @dataclass(frozen=True)
 class Studio:
-    """What draws the test clip with part of its speech, and pairs of it."""
+    """Renders the test clip with part of its speech, and pairs of it."""
 
     stage: Stage
     inputs: Path
@@ -43,7 +43,7 @@ class Studio:
         return outputs["video"], outputs["frames"]
 
     def compose(self, left: Path, right: Path, video: Path, **changes: Any) -> Path:
-        """Put frames beside each other, and return the video."""
+        """Compose frames side by side, and return the video."""
         given = {"look": self.look, **self._heard}
         write_pair(left=left, right=right, video=video, **(given | changes))
         return video
@@ -95,7 +95,7 @@ def video(request: pytest.FixtureRequest, rendered: tuple[Path, Path], pair: Pat
 
 
 def lasting(stream: VideoStream | AudioStream) -> Fraction:
-    """Return the seconds that a stream says it lasts."""
+    """Return the declared duration of a stream in seconds."""
     assert stream.duration is not None
     assert stream.time_base is not None
     return stream.duration * stream.time_base

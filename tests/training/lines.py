@@ -28,7 +28,7 @@ VALUES = ENTRIES @ torch.tensor([[1.0], [-2.0], [0.5]])
 
 @dataclass(frozen=True, kw_only=True)
 class LineTask(ABC, Generic[Network]):
-    """Learns from 32 examples; eight are kept back."""
+    """Learns from 32 examples; eight are held out."""
 
     settings: Mapping[str, Any] = field(default_factory=lambda: {"kind": "line"})
     data_sha256: str = "a" * 64
@@ -53,7 +53,7 @@ class LineTask(ABC, Generic[Network]):
         return {"loss": float(nn.functional.mse_loss(network(ENTRIES[32:]), VALUES[32:]))}
 
     def validation_of(self, network: Network) -> Mapping[str, float]:
-        """Return what is measured of a network outside of training."""
+        """Return the held-out measures of a network."""
         with torch.no_grad():
             return self.validation(network.eval())
 

@@ -32,7 +32,7 @@ def prepared_takes(
     frame_rate: float,
     skipped: tuple[InputError, ...] = (),
 ) -> PreparedTakes:
-    """Return takes with their features, which nobody has to compute."""
+    """Return takes with given features."""
     return PreparedTakes(
         takes=tuple(takes),
         arrays={name: tuple(values) for name, values in arrays.items()},

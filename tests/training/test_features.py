@@ -1,4 +1,4 @@
-"""What networks are told of takes, computed from files as data sets have them."""
+"""Networks' features, computed from files as in the data sets."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ SKIPPED = InputError("the sound is shorter than the motion", where="7.wav", reme
 
 
 def toy_takes(takes: int = 12, frames: int = 70) -> PreparedTakes:
-    """Return takes of two speakers to learn from; some are held back, one of a third speaker.
+    """Return takes of two speakers to learn from; some are held out, one of a third speaker.
 
     Two curves decide all motion: how loud the speech is, and one that nothing tells.
     """

@@ -1,4 +1,4 @@
-"""Files of networks of AMUSE's kind that nobody trained, small enough for tests."""
+"""Files of small untrained AMUSE networks."""
 
 from __future__ import annotations
 

@@ -192,7 +192,7 @@ def test_without_a_prior_the_denoiser_predicts_frames(tmp_path: Path) -> None:
 
 @pytest.fixture(name="whole")
 def _whole(tmp_path: Path) -> AmuseSettings:
-    """Networks of which the denoiser is told one latent of all that is heard."""
+    """Networks whose denoiser has one latent of the speech as its condition."""
     settings = written_networks(tmp_path)
     speech = SpeechAutoencoder(replace(SPEECH, mfcc=4))
     motion = MotionModel(replace(MOTION, conditions=1, prior=False, frames=60))

@@ -1,4 +1,4 @@
-"""Networks set out from what motion and speech are like."""
+"""Networks are initialised from statistics of motion and speech."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _seeded() -> None:
 
 @pytest.fixture(name="motion")
 def _motion() -> Tensor:
-    """Windows of motion that has twelve ways to go, around a mean."""
+    """Windows of motion with twelve principal components around a mean."""
     chance = torch.Generator().manual_seed(1)
     curves = torch.randn(20, CONFIG.frames, 12, generator=chance)
     ways = torch.randn(12, CONFIG.motion_width, generator=chance)

@@ -1,4 +1,4 @@
-"""What AMUSE's networks learn by."""
+"""AMUSE's losses."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _losses(
 
 
 def _taught(model: MotionModel, weights: Mapping[str, float]) -> set[str]:
-    """Which networks get a gradient of the loss."""
+    """Return the networks that get a gradient of the loss."""
     model.zero_grad()
     torch.autograd.backward(_losses(model, weights)["loss"])
     return {

@@ -1,4 +1,4 @@
-"""AMUSE's motion networks learn, say what from, and go on where they were stopped."""
+"""AMUSE's motion networks learn, report their data, and resume where they were stopped."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ FRAMES = 12
 
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
-    """Takes whose motion is one curve, which the speech model hears."""
+    """Takes whose motion is one curve, which the speech latents hold."""
     chance = np.random.default_rng(3)
     mixing = chance.standard_normal((1, 333))
     takes, motion, latents = [], [], []

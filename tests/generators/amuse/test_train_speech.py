@@ -1,4 +1,4 @@
-"""AMUSE's speech model learns to take speech apart."""
+"""AMUSE's speech model learns to disentangle speech."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_pat
     network = SpeechEncoder(replace(SMALL, frames=100)).transformer
     network.save_pretrained(tmp_path / "ast")
     out = tmp_path / "out.safetensors"
-    # A rate of next to nothing leaves them as they were.
+    # A tiny learning rate leaves them almost unchanged.
     learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
     learned = load_speech(out)
     assert isinstance(learned.model, SpeechModel)

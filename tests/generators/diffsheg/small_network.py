@@ -1,4 +1,4 @@
-"""A DiffSHEG network small enough to move within a moment."""
+"""A small DiffSHEG network."""
 
 from __future__ import annotations
 

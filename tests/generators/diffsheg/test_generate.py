@@ -118,7 +118,7 @@ def test_long_speech_is_encoded_in_windows_and_recorded_so(
 
 @pytest.fixture
 def named(tmp_path: Path) -> DiffShegSettings:
-    """Return a network that knows whom it learned from, and what heard the speech for it."""
+    """Return a network with names of its speakers and of its speech network."""
     network = replace(
         small_network(),
         speakers=Speakers(("ada", "bo"), small("beat").speakers),

@@ -1,4 +1,4 @@
-"""What the network promises whatever its weights are."""
+"""Properties of the network for any weights."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_window_gets_the_same_answer_alone_and_in_a_batch(guidance: float | No
 
 
 def _learns(config: DenoiserConfig, branch: str, part: slice) -> bool:
-    """Tell whether an error in `part` of the estimate changes the weights of `branch`."""
+    """Return whether an error in `part` of the estimate changes the weights of `branch`."""
     denoiser = shaken(config)
     denoiser(*asked(config))[..., part].square().sum().backward()
     return any(
@@ -160,7 +160,7 @@ STEPS = torch.tensor([0, 250, 500])
 
 @pytest.fixture
 def windows() -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Return clean motion, noise and what a network might say, three windows of two values."""
+    """Return clean motion, noise and a prediction, three windows of two values."""
     random = torch.Generator().manual_seed(4)
     clean, noise, mistaken = (torch.randn(3, 5, 2, generator=random) for _ in range(3))
     return clean, noise, noise + 0.1 * mistaken

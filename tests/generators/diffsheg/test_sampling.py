@@ -1,4 +1,4 @@
-"""Motion of any length, in one go or as the speech comes, as the whole network asked each time."""
+"""Motion of any length, of whole or live speech, equals that of running the whole network."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ PERSON = torch.tensor([0.0, 1.0, 0.0])
 
 
 def asked_in_full(denoiser: Denoiser) -> Sampler:
-    """Return what asks the whole network at each evaluation."""
+    """Return a sampler that runs the whole network at each evaluation."""
 
     def eps(x_t: Tensor, place: int, speech: SpeechFrames) -> Tensor:
         t = torch.tensor([SAMPLING.timesteps[place]])

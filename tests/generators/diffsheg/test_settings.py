@@ -1,4 +1,4 @@
-"""What DiffSHEG is told."""
+"""DiffSHEG's settings."""
 
 from __future__ import annotations
 

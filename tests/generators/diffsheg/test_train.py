@@ -1,4 +1,4 @@
-"""DiffSHEG learns, says what it learned from, and goes on where it was stopped."""
+"""DiffSHEG learns, reports its data, and resumes where it was stopped."""
 
 from __future__ import annotations
 

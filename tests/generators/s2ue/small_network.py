@@ -1,4 +1,4 @@
-"""Networks of Speech2UnifiedExpressions that nobody trained, small enough for tests."""
+"""Small untrained networks of Speech2UnifiedExpressions."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SMALL: Final = NetworkConfig(
 
 
 def standing() -> np.ndarray:
-    """Values of somebody whose arms hang, (27 + 3 L,)."""
+    """Values of a person whose arms hang, (27 + 3 L,)."""
     poses = np.zeros((1, JOINT_COUNT, 3), np.float32)
     for side, sign in (("left", -1), ("right", 1)):
         poses[:, joint_index(f"{side}_shoulder"), 2] = 1.2 * sign
@@ -50,7 +50,7 @@ def standing() -> np.ndarray:
 
 
 def small_network(**changes: Any) -> Network:
-    """Return a network in evaluation mode that moves a little about somebody who stands."""
+    """Return a network in evaluation mode that moves a little around a standing person."""
     torch.manual_seed(5)
     network = Network(replace(SMALL, **changes), FACE).eval().requires_grad_(False)
     deviation = torch.full_like(network.deviation, 0.15)
@@ -63,7 +63,7 @@ def small_network(**changes: Any) -> Network:
 
 
 def written_network(path: Path, **changes: Any) -> Path:
-    """Write such a network, which learned from anna and ben."""
+    """Write such a network with the speakers anna and ben."""
     network = small_network(**changes)
     speakers = Speakers(("anna", "ben"), network.config.speakers)
     write_network(

@@ -1,4 +1,4 @@
-"""Speech of any length is moved to, smoothly, the same each time, while it is still spoken."""
+"""Motion of whole or live speech of any length is smooth and deterministic."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Networks have the paper's parts, and each ablation lacks what it says."""
+"""Networks have the paper's parts, and each ablation lacks its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Speech2UnifiedExpressions learns, says what from, and goes on where it was stopped."""
+"""Speech2UnifiedExpressions learns, reports its data, and resumes where it was stopped."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Learn = Callable[..., TrainedGenerator]
 
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
-    """Takes of two speakers whose motion is one curve, which is heard."""
+    """Takes of two speakers whose motion is one curve, which the sound holds."""
     chance = np.random.default_rng(3)
     mixing = np.concatenate(
         [0.1 * chance.normal(size=27), 1e-3 * chance.normal(size=3 * FACE.count)]

@@ -25,7 +25,7 @@ ARMS = [
 
 
 def gesturing(frames: int = 90) -> MotionClip:
-    """Return a clip of somebody who stands, gestures and looks about."""
+    """Return a clip of a person who stands, gestures and looks around."""
     time = np.linspace(0, 3, frames)
     poses = np.zeros((frames, 55, 3))
     for side, sign in (("left", 1), ("right", -1)):
@@ -40,7 +40,7 @@ def positions(clip: MotionClip) -> NDArray[np.float64]:
 
 
 def detected(clip: MotionClip) -> dict[str, NDArray[np.float64]]:
-    """Return what a perfect detector would name."""
+    """Return the points of a perfect detector."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]
     names = ("shoulder", "elbow", "wrist", "hip")

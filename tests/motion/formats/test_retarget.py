@@ -62,7 +62,7 @@ Offset = tuple[float, float, float]
 
 
 def changed(change: Callable[[str, Offset], Offset], scale: float = 100) -> Skeleton:
-    """Return SMPL-X's skeleton with every offset as `change` makes it."""
+    """Return SMPL-X's skeleton with every offset changed by `change`."""
     return [(name, parent, change(name, offset)) for name, parent, offset in smplx_skeleton(scale)]
 
 

@@ -74,7 +74,7 @@ def test_damaged_missing_and_endless_files_are_refused_by_name(tmp_path: Path) -
 
 
 def shows_arrays(frames: int = 3) -> dict[str, Any]:
-    """Return SHOW's arrays of a motion whose every column is told apart."""
+    """Return SHOW's arrays of a motion with distinct columns."""
     widths = {
         **dict.fromkeys(("jaw_pose", "leye_pose", "reye_pose", "global_orient"), 3),
         "body_pose_axis": 63,

@@ -1,4 +1,4 @@
-"""What is said is read from whatever tells it, and never taken for other speech's."""
+"""Transcripts are read in all formats, and refused if they are of other speech."""
 
 from __future__ import annotations
 

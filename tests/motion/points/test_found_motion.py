@@ -36,7 +36,7 @@ def talking() -> MotionClip:
 
 
 def detected_pose(clip: MotionClip) -> FloatArray:
-    """Return the pose as a detector tells it of a camera that is held askew."""
+    """Return the detected pose as seen by a tilted camera."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     pose = np.zeros((FRAMES, 33, 3))
     head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]
@@ -55,7 +55,7 @@ def detected_pose(clip: MotionClip) -> FloatArray:
 
 
 def detected_face(clip: MotionClip, body: BodyModel) -> FloatArray:
-    """Return a face mesh whose points lie on vertices of the body's face, by a moving camera."""
+    """Return a face mesh of points on the body's face, as seen by a moving camera."""
     still = replace(clip, poses=0 * clip.poses)
     vertices = body.vertices(still).astype(float)
     names = [str(name) for name in body.surface["material_names"]]

@@ -1,4 +1,4 @@
-"""Jobs that the tests of this machine's workers and of a cluster share."""
+"""Jobs for tests of local and cluster workers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> C
 
 @pytest.fixture
 def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
-    """Return a job that takes long enough to be caught at work."""
+    """Return a job that takes long enough to be interrupted."""
     seconds = 4
     write_clip(tmp_path / "long.npz", clip.frames(np.arange(seconds * 30) % len(clip)))
     write_wav(tmp_path / "long.wav", Audio(np.zeros(seconds * 16000, np.float32), 16000))

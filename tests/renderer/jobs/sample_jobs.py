@@ -1,4 +1,4 @@
-"""Pairs of clips, several clips each with its pair, and processes that die at work."""
+"""Pairs of clips, several clips each with its pair, and processes that die while working."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from renderer.jobs.job import ClipJob, Job, PairJob
 
 
 def video_of(job: Job) -> Path:
-    """Return where the video of a job that makes one is written."""
+    """Return the path of a job's video."""
     assert job.video is not None
     return job.video
 
 
 def frames_of(clip: ClipJob) -> Path:
-    """Return where the frames of a clip that keeps them are written."""
+    """Return the path of a clip's frames."""
     assert clip.frames is not None
     return clip.frames
 
@@ -69,7 +69,7 @@ def _writers_into(folder: Path) -> list[int]:
 
 @contextmanager
 def killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
-    """Kill, so many times, the process that writes into `folder`; give those killed."""
+    """Kill the process that writes into `folder`, so many times; give the killed ones."""
     over, killed = threading.Event(), list[int]()
 
     def kill() -> None:

@@ -93,7 +93,7 @@ def _workers(address: str, folder: Path, *, count: int = 2, threads: int = 1) ->
 
 @pytest.fixture(scope="module")
 def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Return the address of a cluster of two workers, which outlive what is done to them."""
+    """Return the address of a cluster of two workers, which are restarted when they die."""
     with _workers(scheduler, tmp_path_factory.mktemp("workers")):
         yield scheduler
 
@@ -123,7 +123,7 @@ def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(
         (done,) = run_jobs([once], processes=1, cluster=cluster_of_two)
     assert (len(killed), done.error) == (1, None)
     assert video_of(once).exists()
-    # Not beside the other: Dask blames a worker's death on what waited there as well.
+    # Separately: Dask blames a worker's death on jobs that waited there too.
     jobs = [long_job, pair_of(long_job, "long pair"), *clips_and_pairs(clip_job, 1)]
     with killing_writers(video_of(long_job).parent, times=100) as killed:
         lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)

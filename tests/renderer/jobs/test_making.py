@@ -128,7 +128,7 @@ _ENDLESS = """
 import pickle, signal, sys
 from renderer.jobs.making import run_jobs
 if __name__ == "__main__":
-    # Where tests run in the background, Ctrl-C is ignored until somebody asks for it.
+    # If tests run in the background, Ctrl-C is ignored until a handler is set.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     jobs = pickle.loads(open(sys.argv[1], "rb").read())
     run_jobs(jobs, processes=1, on_done=lambda outcome: print(outcome.name, flush=True))

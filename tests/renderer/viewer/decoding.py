@@ -1,4 +1,4 @@
-"""Reads what the viewer's scripts read, step by step as the docstring of `packed` says."""
+"""Decodes the viewer's data, step by step as the docstring of `pack` describes."""
 
 from __future__ import annotations
 

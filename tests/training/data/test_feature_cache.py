@@ -1,4 +1,4 @@
-"""Features of takes are computed once, and what is wrong with a take costs that take alone."""
+"""Features of takes are computed once, and a broken take is skipped alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which take is for what, and which recordings are kept back."""
+"""Splits of takes, and held-out recordings."""
 
 from __future__ import annotations
 

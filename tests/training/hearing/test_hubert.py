@@ -1,4 +1,4 @@
-"""HuBERT comes from a folder, whole or not at all; what stands in for it says so."""
+"""HuBERT is loaded from a complete folder; its stand-in is named as one."""
 
 from __future__ import annotations
 

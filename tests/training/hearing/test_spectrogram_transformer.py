@@ -1,4 +1,4 @@
-"""An audio spectrogram transformer: what it sets out from, and what it hears while learning."""
+"""An audio spectrogram transformer: its initial weights and its augmentation."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     assert int(bands.max()) <= round(MASKED_BANDS * 128)
     assert int(rows.max()) > 0
     assert int(bands.max()) > 0
-    # What is heard is noisy by a tenth at most, and shifted.
+    # The input is noisy by a tenth at most, and shifted.
     assert float((masked.sum() - target.sum()) / masked.numel()) < 0.1
     assert float(masked.max()) <= 1.1
 

@@ -1,4 +1,4 @@
-"""Speech that is heard while it is spoken, and the same speech heard as a whole."""
+"""Features of live speech equal those of the whole speech."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ SPEECH = speech(3.3)
 
 @pytest.fixture(scope="module")
 def at_once(_short_training: None) -> SpeechFrames:
-    """Return what comes of all speech at once, by as many threads as in the tests."""
+    """Return the features of all speech at once, by as many threads as in the tests."""
     return streamed([SPEECH])
 
 
@@ -115,7 +115,7 @@ def test_a_window_that_is_too_narrow_is_refused(past: int, ahead: float, at_once
 
 
 class Listening:
-    """A network of HuBERT's shape that takes down how much it hears at once."""
+    """A network of HuBERT's shape that records how much it gets at once."""
 
     def __init__(self) -> None:
         self.seconds: list[float] = []

@@ -1,4 +1,4 @@
-"""Several processes on one machine, which tell each other their gradients through gloo."""
+"""Several processes on one machine, which exchange gradients through gloo."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_two_processes_equal_one_and_resume_after_ctrl_c(
     assert learn_in_two(normed, (two, {}, 3), (two, {}, 0), refused) == 1
     batch_statistics_are_those_of_one(tmp_path / "normed", config, tmp_path)
     assert (two / "stopped at 3").exists()
-    # What every process refuses is said once.
+    # An error of every process is shown once.
     assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
     together, one = state_of(two), alone(tmp_path / "one", CONFIG)
     assert together.facts["step"] == 8

@@ -36,7 +36,7 @@ def content(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """Return the files of a run that nothing interrupted."""
+    """Return the files of an uninterrupted run."""
     folder = tmp_path_factory.mktemp("whole")
     train(Line(), CONFIG, RunFolder(folder))
     return content(folder)
@@ -121,7 +121,7 @@ def size(network: torch.nn.Sequential) -> float:
 
 
 class Small(Line):
-    """A line whose weights are chosen by what its loss says nothing of: how small they are."""
+    """A line whose best weights are the smallest, independent of its loss."""
 
     def validation(self, network: torch.nn.Sequential) -> Mapping[str, float]:
         return {"size": size(network), **super().validation(network)}

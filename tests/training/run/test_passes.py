@@ -38,7 +38,7 @@ CONFIG = TrainingConfig(
 
 
 class Rivals(nn.Module):
-    """One makes lines, the other one tells them from right ones."""
+    """One makes lines, the other distinguishes them from true ones."""
 
     def __init__(self, *, chance: bool) -> None:
         super().__init__()
