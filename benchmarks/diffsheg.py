@@ -32,7 +32,7 @@ from generators.diffsheg.sampling import (
     stream,
 )
 from training.device import torch_threads
-from training.hearing.speech_frames import SpeechFrames
+from training.speech_features.speech_frames import SpeechFrames
 
 SAMPLING: Final = Sampling()
 SEED: Final = 1

@@ -11,17 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from motion.audio import read_audio
 from motion.body.model import BodyModel, read_body
 from motion.body.surface import VertexNormals, surface_colours
 from motion.clip import MotionClip
 from motion.files import replacing
 from motion.formats.clip_npz import read_clip
 from renderer.contact_shadow import ContactShadow, ShadowCaster
-from renderer.encoder import VideoWriter
+from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.loudness import speech_sound
+from renderer.loudness import at_common_loudness
 from renderer.picture import SUPERSAMPLING, VIDEO, Canvas
 from renderer.shown_clip import as_shown, frame_at
 
@@ -127,7 +128,9 @@ def write_clip_video(
     """
     look = stage.look
     clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
-    sound = None if video is None else speech_sound(speech, start, end)
+    sound = None
+    if video is not None:
+        sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     size, rate = look.size, look.frame_rate
     with ExitStack() as stack:
         writers = [

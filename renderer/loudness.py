@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Final
 
 import av
@@ -13,8 +12,7 @@ import numpy as np
 from av.filter import Graph
 from scipy.signal import resample_poly
 
-from motion.audio import Audio, read_audio
-from renderer.encoder import SOUND_RATE
+from motion.audio import Audio
 
 TARGET: Final = -23.0
 """LUFS; what EBU R 128 asks for. Speech reaches it without its peaks being touched."""
@@ -56,11 +54,6 @@ def at_common_loudness(audio: Audio) -> Audio:
             f"its peaks allow {loudness + gain:.1f} LUFS, not the {TARGET:g} LUFS of the others",
         )
     return amplified
-
-
-def speech_sound(speech: Path, start: float, end: float) -> Audio:
-    """Return an excerpt of a recording, in seconds, as the sound of a video."""
-    return at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
 
 
 def integrated_loudness(audio: Audio) -> float | None:

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.encoder import VideoWriter, video_frame
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.look import Colour, Look
-from renderer.loudness import speech_sound
+from renderer.loudness import at_common_loudness
 from renderer.picture import plane_pixels
 
 LABELS: Final = ("A", "B")
@@ -55,7 +56,7 @@ def write_pair(
         If frames or speech cannot be read, or the two sides have not the same frames.
     """
     size = look.size
-    sound = speech_sound(speech, start, end)
+    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     count = max(1, round((end - start) * look.frame_rate))
     written = 0
     with (

@@ -14,11 +14,11 @@ import av
 import numpy as np
 from av.bitstream import BitStreamFilterContext
 
-from motion.audio import Audio
+from motion.audio import Audio, read_audio
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import MP4_OPTIONS, SOUND_RATE, clear_bit_rates, encoded_sound
-from renderer.loudness import speech_sound
+from renderer.loudness import at_common_loudness
 
 TICKS: Final = 90_000
 """Ticks per second of a copy's timestamps."""
@@ -154,7 +154,8 @@ def write_dubbed(
     InputError
         If picture or speech cannot be read.
     """
-    sound = _padded(speech_sound(speech, start, end), round(seconds * SOUND_RATE))
+    excerpt = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
+    sound = _padded(excerpt, round(seconds * SOUND_RATE))
     try:
         with _opened(picture, video, MP4_OPTIONS) as (original, copy):
             _write(original, copy, sound)

@@ -26,8 +26,12 @@ from motion.resample import frame_positions, resample, slerp
 from training.data.beat import read_beat_bvh
 from training.data.found_take import has_arrays
 from training.data.take import Feature, Kind, Take
-from training.hearing.hubert import Hubert
-from training.hearing.spectra import (
+from training.spaces.beat import UPPER_BODY_JOINTS, body_values, face_values
+from training.spaces.bones_and_landmarks import bone_and_landmark_values
+from training.spaces.smplx_bodies import UPPER_BODY_JOINTS as SHOW_JOINTS
+from training.spaces.smplx_bodies import show_values, smplx_6d_values
+from training.speech_features.hubert import Hubert
+from training.speech_features.spectra import (
     ROWS_PER_SECOND,
     check_speech,
     filterbank,
@@ -35,12 +39,8 @@ from training.hearing.spectra import (
     mel_bands,
     mfcc,
 )
-from training.hearing.speech_frames import at_speech_rate, extract_frames
-from training.hearing.word_vectors import WordVectors, word_rows
-from training.spaces.beat import UPPER_BODY_JOINTS, body_values, face_values
-from training.spaces.bones_and_landmarks import bone_and_landmark_values
-from training.spaces.smplx_bodies import UPPER_BODY_JOINTS as SHOW_JOINTS
-from training.spaces.smplx_bodies import show_values, smplx_6d_values
+from training.speech_features.speech_frames import at_speech_rate, extract_frames
+from training.speech_features.word_vectors import WordVectors, word_rows
 
 FloatArray = NDArray[np.float32]
 

@@ -17,7 +17,7 @@ from training.data.labelled_windows import Classes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.features import speech_filterbank
-from training.hearing.spectra import ROWS_PER_SECOND
+from training.speech_features.spectra import ROWS_PER_SECOND
 
 
 @torch.inference_mode()

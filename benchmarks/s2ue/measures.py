@@ -39,7 +39,6 @@ from motion.segment import Segment
 from motion.skeleton import REST_JOINTS, joint_index
 from training.data.windows import Windows
 from training.device import torch_threads
-from training.hearing.word_vectors import StandIn
 from training.spaces.bones_and_landmarks import (
     BONE_LENGTHS,
     BONE_VALUES,
@@ -47,6 +46,7 @@ from training.spaces.bones_and_landmarks import (
     joints_from_directions,
 )
 from training.speakers import Speakers
+from training.speech_features.word_vectors import StandIn
 
 FloatArray = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from training.data.folders import read_takes
 from training.data.take import Split, TakeFolder
 from training.data.windows import Windows
 from training.features import bone_features
-from training.hearing.word_vectors import StandIn
+from training.speech_features.word_vectors import StandIn
 
 FloatArray = NDArray[np.float64]
 Found = Mapping[str, float]

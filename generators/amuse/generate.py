@@ -19,9 +19,9 @@ from generators.settings import content
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from training.hearing.speech_windows import WindowPlan, filterbanks_under, plan_windows
 from training.layers.transformers import pack
 from training.spaces.smplx_bodies import smplx_6d_clip
+from training.speech_features.speech_windows import WindowPlan, filterbanks_under, plan_windows
 
 FADE_FRAMES: Final = 30
 """Frames in which a window takes over from the one before."""

@@ -39,11 +39,11 @@ from training.data.take import Feature, Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
-from training.hearing.speech_windows import WindowPlan, filterbanks_under
 from training.layers import first_weights
 from training.run.batches import evenly_spaced
 from training.run.passes import Pass
 from training.run.task import WindowTask
+from training.speech_features.speech_windows import WindowPlan, filterbanks_under
 
 MOST_HELD_OUT: Final = 128
 """Largest number of windows by which held-out takes are measured."""

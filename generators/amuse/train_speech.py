@@ -30,15 +30,15 @@ from motion.errors import InputError, listed
 from training.data.labelled_windows import Classes, check_texts, macro_f1, quadruples
 from training.data.windows import Windows
 from training.features import speech_filterbank
-from training.hearing.spectra import ROWS_PER_SECOND
-from training.hearing.spectrogram_transformer import (
+from training.released_weights import WEIGHTS
+from training.run.batches import evenly_spaced
+from training.run.task import WindowTask
+from training.speech_features.spectra import ROWS_PER_SECOND
+from training.speech_features.spectrogram_transformer import (
     augment,
     initialise_from_speech,
     read_ast_weights,
 )
-from training.released_weights import WEIGHTS
-from training.run.batches import evenly_spaced
-from training.run.task import WindowTask
 
 MOST_QUADRUPLES: Final = 20_000
 """Largest number of training quadruples."""

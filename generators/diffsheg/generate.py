@@ -25,16 +25,16 @@ from generators.learned_settings import DiffShegSettings
 from motion.body.skinning import ForearmTwists
 from motion.clip import MotionClip
 from motion.errors import InputError
-from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
-from training.hearing.speech_frames import (
+from training.spaces.beat import beat_clip, beat_clip_piece
+from training.spaces.smplx_bodies import show_clip
+from training.speech_features.hubert import Hubert, check_hubert, load_hubert, stand_in
+from training.speech_features.speech_frames import (
     SpeechFrames,
     StreamWindow,
     extract_frames,
     stream_frames,
     window_for,
 )
-from training.spaces.beat import beat_clip, beat_clip_piece
-from training.spaces.smplx_bodies import show_clip
 
 
 class DiffSheg(NetworkGenerator[DiffShegSettings]):

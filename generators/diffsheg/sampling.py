@@ -25,7 +25,7 @@ from generators.interface import seeded_stream
 from motion.errors import InputError
 from training.device import run_side_by_side
 from training.diffusion import LINEAR
-from training.hearing.speech_frames import SpeechFrames
+from training.speech_features.speech_frames import SpeechFrames
 
 Estimate = Callable[[Tensor, int], Tensor]
 """Says which noise is in a noisy window, (1, frames, width), at a place of the walk."""

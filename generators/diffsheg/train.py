@@ -40,12 +40,12 @@ from training.features import (
     show_expression,
     show_gesture,
 )
-from training.hearing.hubert import Hubert, load_hubert, stand_in
 from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
+from training.speech_features.hubert import Hubert, load_hubert, stand_in
 
 VALIDATION_WINDOWS: Final = 1024
 """So many windows tell how well held-out takes are known, each several times where there are

@@ -20,16 +20,16 @@ from generators.s2ue.network_file import S2ueNetwork, load_network
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.formats.transcript import Word, find_transcript
-from training.hearing.speech_frames import at_speech_rate
-from training.hearing.speech_windows import SpeechWindow, stream_windows
-from training.hearing.word_vectors import (
+from training.spaces.bones_and_landmarks import bone_and_landmark_clip, with_units
+from training.speech_features.speech_frames import at_speech_rate
+from training.speech_features.speech_windows import SpeechWindow, stream_windows
+from training.speech_features.word_vectors import (
     StandIn,
     WordVectors,
     matching_vectors,
     slice_rows,
     word_rows,
 )
-from training.spaces.bones_and_landmarks import bone_and_landmark_clip, with_units
 
 TRANSITION_SHARE: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
@@ -86,7 +86,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         seed : int
             Not negative.
         words : ndarray, shape (frames, width), optional
-            See `training.hearing.word_vectors.word_rows`; by default the words are unknown.
+            See `training.speech_features.word_vectors.word_rows`; by default the words are unknown.
         segment_speaker : str, optional
             The speaker, whose motion it is unless the settings name another.
 

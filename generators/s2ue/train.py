@@ -32,13 +32,13 @@ from generators.s2ue.network_file import S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.features import bone_features
-from training.hearing.word_vectors import StandIn, WordVectors, load_word_vectors
 from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_from_directions, split_motion
 from training.spaces.normalisation import mean_and_deviation, spread
 from training.speakers import Speakers, latent_loss
+from training.speech_features.word_vectors import StandIn, WordVectors, load_word_vectors
 
 STRIDE: Final = 10
 """Frames from one window of a take to the next, as the TED Gesture data is cut."""

@@ -26,10 +26,10 @@ from training import features
 from training.data.beat import read_beat_bvh
 from training.data.folders import read_takes
 from training.data.take import Feature, Kind, Take
-from training.hearing.hubert import Hubert, stand_in
-from training.hearing.speech_frames import extract_all_frames
-from training.hearing.word_vectors import StandIn
 from training.spaces.beat import UPPER_BODY_JOINTS, body_values
+from training.speech_features.hubert import Hubert, stand_in
+from training.speech_features.speech_frames import extract_all_frames
+from training.speech_features.word_vectors import StandIn
 
 ARM = UPPER_BODY_JOINTS.index("RightArm")
 

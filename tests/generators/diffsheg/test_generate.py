@@ -20,11 +20,11 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.generators.diffsheg.small_network import small, small_network, written_network
-from training.hearing.hubert import stand_in
-from training.hearing.speech_frames import StreamWindow
 from training.spaces.beat import beat_clip
 from training.spaces.smplx_bodies import show_clip
 from training.speakers import Speakers
+from training.speech_features.hubert import stand_in
+from training.speech_features.speech_frames import StreamWindow
 
 Speak = Callable[..., SpeechSegment]
 
@@ -107,9 +107,9 @@ def test_long_speech_is_encoded_in_windows_and_recorded_so(
     speech = speak("one", 5.0)
     whole = made(model, speech)
     assert whole.provenance["heard"] == "as a whole"
-    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_AT_ONCE", 2.0)
+    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 2.0)
     window = StreamWindow(past=1, ahead=1.0, at_once=2)
-    monkeypatch.setattr("training.hearing.speech_frames.LONG_SPEECH_WINDOW", window)
+    monkeypatch.setattr("training.speech_features.speech_frames.LONG_SPEECH_WINDOW", window)
     clip = made(model, speech)
     assert clip.provenance["heard"] == "2 s at once with 1 s before and 1 s ahead"
     assert len(clip) == len(whole)

@@ -30,7 +30,7 @@ from motion.errors import InputError
 from tests.generators.diffsheg.small_network import shaken
 from training.device import torch_threads
 from training.diffusion import LINEAR
-from training.hearing.speech_frames import SpeechFrames
+from training.speech_features.speech_frames import SpeechFrames
 
 SMALL = replace(
     PRESETS["tiny"]["beat"].network,

@@ -20,7 +20,7 @@ from benchmarks.seams import Windows, seam_acceleration
 from generators.diffsheg.config import SAMPLINGS, Sampling
 from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
 from training.diffusion import LINEAR
-from training.hearing.speech_frames import SpeechFrames
+from training.speech_features.speech_frames import SpeechFrames
 
 FRAMES, OVERLAP, VALUES, LENGTH = 34, 4, 32, 900
 RELATED_OVER = 0.2

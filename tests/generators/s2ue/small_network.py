@@ -15,9 +15,9 @@ from generators.s2ue.network_file import S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
-from training.hearing.word_vectors import StandIn
 from training.spaces.bones_and_landmarks import bone_and_landmark_values
 from training.speakers import Speakers
+from training.speech_features.word_vectors import StandIn
 
 FACE: Final = FaceLandmarks.of_default_body()
 SMALL: Final = NetworkConfig(

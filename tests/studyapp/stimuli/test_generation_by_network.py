@@ -14,7 +14,7 @@ from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.generators.diffsheg.small_network import written_network
 from tests.support.studies.edited_study import edited
-from training.hearing.hubert import stand_in
+from training.speech_features.hubert import stand_in
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None
 def test_long_speech_is_said_to_be_heard_in_parts(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_AT_ONCE", 1.0)
+    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 1.0)
     remarks = generate(study).remarks
     names = ", ".join(segment.name for segment in study.segments())
     assert remarks[0] == (f"Stands in for something real: learned: {stand_in().description}")

@@ -14,14 +14,14 @@ from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
 from motion.errors import InputError
-from training.hearing.hubert import (
+from training.speech_features.hubert import (
     Hubert,
     feature_positions,
     interpolate_features,
     resample_to_frames,
     sample_count,
 )
-from training.hearing.spectra import SUPPORT, mel_bands
+from training.speech_features.spectra import SUPPORT, mel_bands
 
 
 @dataclass(frozen=True, eq=False)

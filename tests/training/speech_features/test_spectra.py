@@ -10,7 +10,7 @@ from scipy.fft import dct
 
 from motion.audio import Audio
 from motion.errors import InputError
-from training.hearing.spectra import (
+from training.speech_features.spectra import (
     BANDS,
     COEFFICIENTS,
     RATE,

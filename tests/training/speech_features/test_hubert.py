@@ -14,7 +14,7 @@ from safetensors.torch import load_file, save_file
 from transformers import HubertConfig, HubertModel
 
 from motion.errors import InputError
-from training.hearing.hubert import load_hubert, resample_to_frames, stand_in
+from training.speech_features.hubert import load_hubert, resample_to_frames, stand_in
 
 
 def speech(seconds: float) -> NDArray[np.float32]:

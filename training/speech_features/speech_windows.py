@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
-from training.hearing.spectra import check_speech, filterbank, log_mel, mfcc
-from training.hearing.speech_frames import at_speech_rate
+from training.speech_features.spectra import check_speech, filterbank, log_mel, mfcc
+from training.speech_features.speech_frames import at_speech_rate
 
 FloatArray = NDArray[np.float32]
 

@@ -9,7 +9,7 @@ import pytest
 
 from motion.errors import InputError
 from motion.formats.transcript import Word
-from training.hearing.word_vectors import StandIn, read_word_vectors, word_rows
+from training.speech_features.word_vectors import StandIn, read_word_vectors, word_rows
 
 WORDS = (Word("hello", 0.0, 0.2), Word("nobody", 0.2, 0.3), Word("hi", 0.35, 0.36))
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio
 from motion.errors import InputError
-from training.hearing.hubert import stand_in
-from training.hearing.speech_frames import (
+from training.speech_features.hubert import stand_in
+from training.speech_features.speech_frames import (
     LONG_SPEECH_WINDOW,
     SpeechFrames,
     StreamWindow,
@@ -24,7 +24,7 @@ from training.hearing.speech_frames import (
     stream_frames,
     window_for,
 )
-from training.hearing.speech_windows import plan_windows
+from training.speech_features.speech_windows import plan_windows
 
 HUBERT = stand_in()
 WINDOW = StreamWindow(past=1, ahead=0.5)
@@ -147,9 +147,9 @@ def test_long_speech_is_never_heard_at_once() -> None:
 def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     audio = Audio(speech(6.5), 16000)
     whole = extract_all_frames(audio, 15, HUBERT).mel
-    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_AT_ONCE", 4.0)
+    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 4.0)
     monkeypatch.setattr(
-        "training.hearing.speech_frames.LONG_SPEECH_WINDOW",
+        "training.speech_features.speech_frames.LONG_SPEECH_WINDOW",
         StreamWindow(past=1, ahead=1.0, at_once=2),
     )
     result = torch.cat([part.mel for part in extract_frames(audio, 15, HUBERT)])

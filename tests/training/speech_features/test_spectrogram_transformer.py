@@ -13,14 +13,14 @@ from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.speech import SpeechEncoder, ast_config
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
-from training.hearing.spectrogram_transformer import (
+from training.layers.transformers import PackedLinear, pack
+from training.speech_features.spectrogram_transformer import (
     MASKED_BANDS,
     MASKED_ROWS,
     augment,
     initialise_from_speech,
     read_ast_weights,
 )
-from training.layers.transformers import PackedLinear, pack
 
 CONFIG = ast_config(SMALL)
 
