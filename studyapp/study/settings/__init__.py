@@ -1,1 +1,1 @@
-"""`study.toml`: every section of it, checked."""
+"""`study.toml`: its sections and their validation."""

@@ -1,4 +1,4 @@
-"""The conditions of a study, its catch trials and its attention checks."""
+"""The conditions, catch trials and attention checks of a study."""
 
 from __future__ import annotations
 
@@ -12,24 +12,22 @@ from studyapp.study.settings.sections import Name, Section
 
 
 class Condition(Section, extra="allow"):
-    """One system under comparison.
-
-    All further keys are its generator's; see `settings`.
+    """One system under comparison; further keys are its generator's (see `settings`).
 
     Attributes
     ----------
     label : str or None
-        What researchers and readers of reports see in place of its name, such as "Ours (full)";
-        never on a page of participants.
+        Its name on researchers' pages and in reports, such as "Ours (full)"; participants never
+        see it.
     generator : str or None
-        The generator that makes its motion; None when its motion files are imported.
+        The generator of its motion; None for imported motion.
     source : str or None
-        The condition whose clips the generator starts from, for generators that need one.
+        The condition whose clips the generator starts from, if it needs one.
     videos : bool
-        Finished videos are brought, ``videos/<condition>/<segment>.mp4``, and no motion.
+        Whether it has finished videos, ``videos/<condition>/<segment>.mp4``, instead of motion.
     generative : bool or None
-        Whether it can move differently to one speech, which DiffSHEG's table of metrics marks;
-        None where that is not stated. Nothing but the report looks at it.
+        Whether it can produce different motion for the same speech, as DiffSHEG's table of metrics
+        marks; only the report uses it.
     """
 
     label: str | None = Field(None, min_length=1, max_length=60)
@@ -40,39 +38,37 @@ class Condition(Section, extra="allow"):
 
     @property
     def settings(self) -> Settings:
-        """What it tells its generator besides speech, with paths from the study's folder."""
+        """The keys of its generator, with paths relative to the study folder."""
         kind = Settings if self.generator is None else settings_type(self.generator)
         reader = Reader(generator=self.generator or "", sibling_keys=tuple(type(self).model_fields))
         return kind.model_validate(self.model_extra or {}, context=reader)
 
     @model_validator(mode="after")
-    def _tells_its_generator_what_it_takes(self) -> Condition:
-        """Refuse what the generator does not take: reading the settings checks them."""
+    def _has_valid_settings(self) -> Condition:
         if self.generator is None or self.generator in generator_names():
             _ = self.settings
         return self
 
 
 class Catch(Section):
-    """Catch trials: a comparison whose answer an attentive participant sees at once.
+    """Catch trials: comparisons with an answer that is obvious to an attentive participant.
 
     Attributes
     ----------
     trials : int
-        How many each participant gets.
+        Number for each participant.
     condition : str
         Name of the visibly flawed motion.
     generator : str
-        What makes the flawed motion.
+        Generator of the flawed motion.
     against : str or None
-        The condition it is shown beside; by default the ground truth where the study has one,
-        else the reference.
+        The condition it is shown beside; by default the ground truth, or the reference in a study
+        without one.
     max_failed : int
-        More failed catch trials than this exclude a participant from the analysis, unless a rule
-        of `Study.exclusions` has a number of its own. AMUSE's text excludes above one, its
-        appendix above none.
+        More failed catch trials exclude a participant from the analysis, unless `exclusions` set
+        another number. AMUSE's text allows one, its appendix none.
     videos : bool
-        Finished videos of the flawed motion are brought; nothing makes it.
+        Whether there are finished videos of the flawed motion.
     """
 
     trials: int = Field(3, ge=0, le=20)
@@ -84,16 +80,15 @@ class Catch(Section):
 
 
 class Attention(Section):
-    """Attention checks: pages that look like all others and ask for one certain answer.
+    """Attention checks: trials that look like all others and ask for one particular answer.
 
     Attributes
     ----------
     trials : int
-        How many each participant gets.
+        Number for each participant.
     max_failed : int
-        More failed checks than this exclude a participant, unless a rule of `Study.exclusions`
-        has a number of its own; recruiters accept such an exclusion as a ground for not paying,
-        from two failed checks on.
+        More failed checks exclude a participant from the analysis, unless `exclusions` set
+        another number. Recruiters accept two failed checks as a reason not to pay.
     """
 
     trials: int = Field(0, ge=0, le=10)
@@ -101,41 +96,43 @@ class Attention(Section):
 
 
 def source_problems(conditions: Mapping[str, Condition], name: str) -> list[str]:
-    """Return what is wrong with where the motion of condition `name` comes from."""
+    """Return what is wrong with the source of motion of condition `name`."""
+    problem = _source_problem(conditions, name)
+    return [f"conditions.{name}: {problem}"] if problem else []
+
+
+def _source_problem(conditions: Mapping[str, Condition], name: str) -> str:
     condition = conditions[name]
-    if condition.videos and (condition.generator is not None or condition.source is not None):
-        return [f"conditions.{name}: finished videos have neither generator nor source"]
-    if condition.generator is not None and condition.generator not in generator_names():
-        return [_unknown_generator(f"conditions.{name}", condition.generator)]
-    needs = condition.generator is not None and needs_source(condition.generator)
-    if needs and condition.source is None:
-        return [f"conditions.{name}: generator {condition.generator!r} needs a source"]
-    if condition.source is None:
-        return []
-    if not needs:
-        return [f"conditions.{name}: source is given, but nothing there uses it"]
-    if condition.source not in conditions or condition.source == name:
-        return [f"conditions.{name}: source {condition.source!r} is no other condition"]
-    if conditions[condition.source].videos:
-        return [f"conditions.{name}: source {condition.source!r} has finished videos, no motion"]
-    if name in _sources(conditions, condition.source):
-        return [f"conditions.{name}: its sources run in a circle"]
-    return []
+    generator, source = condition.generator, condition.source
+    if condition.videos and (generator is not None or source is not None):
+        return "a condition with finished videos cannot have a generator or source"
+    if generator is not None and generator not in generator_names():
+        return _unknown_generator(generator)
+    takes_source = generator is not None and needs_source(generator)
+    if source is None:
+        return f"the generator {generator!r} needs a source" if takes_source else ""
+    if not takes_source:
+        return "source has no effect here"
+    if source not in conditions or source == name:
+        return f"source {source!r} is not another condition"
+    if conditions[source].videos:
+        return f"source {source!r} has finished videos and no motion"
+    return "its sources form a circle" if name in _sources(conditions, source) else ""
 
 
 def label_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:
-    """Return where two conditions would be called the same."""
-    called: dict[str, str] = {catch.condition: catch.condition}
+    """Return which conditions have the same display name."""
+    owners: dict[str, str] = {catch.condition: catch.condition}
     problems = []
     for name, condition in conditions.items():
         shown = display_name(name, condition)
-        if called.setdefault(shown, name) != name:
-            problems.append(f"conditions.{name}: {called[shown]!r} is called {shown!r} too")
+        if owners.setdefault(shown, name) != name:
+            problems.append(f"conditions.{name}: {owners[shown]!r} is also called {shown!r}")
     return problems
 
 
 def display_name(name: str, condition: Condition) -> str:
-    """Return what researchers and readers of reports see in place of a condition's name."""
+    """Return the name of a condition on researchers' pages and in reports."""
     return condition.label or name.replace("_", " ")
 
 
@@ -145,47 +142,45 @@ def comparison_name(reference: str, other: str) -> str:
 
 
 def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:
-    """Return what does not fit between the catch trials and the conditions."""
+    """Return contradictions between the catch trials and the conditions."""
     problems = []
     if catch.condition in conditions:
-        problems.append(f"catch condition {catch.condition!r} must not be one of the conditions")
+        problems.append(f"catch.condition {catch.condition!r} must not be one of the conditions")
     if catch.against is not None and catch.against not in conditions:
         known = ", ".join(conditions)
         problems.append(f"catch.against {catch.against!r} is not a condition ({known})")
     if catch.generator not in generator_names():
-        problems.append(_unknown_generator("catch", catch.generator))
+        problems.append(f"catch: {_unknown_generator(catch.generator)}")
     elif needs_model(catch.generator):
-        problems.append(
-            f"catch: generator {catch.generator!r} is a network, and flawed motion needs another"
-        )
+        problems.append(f"catch: a network such as {catch.generator!r} cannot make flawed motion")
     return problems
 
 
 def with_sources(conditions: Mapping[str, Condition], names: set[str]) -> dict[str, Condition]:
-    """Return those of `names` and all their motion is made from, in the file's order."""
+    """Return the conditions `names` and all their sources, in the file's order."""
     needed = {source for name in names for source in _sources(conditions, name)}
-    return {name: made for name, made in conditions.items() if name in needed}
+    return {name: condition for name, condition in conditions.items() if name in needed}
 
 
 def generated(conditions: Mapping[str, Condition]) -> dict[str, Condition]:
     """Return every condition with a generator, sources first."""
     ordered: dict[str, Condition] = {}
     for name in conditions:
-        for needed in reversed(_sources(conditions, name)):
-            if conditions[needed].generator is not None:
-                ordered.setdefault(needed, conditions[needed])
+        for source in reversed(_sources(conditions, name)):
+            if conditions[source].generator is not None:
+                ordered.setdefault(source, conditions[source])
     return ordered
 
 
 def _sources(conditions: Mapping[str, Condition], name: str) -> tuple[str, ...]:
-    """Return `name`, its source, the source of that, and so on; a circle is gone round once."""
-    found: list[str] = []
-    following: str | None = name
-    while following is not None and following in conditions and following not in found:
-        found.append(following)
-        following = conditions[following].source
-    return tuple(found)
+    """Return `name`, its source, the source of that, and so on, each once."""
+    chain: list[str] = []
+    source: str | None = name
+    while source is not None and source in conditions and source not in chain:
+        chain.append(source)
+        source = conditions[source].source
+    return tuple(chain)
 
 
-def _unknown_generator(where: str, generator: str) -> str:
-    return f"{where}: unknown generator {generator!r} ({', '.join(generator_names())})"
+def _unknown_generator(generator: str) -> str:
+    return f"unknown generator {generator!r} (use one of {', '.join(generator_names())})"

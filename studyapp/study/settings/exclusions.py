@@ -1,4 +1,4 @@
-"""The exclusion rules that a study file may state: who is left out of the analysis."""
+"""`[[exclusions]]`: rules that exclude participants from the analysis."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class ExclusionSection(Section):
     rule : str
         Its name.
     limit : (str, str) or None
-        How the rule is written in one word: its sign, and the key that the number behind it is
-        for; None for a rule without a number.
+        The operator in the rule's shorthand, and the key of the number that follows; None for a
+        rule without a number.
     maker : callable
-        Makes the rule of the section's other keys, in their order.
+        Makes the rule from the section's other keys, in order.
     """
 
     limit: ClassVar[tuple[str, str] | None] = None
@@ -45,17 +45,17 @@ class ExclusionSection(Section):
         return type(self).maker(*self.model_dump(exclude={"rule"}).values())
 
     def shorthand(self) -> str:
-        """Return the rule as one writes it in one word, such as ``catch>1``."""
+        """Return the rule in one word, such as ``catch>1``."""
         settings = self.model_dump(exclude={"rule"})
         word = self.rule
         if self.limit is not None:
-            sign, key = self.limit
-            word += f"{sign}{settings.pop(key):g}"
+            operator, key = self.limit
+            word += f"{operator}{settings.pop(key):g}"
         return ",".join([word, *(f"{key}={value:g}" for key, value in settings.items())])
 
 
 class Incomplete(ExclusionSection):
-    """Who did not get through all trials."""
+    """Excludes participants who did not finish all trials."""
 
     maker: ClassVar = incomplete
 
@@ -63,12 +63,12 @@ class Incomplete(ExclusionSection):
 
 
 class FailedCatch(ExclusionSection):
-    """Who failed too many catch trials.
+    """Excludes participants who failed too many catch trials.
 
     Attributes
     ----------
     more_than : int
-        More failed catch trials than this exclude; where it is not written, `Catch.max_failed`.
+        More failed catch trials exclude; by default, `Catch.max_failed`.
     """
 
     limit: ClassVar = (">", "more_than")
@@ -79,12 +79,12 @@ class FailedCatch(ExclusionSection):
 
 
 class FailedAttention(ExclusionSection):
-    """Who failed too many attention checks.
+    """Excludes participants who failed too many attention checks.
 
     Attributes
     ----------
     more_than : int
-        More failed checks than this exclude; where it is not written, `Attention.max_failed`.
+        More failed checks exclude; by default, `Attention.max_failed`.
     """
 
     limit: ClassVar = (">", "more_than")
@@ -95,7 +95,7 @@ class FailedAttention(ExclusionSection):
 
 
 class Coverage(ExclusionSection):
-    """Who watched too little of the videos.
+    """Excludes participants who watched too little of the videos.
 
     Attributes
     ----------
@@ -111,15 +111,14 @@ class Coverage(ExclusionSection):
 
 
 class Time(ExclusionSection):
-    """Who answered too fast.
+    """Excludes participants who answered too fast.
 
     Attributes
     ----------
     below : float
-        Seconds from the first showing of a trial to its answer below which it is too fast.
+        A shorter time from the first showing of a trial to its answer, in seconds, is too fast.
     share : float
-        Share of too fast answers from which a participant is excluded; one half makes it a rule
-        about the median.
+        This share of trials that are too fast excludes; one half is a rule about the median.
     """
 
     limit: ClassVar = ("<", "below")
@@ -131,14 +130,14 @@ class Time(ExclusionSection):
 
 
 class StraightLining(ExclusionSection):
-    """Who gave the same answer to a question again and again.
+    """Excludes participants who repeat one answer to a question.
 
     Attributes
     ----------
     at_least : float
-        Share of the most frequent answer to a question from which a participant is excluded.
+        This share of the most frequent answer to a question excludes.
     trials : int
-        Questions answered less often by a participant are not looked at.
+        Questions that a participant answered less often are ignored.
     """
 
     limit: ClassVar = (">=", "at_least")
@@ -152,7 +151,6 @@ class StraightLining(ExclusionSection):
 EXCLUSION_SECTIONS: Final[tuple[type[ExclusionSection], ...]] = (
     *(Incomplete, FailedCatch, FailedAttention, Coverage, Time, StraightLining),
 )
-"""All of them."""
 
 Exclusion = Annotated[
     Incomplete | FailedCatch | FailedAttention | Coverage | Time | StraightLining,
@@ -160,53 +158,53 @@ Exclusion = Annotated[
 ]
 """An entry of ``[[exclusions]]``."""
 
-Checks = Catch | Attention
-
 
 def exclusion_problems(
     exclusions: Sequence[ExclusionSection] | None, catch: Catch, attention: Attention
 ) -> list[str]:
-    """Return what does not fit together between the rules and what they look at."""
+    """Return contradictions among the rules, and with catch trials and attention checks."""
     if exclusions is None:
         return []
-    names = [each.rule for each in exclusions]
-    twice = sorted({name for name in names if names.count(name) > 1})
+    names = [rule.rule for rule in exclusions]
+    repeated = sorted({name for name in names if names.count(name) > 1})
     return [
-        *([f"exclusions: the rule {listed(twice)} is stated twice"] if twice else []),
+        *([f"exclusions: the rule {listed(repeated)} is stated twice"] if repeated else []),
         *_limit_problems(exclusions, "catch", catch),
         *_limit_problems(exclusions, "attention", attention),
     ]
 
 
-def _limit_problems(exclusions: Sequence[ExclusionSection], name: str, checks: Checks) -> list[str]:
-    """Return where the rule `name` and the section of the same name contradict each other."""
-    stated = [each for each in exclusions if each.rule == name]
-    if stated and not checks.trials:
-        return [f"exclusions: the rule {name!r} has nothing to look at, as {name}.trials is 0"]
+def _limit_problems(
+    exclusions: Sequence[ExclusionSection], name: str, checks: Catch | Attention
+) -> list[str]:
+    """Return contradictions between the rule `name` and the section of the same name."""
+    rules = [rule for rule in exclusions if rule.rule == name]
+    if rules and not checks.trials:
+        return [f"exclusions: the rule {name!r} has no effect because {name}.trials is 0"]
     if not checks.trials or "max_failed" not in checks.model_fields_set:
         return []
-    if not stated:
+    if not rules:
         return [
-            f"{name}.max_failed excludes nobody, as exclusions do not name the rule {name!r}: "
-            "add it, or leave max_failed out"
+            f"{name}.max_failed has no effect because exclusions lack the rule {name!r}: "
+            "add the rule, or leave max_failed out"
         ]
     return [
-        f"exclusions: the rule {name!r} says more_than = {each.more_than}, and {name}.max_failed "
-        f"says {checks.max_failed}: keep one of them"
-        for each in stated
-        if isinstance(each, FailedCatch | FailedAttention)
-        and "more_than" in each.model_fields_set
-        and each.more_than != checks.max_failed
+        f"exclusions: the rule {name!r} has more_than = {rule.more_than}, but {name}.max_failed "
+        f"is {checks.max_failed}: remove one of them"
+        for rule in rules
+        if isinstance(rule, FailedCatch | FailedAttention)
+        and "more_than" in rule.model_fields_set
+        and rule.more_than != checks.max_failed
     ]
 
 
 def settle_exclusions(
     exclusions: Sequence[ExclusionSection] | None, catch: Catch, attention: Attention
 ) -> tuple[ExclusionSection, ...]:
-    """Return the rules in order, with every number they depend on.
+    """Return the rules in order, with all their numbers.
 
-    Without any stated, who is unfinished is left out, then who failed too many catch trials and
-    attention checks, as far as the study has them.
+    Without stated rules, participants are excluded who did not finish, then those who failed too
+    many catch trials and attention checks, if the study has any.
     """
     if exclusions is None:
         exclusions = (
@@ -216,9 +214,8 @@ def settle_exclusions(
         )
     limits = {"catch": catch.max_failed, "attention": attention.max_failed}
     return tuple(
-        each.model_copy(update={"more_than": limits[each.rule]})
-        if isinstance(each, FailedCatch | FailedAttention)
-        and "more_than" not in each.model_fields_set
-        else each
-        for each in exclusions
+        rule.model_copy(update={"more_than": limits[rule.rule]})
+        if rule.rule in limits and "more_than" not in rule.model_fields_set
+        else rule
+        for rule in exclusions
     )

@@ -1,4 +1,4 @@
-"""How a study is shown: its texts and messages, its videos, and what counts as watched."""
+"""How a study looks to participants: texts, messages, videos, and what counts as watched."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ _REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
 
 
 def reaches_somebody(contact: str) -> bool:
-    """Tell whether `contact` says how to reach somebody, as far as a program can see."""
+    """Tell whether `contact` looks like a way to reach somebody."""
     return _REACHABLE.search(contact) is not None
 
 
 class Page(Section):
-    """What participants are told before they agree, and how they are led around the trials.
+    """What participants read before they consent, and what surrounds the trials.
 
     Attributes
     ----------
     organisation, contact, payment, ethics : str
-        Who runs the study, how they are reached, what participants get, and who approved it.
+        Who runs the study, how to reach them, what participants get, and who approved it.
     minutes : int or None
-        How long it takes; None where participants are not told.
+        Duration of the study; None if participants are not told.
     language : {'en', 'de', 'ja'}
-        The language of the pages' own words; what the study file says is shown as it is.
+        Language of the pages; texts of the study file are shown as they are.
     devices : tuple of {'computer', 'tablet', 'phone'}
-        What one may take part on; whoever comes with another is asked to open the study there.
+        Allowed devices; participants with another are asked to switch.
     sound_check : bool
-        Whether spoken digits must be typed before the instructions. A study that is all without
+        Whether participants must type spoken digits before the instructions. A study without
         sound has no such check.
     break_every : int
-        Trials after which a break is offered; 0 for none.
+        Trials between two breaks; 0 for no breaks.
     withdrawn : {'deleted', 'kept'}
-        What becomes of the answers of a participant who withdraws. They are never analysed.
+        What happens to the answers of participants who withdraw. They are never analysed.
     """
 
     language: Language = "en"
@@ -63,8 +63,7 @@ class Page(Section):
     def break_after(self, done: int, presentations: int) -> bool:
         """Tell whether a break comes after `done` of `presentations` trials.
 
-        There is none shortly before the end: at least half as many trials as between two breaks,
-        and no fewer than two, must remain.
+        At least half as many trials as between two breaks, and at least two, must remain.
         """
         if self.break_every == 0 or done == 0 or done % self.break_every:
             return False
@@ -72,25 +71,25 @@ class Page(Section):
 
 
 class Video(Section):
-    """How all stimuli of the study look.
+    """How all stimuli look.
 
     Attributes
     ----------
     framing : {'upper_body', 'full_body', 'face', 'hands'}
-        What of the body the picture shows.
+        The visible part of the body.
     view : {'front', 'three_quarter'}
-        From where.
+        Camera angle.
     background : str
-        sRGB of what is behind the speaker.
+        Background colour in sRGB.
     size : int
-        Pixels along each side of one clip; a pair is twice as wide.
+        Width and height of one clip in pixels; a pair is twice as wide.
     avatar : str
-        Who is shown, the same for all conditions: a name in `renderer.look.AVATARS`.
+        The avatar of all conditions: a name in `renderer.look.AVATARS`.
     body : str or None
-        A licensed SMPL-X model file (``.npz``) to show instead of an avatar.
+        A licensed SMPL-X model file (``.npz``) that replaces the avatar.
     expression_matrix : str or None
         A file (``.npz``, ``.npy`` or ``.csv``) of 100 SMPL-X expression coefficients by 52 ARKit
-        actions, which turns the one into the other where the body shows only that.
+        actions, which converts between them where the body supports only one.
     """
 
     framing: Framing = "upper_body"
@@ -106,14 +105,14 @@ class Video(Section):
 
 
 class Watching(Section):
-    """What counts as having watched, and how much there may be to load for it.
+    """What counts as watched, and how much a page may load.
 
     Attributes
     ----------
     coverage : float
-        The share of each video that must really have played.
+        The share of each video that must have played.
     megabytes_per_page : float
-        What one page may load at most: its own videos, and those fetched ahead for the next one.
+        The most that one page may load: its own videos, and those prefetched for the next one.
     """
 
     coverage: float = Field(0.95, ge=0, le=1, strict=False)
@@ -121,20 +120,20 @@ class Watching(Section):
 
 
 Value: TypeAlias = "int | str | Message | tuple[Value, ...]"
-"""What stands in a place of a message; a tuple is said as a list: a, b and c."""
+"""The value of a placeholder; a tuple becomes a list: a, b and c."""
 
 
 class Message:
-    """An English text with named places, ``{so}``, and what stands in them.
+    """An English text with named placeholders, and their values.
 
-    The text is a literal wherever a message is made, so that it can be found and translated.
+    The text is always a literal, so that it can be extracted and translated.
 
     Parameters
     ----------
     text : str
-        Whole sentences, or the words of a label.
+        Whole sentences, or a label.
     **values : int, str, Message or tuple of them
-        By the names of the places.
+        Values of the placeholders.
     """
 
     def __init__(self, text: str, /, **values: Value) -> None:
@@ -147,20 +146,20 @@ class Message:
         Parameters
         ----------
         translate : callable
-            Gives a text in that language, with the same places.
+            Translates a text and keeps its placeholders.
         join : callable
-            Makes a list of words there.
+            Joins words to a list in that language.
         """
 
-        def filled(value: Value) -> str:
+        def render_value(value: Value) -> str:
             if isinstance(value, Message):
                 return value.render(translate, join)
             if isinstance(value, tuple):
-                return join([filled(each) for each in value])
+                return join([render_value(item) for item in value])
             return str(value)
 
-        text = translate(self.text)
-        return text.format_map({name: filled(value) for name, value in self.values.items()})
+        values = {name: render_value(value) for name, value in self.values.items()}
+        return translate(self.text).format_map(values)
 
     def __str__(self) -> str:
         """Return the message in English."""

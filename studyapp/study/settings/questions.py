@@ -1,4 +1,4 @@
-"""Questions of a study: of its trials with their scales and reasons, and of the participant."""
+"""Questions of a study: about its trials, and about the participant."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.sections import Name, Section
 
 RESERVED_NAMES = ("trial",)
-"""Names of the page's own fields."""
+"""Names of the page's own form fields."""
 
 _OF_FACES: Final = re.compile(
     r"\b(faces?|facial|lips?|mouth)\b|gesicht|mimik|lippen|顔|表情", re.IGNORECASE
@@ -26,7 +26,7 @@ def is_about_face(text: str) -> bool:
 
 
 class Reason(Section):
-    """One reason that participants may tick beside their answer."""
+    """One reason that participants may tick with their answer."""
 
     name: Name
     text: str = Field(min_length=1, max_length=200)
@@ -38,9 +38,9 @@ class Question(Section):
     Attributes
     ----------
     parts : tuple of str
-        The parts of the study that ask it; empty for all of them.
+        The parts of the study that ask it; empty for all.
     reasons : tuple of Reason
-        Check boxes beside the answer; they may all stay empty.
+        Optional check boxes.
     """
 
     name: Name
@@ -53,7 +53,7 @@ class Question(Section):
     def _is_usable(self) -> Self:
         unknown = set(re.findall(r"{(.*?)}", self.text)) - {"emotion"}
         if unknown or self.text.count("{") != self.text.count("}"):
-            raise ValueError("the text may hold {emotion} and no other braces")
+            raise ValueError("the text may contain {emotion} but no other braces")
         if len(set(self.reason_names)) != len(self.reasons):
             raise ValueError("two reasons have the same name")
         return self
@@ -64,19 +64,21 @@ class Question(Section):
         return tuple(reason.name for reason in self.reasons)
 
     def belongs_to(self, part: str) -> bool:
-        """Tell whether trials of `part` ask it."""
+        """Tell whether trials in `part` ask it."""
         return not self.parts or part in self.parts
 
 
 def question_problems(questions: Sequence[Question], parts: Sequence[str]) -> list[str]:
-    """Return what is wrong with `questions` of a study with these `parts`."""
+    """Return what is wrong with `questions` in a study with these `parts`."""
     problems = []
     names = [question.name for question in questions]
     if len(set(names)) != len(names):
         problems.append("two questions have the same name")
-    for name in RESERVED_NAMES:
-        if name in names:
-            problems.append(f"no question can be named {name!r}, the page sends its own field so")
+    problems += [
+        f"no question can be named {name!r}: the page uses that name itself"
+        for name in RESERVED_NAMES
+        if name in names
+    ]
     for question in questions:
         unknown = [part for part in question.parts if part not in parts]
         if unknown:
@@ -84,14 +86,14 @@ def question_problems(questions: Sequence[Question], parts: Sequence[str]) -> li
             problems.append(f"question {question.name!r}: unknown part {unknown[0]!r} ({known})")
     for part in parts:
         if not any(question.belongs_to(part) for question in questions):
-            problems.append(f"no question is asked in {part!r}")
+            problems.append(f"part {part!r} has no questions")
     return problems
 
 
 SCALE_STEPS: Final = 5
 
 QUALITY_CATEGORIES: Final = ("bad", "poor", "fair", "good", "excellent")
-"""The five categories of absolute category rating, from the worst (ITU-T P.910)."""
+"""The categories of absolute category rating (ITU-T P.910), from the worst."""
 
 SLIDER_MAX: Final = 100
 BAND_WIDTH: Final = SLIDER_MAX // SCALE_STEPS
@@ -103,10 +105,10 @@ class RatingQuestion(Question):
     Attributes
     ----------
     scale : {'labels', 'slider', 'mean_opinion'}
-        Five labels of the study's own; a slider from 0 to 100 without a preset, in five labelled
+        Five labels of the study's own; a slider from 0 to 100 without a default, in five labelled
         bands (HEMVIP, Jonell et al. 2021); or the five categories of ITU-T P.910.
     labels : tuple of str
-        From the worst to the best: the labels, or the names of the slider's bands.
+        The five labels, from the worst to the best.
     """
 
     scale: Literal["labels", "slider", "mean_opinion"] = "labels"
@@ -114,33 +116,33 @@ class RatingQuestion(Question):
 
     @model_validator(mode="after")
     def _has_labels(self) -> Self:
-        given = "labels" in self.model_fields_set
-        if self.scale == "labels" and not given:
-            raise ValueError("a scale of labels needs its five labels, from the worst to the best")
-        if self.scale == "mean_opinion" and given:
-            raise ValueError('mean_opinion has labels of its own; use scale = "labels"')
+        has_labels = "labels" in self.model_fields_set
+        if self.scale == "labels" and not has_labels:
+            raise ValueError("give five labels, from the worst to the best")
+        if self.scale == "mean_opinion" and has_labels:
+            raise ValueError('mean_opinion has its own labels; use scale = "labels"')
         if len(set(self.labels)) != SCALE_STEPS:
-            raise ValueError("labels must be five different ones, from the worst to the best")
+            raise ValueError("give five different labels, from the worst to the best")
         return self
 
     @property
     def values(self) -> Sequence[int]:
-        """What may be answered; 1 or 0 is the worst."""
+        """The possible answers, from the worst."""
         return range(SLIDER_MAX + 1) if self.scale == "slider" else range(1, SCALE_STEPS + 1)
 
     def step(self, value: int) -> int:
-        """Return which of the five labels `value` falls under, from 1."""
+        """Return the number of the label of `value`, from 1."""
         return min(value // BAND_WIDTH + 1, SCALE_STEPS) if self.scale == "slider" else value
 
 
 Stage = Literal["eligibility", "consent", "demographics", "comprehension", "closing"]
 
 STAGES: Final[tuple[Stage, ...]] = get_args(Stage)
-"""In the order in which they are asked: `comprehension` under the instructions, `closing` after the
-trials."""
+"""In the order of a study session: `comprehension` is asked below the instructions, `closing` after
+the trials."""
 
 SCREENING_STAGES: Final[tuple[Stage, ...]] = ("eligibility", "consent", "comprehension")
-"""Those at which an answer decides who takes part."""
+"""The stages whose answers decide who can take part."""
 
 MAX_TEXT_LENGTH: Final = 2000
 
@@ -151,17 +153,13 @@ class FormQuestion(Section):
     Attributes
     ----------
     kind : {'text', 'choice', 'number', 'scale'}
-        Something to write, one of `choices`, a number from `low` to `high`, or a step of a scale
-        from `low` to `high` with `choices` at its two ends.
-    choices : tuple of str
-        See `kind`.
-    low, high : int
-        See `kind`.
+        Free text, one of `choices`, a number from `low` to `high`, or a step of a scale from `low`
+        to `high` with `choices` as its end labels.
     required : bool
         Whether it must be answered.
     eligible : tuple of str
-        Under `eligibility` and `consent`: with any other choice a person cannot take part; empty
-        where every answer will do. Under `comprehension`: the right choices.
+        Under `eligibility` and `consent`: the choices of those who can take part; empty for all.
+        Under `comprehension`: the right choices.
     """
 
     name: Name
@@ -176,27 +174,27 @@ class FormQuestion(Section):
     @model_validator(mode="after")
     def _is_usable(self) -> Self:
         if self.kind == "choice" and len(self.choices) < 1:
-            raise ValueError("a choice needs choices")
+            raise ValueError("a question of kind 'choice' needs choices")
         if self.kind == "scale" and len(self.choices) not in (0, 2):
-            raise ValueError("a scale has no choices, or two: the words at its ends")
+            raise ValueError("a scale has no choices, or two: the labels of its ends")
         if self.kind in ("text", "number") and self.choices:
-            raise ValueError(f"a {self.kind} has no choices")
+            raise ValueError(f"a question of kind {self.kind!r} cannot have choices")
         if self.low >= self.high:
-            raise ValueError(f"low {self.low} is not below high {self.high}")
+            raise ValueError(f"low ({self.low}) must be below high ({self.high})")
         if not set(self.eligible) <= set(self.choices if self.kind == "choice" else ()):
-            raise ValueError("eligible names something that is not among the choices")
+            raise ValueError("eligible may only name choices of the question")
         return self
 
     @property
     def offered(self) -> tuple[str, ...]:
-        """The answers of a choice or a scale, in their order."""
+        """The possible answers of a choice or a scale, in order."""
         if self.kind == "scale":
             return tuple(str(step) for step in range(self.low, self.high + 1))
         return self.choices
 
     @property
     def example(self) -> str:
-        """An answer with which a person can take part."""
+        """An answer that lets a person take part."""
         if self.kind == "text":
             return "–"
         if self.kind == "number":
@@ -204,14 +202,14 @@ class FormQuestion(Section):
         return (self.eligible or self.offered)[0]
 
     def label(self, answer: str) -> str:
-        """Return what stands beside one of the answers `offered`."""
+        """Return the label of one of the answers `offered`."""
         if self.kind == "scale" and self.choices:
-            words = {str(self.low): self.choices[0], str(self.high): self.choices[1]}
-            return f"{answer} – {words[answer]}" if answer in words else answer
+            ends = {str(self.low): self.choices[0], str(self.high): self.choices[1]}
+            return f"{answer} – {ends[answer]}" if answer in ends else answer
         return answer
 
     def problem(self, answer: str, number: int = 1) -> Message | None:
-        """Say why `answer` cannot be accepted as that to question `number`; None where it can."""
+        """Say why `answer` to question `number` cannot be accepted; None if it can."""
         if not answer.strip():
             missing = Message("Question {number} is not answered yet.", number=number)
             return missing if self.required else None
@@ -224,7 +222,8 @@ class FormQuestion(Section):
                 most=MAX_TEXT_LENGTH,
             )
         if self.kind == "number":
-            if _is_integer(answer) and self.low <= int(answer) <= self.high:
+            is_integer = re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
+            if is_integer and self.low <= int(answer) <= self.high:
                 return None
             return Message(
                 "Question {number} needs a whole number from {low} to {high}.",
@@ -239,12 +238,8 @@ class FormQuestion(Section):
         )
 
 
-def _is_integer(answer: str) -> bool:
-    return re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
-
-
 class Form(Section):
-    """All questions about the participant, by when they are asked."""
+    """All questions about the participant, by stage."""
 
     eligibility: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
     consent: tuple[FormQuestion, ...] = Field((), max_length=20, strict=False)
@@ -259,24 +254,24 @@ class Form(Section):
             raise ValueError("two questions of the form have the same name")
         others = (stage for stage in STAGES if stage not in SCREENING_STAGES)
         if any(question.eligible for stage in others for question in self.questions_at(stage)):
-            raise ValueError(f"eligible can only be stated under {listed(SCREENING_STAGES)}")
+            raise ValueError(f"eligible is only allowed under {listed(SCREENING_STAGES)}")
         for question in self.comprehension:
             if not question.required or not question.eligible:
                 raise ValueError(
-                    f"comprehension question {question.name!r} needs choices, of which eligible "
-                    "names the right ones, and an answer"
+                    f"the comprehension question {question.name!r} must be required, and eligible "
+                    "must name its right choices"
                 )
             if set(question.eligible) == set(question.choices):
                 raise ValueError(
-                    f"comprehension question {question.name!r} has no choice that is wrong"
+                    f"the comprehension question {question.name!r} has no wrong choice"
                 )
         return self
 
     def questions_at(self, stage: Stage) -> tuple[FormQuestion, ...]:
         """Return the questions of one stage."""
-        asked: tuple[FormQuestion, ...] = getattr(self, stage)
-        return asked
+        questions: tuple[FormQuestion, ...] = getattr(self, stage)
+        return questions
 
     def stages(self) -> Iterator[Stage]:
-        """Yield the stages at which something is asked."""
+        """Yield the stages that have questions."""
         return (stage for stage in STAGES if self.questions_at(stage))

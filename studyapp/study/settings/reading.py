@@ -1,4 +1,4 @@
-"""Reading `study.toml`: which protocol it is of, and everything that is wrong with it."""
+"""Reading `study.toml`: its protocol, and everything that is wrong with it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
         "mismatch": MismatchStudy,
     }
 )
-"""Every protocol under its name."""
+"""All protocols by name."""
 
 ALIASES: Final[Mapping[str, str]] = MappingProxyType(
     {"amuse": "pairwise", "s2ue": "rating", "diffsheg": "ranking"}
@@ -42,20 +42,20 @@ def read_study(path: Path) -> Study:
     Raises
     ------
     InputError
-        Naming the file and every key that is unknown, missing or out of range.
+        If it is not valid; every wrong key is named.
     """
     return parse_text(read_text(path), where=path)
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a study file; `InputError` where there is none or it is no text."""
+    """Return the text of a study file, or raise `InputError`."""
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(
             "there is no such study file",
             where=path,
-            remedy="Make a study with 'motionjury init FOLDER', or check the folder's name",
+            remedy="Create a study with 'motionjury init FOLDER', or check the folder's name",
         ) from None
     except UnicodeDecodeError as error:
         raise InputError(
@@ -66,24 +66,29 @@ def read_text(path: Path) -> str:
 
 
 def parse_text(text: str, *, where: object) -> Study:
-    """Validate the text of a study file; `InputError` names every key that is wrong."""
+    """Validate the text of a study file; `InputError` names every wrong key."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"not valid TOML: {error}", where=where, remedy="Fix that line") from None
+        raise InputError(
+            f"this is not valid TOML: {error}", where=where, remedy="Fix that line"
+        ) from None
     return parse_study(data, where=where, text=text)
 
 
 def parse_study(data: Mapping[str, object], *, where: object, text: str = "") -> Study:
-    """Validate the contents of a study file; `InputError` names every key that is wrong.
+    """Validate the contents of a study file; `InputError` names every wrong key.
 
-    Of an unknown key, it tells the line in `text`.
+    Parameters
+    ----------
+    text : str
+        The file's text, if errors should name lines.
     """
-    named = data.get("protocol", DEFAULT_PROTOCOL)
-    protocol = ALIASES.get(str(named), str(named))
+    name = data.get("protocol", DEFAULT_PROTOCOL)
+    protocol = ALIASES.get(str(name), str(name))
     if protocol not in PROTOCOLS:
         raise InputError(
-            f"protocol: unknown {named!r}",
+            f"protocol: unknown protocol {name!r}",
             where=where,
             remedy=f"Use one of {', '.join((*PROTOCOLS, *ALIASES))}",
         )

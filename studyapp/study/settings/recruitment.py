@@ -1,4 +1,4 @@
-"""`[recruitment]`: where participants come from, the codes they get, who is paid how much."""
+"""`[recruitment]`: where participants come from, their completion codes, and their pay."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from studyapp.study.settings.sections import Section
 PROLIFIC_PLACEHOLDERS: Final = (
     "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
 )
-"""What Prolific fills in for each participant."""
+"""Prolific fills these in for each participant."""
 
 CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
-"""Letters and digits that are not taken for one another."""
+"""Letters and digits that are not mistaken for each other."""
 
 CODE_LENGTH: Final = 12
 
@@ -38,7 +38,7 @@ GUESSABLE_WORDS: Final = (
 
 
 def draw_code() -> str:
-    """Return a code that nobody can guess (58 random bits)."""
+    """Return a random code of 58 bits."""
     while True:
         code = "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
         if code_weakness(code) is None:
@@ -46,47 +46,47 @@ def draw_code() -> str:
 
 
 def code_weakness(code: str) -> str | None:
-    """Say why `code` could be guessed, None if it could not."""
-    plain = code.casefold()
+    """Say why `code` could be guessed; None if it could not."""
+    folded = code.casefold()
     if len(code) < MIN_CODE_LENGTH:
         return f"has fewer than {MIN_CODE_LENGTH} characters"
-    if len(set(plain)) < MIN_DISTINCT_CHARACTERS:
+    if len(set(folded)) < MIN_DISTINCT_CHARACTERS:
         return f"has fewer than {MIN_DISTINCT_CHARACTERS} different characters"
-    if word := next((word for word in GUESSABLE_WORDS if word in plain), None):
-        return f"holds the word {word!r}"
-    if _has_run(plain):
-        return f"holds more than {MAX_RUN} characters in a row that follow one another"
-    if re.fullmatch(r"(.+?)\1+", plain):
+    if word := next((word for word in GUESSABLE_WORDS if word in folded), None):
+        return f"contains the word {word!r}"
+    if _has_run(folded):
+        return f"contains a sequence of more than {MAX_RUN} characters, such as 1234"
+    if re.fullmatch(r"(.+?)\1+", folded):
         return "repeats itself"
     return None
 
 
-def _has_run(plain: str) -> bool:
-    """Tell whether letters or digits stand together as in the alphabet or on a keyboard."""
-    pieces = (plain[at : at + MAX_RUN + 1] for at in range(len(plain) - MAX_RUN))
-    rows = (*CHARACTER_SEQUENCES, *(row[::-1] for row in CHARACTER_SEQUENCES))
-    return any(len(set(piece)) == 1 or any(piece in row for row in rows) for piece in pieces)
+def _has_run(code: str) -> bool:
+    """Tell whether characters repeat, or follow each other in the alphabet or on a keyboard."""
+    windows = (code[start : start + MAX_RUN + 1] for start in range(len(code) - MAX_RUN))
+    sequences = (*CHARACTER_SEQUENCES, *(row[::-1] for row in CHARACTER_SEQUENCES))
+    return any(len(set(part)) == 1 or any(part in row for row in sequences) for part in windows)
 
 
 MONEY: Final = r"^(\d{1,6}(\.\d{2})?)?$"
-"""An amount such as ``2.50``; empty where nothing is said."""
+"""An amount such as ``2.50``, or nothing."""
 
 CURRENCY: Final = r"^([A-Z]{3})?$"
-"""Three letters (ISO 4217)."""
+"""Three letters (ISO 4217), or nothing."""
 
 
 class Pay(Section):
-    """What a participant gets; what the page says of it is `Page.payment`.
+    """The pay of a participant; the page's sentence about it is `Page.payment`.
 
     Attributes
     ----------
     amount : str
-        What who finishes gets, such as ``"2.50"``. Recruiting sites are told it under their own
-        keys, which count there.
+        Pay for finishing the study, such as ``"2.50"``. Recruiting sites have their own keys,
+        which count there.
     currency : str
-        Of the amount, three letters such as ``"EUR"``; on Prolific, of the account.
+        Its currency, such as ``"EUR"``; on Prolific, that of the account.
     hourly_minimum : str
-        What an hour must pay at least, by your institution's rules or the law, in that currency.
+        The lowest hourly rate that your institution or the law allows, in that currency.
     """
 
     amount: str = Field("", pattern=MONEY)
@@ -95,66 +95,59 @@ class Pay(Section):
 
     @property
     def payment(self) -> Decimal | None:
-        """The amount as a number; None where it is not stated."""
+        """The amount as a number; None if it is not stated."""
         return Decimal(self.amount) if self.amount else None
 
     @property
     def minimum(self) -> Decimal | None:
-        """The hourly minimum as a number; None where it is not stated."""
+        """The hourly minimum as a number; None if it is not stated."""
         return Decimal(self.hourly_minimum) if self.hourly_minimum else None
-
-    def problems(self) -> list[str]:
-        """Return what does not fit together."""
-        stated = self.amount or self.hourly_minimum
-        return (
-            ["recruitment.pay: an amount needs a currency"] if stated and not self.currency else []
-        )
 
 
 def hourly_rate(amount: Decimal, minutes: float) -> float:
-    """Return an amount for so many minutes as one for an hour."""
+    """Return the rate of `amount` for so many minutes."""
     return float(amount) * 60 / minutes
 
 
 def format_amount(amount: float | Decimal, currency: str) -> str:
-    """Return an amount as people read it."""
+    """Return an amount with its currency."""
     return f"{amount:.2f} {currency}".strip()
 
 
 Channel = Literal["link", "prolific", "mturk", "invitations"]
 
 Outcome = Literal["completed", "failed_attention", "unwatched"]
-"""How a study session ended; ``unwatched`` before its last trial, since too many videos failed."""
+"""How a study session ended; ``unwatched`` early, because too many videos failed to play."""
 
 LONG_STUDY_MINUTES: Final = 5
 MIN_FAILED_CHECKS: Final = 2
-"""A study this long may refuse pay only after so many failed attention checks."""
+"""A study at least this long may refuse pay only after so many failed attention checks."""
 
 Code = Field("", max_length=32, pattern=r"^[A-Za-z0-9_-]*$")
 
 
 class Prolific(Section):
-    """A study on Prolific. What is paid and asked for is sent when the draft is made.
+    """A study on Prolific; sent when the draft is created.
 
     Attributes
     ----------
     completed, screened_out, failed_attention : str
-        The study's three codes; ``motionjury recruit STUDY codes`` draws them.
+        The three completion codes; ``motionjury recruit STUDY codes`` draws them.
     reward : int
-        What each participant gets, in the smallest unit of the account's currency.
+        Pay of each participant, in the smallest unit of the account's currency.
     places : int or None
-        How many participants; None for as many as the study has places.
+        Number of participants; None for all places of the study.
     description : str
-        What participants read on Prolific; the study's title without it.
+        Description on Prolific; by default, the study's title.
     automatic : bool
-        Whether who finishes is paid at once, without being approved.
+        Whether finished participants are paid at once, without approval.
     screened_out_reward, screened_out_places : int
-        What each of at most so many who are screened out gets; 0 where they are asked to return.
+        Pay of screened-out participants, and how many get it at most; 0 if they are asked to
+        return the study.
     project : str
-        The Prolific project; the account's default without it.
+        The Prolific project; by default, the account's.
     signed_for : str
-        The host that participants reach the study at, where Prolific signs who comes; empty where
-        it does not.
+        The study's host, if Prolific signs the links of participants; otherwise empty.
     """
 
     completed: str = Code
@@ -175,7 +168,7 @@ class Prolific(Section):
 
     @property
     def codes(self) -> dict[str, str]:
-        """All three codes, by their keys."""
+        """All three codes by key."""
         return {
             "completed": self.completed,
             "screened_out": self.screened_out,
@@ -184,18 +177,18 @@ class Prolific(Section):
 
 
 class MTurk(Section):
-    """A HIT on Mechanical Turk. What is paid and asked for is sent when it is made.
+    """A HIT on Mechanical Turk; sent when it is created.
 
     Attributes
     ----------
     reward : str
-        US dollars each worker gets, such as ``"3.50"``.
+        Pay of each worker in US dollars, such as ``"3.50"``.
     assignments : int or None
-        How many workers; None for as many as the study has places.
+        Number of workers; None for all places of the study.
     description, keywords : str
-        What workers find the HIT by.
+        Help workers to find the HIT.
     hours_to_accept, days_to_review : int
-        How long the HIT is offered, and after how long an assignment is paid unreviewed.
+        How long the HIT is offered, and when unreviewed assignments are paid automatically.
     """
 
     reward: str = Field("", pattern=r"^(\d{1,4}\.\d{2})?$")
@@ -212,21 +205,19 @@ class MTurk(Section):
 
 
 class Recruitment(Section):
-    """Where participants come from, and who of them is paid.
+    """Where participants come from, and who is paid.
 
     Attributes
     ----------
     channel : {'link', 'prolific', 'mturk', 'invitations'}
-        ``link``: whoever has the study's address, each with a completion code of their own.
-        ``invitations``: only who has an invitation that was made for them.
+        ``link``: anybody with the study's address; each gets a personal completion code.
+        ``invitations``: only people with a personal invitation.
     unpaid_failed_checks : int
-        Who fails at least so many attention checks need not be paid; 0: who finishes is paid,
-        whatever they answered. Catch trials never cost pay.
+        Participants who fail so many attention checks need not be paid; 0: everybody who finishes
+        is paid. Catch trials never cost pay.
     newcomers_per_address : int
-        How many may begin within an hour from one network address, unless each has a link that was
-        made or signed for them; 0 for any number.
-    pay : Pay
-        What each of them gets.
+        The most participants who may begin within an hour from one network address, unless they
+        have personal or signed links; 0 for no limit.
     """
 
     channel: Channel = "link"
@@ -238,78 +229,77 @@ class Recruitment(Section):
 
     @property
     def amount(self) -> Decimal | None:
-        """What each participant gets; None where the channel's key for it is empty."""
-        stated = {
-            "prolific": Decimal(self.prolific.reward) / 100,
-            "mturk": self.mturk.dollars,
-        }.get(self.channel, self.pay.payment)
-        return stated or None
+        """The pay of each participant; None if the channel's key for it is empty."""
+        rewards = {"prolific": Decimal(self.prolific.reward) / 100, "mturk": self.mturk.dollars}
+        return rewards.get(self.channel, self.pay.payment) or None
 
     @property
     def currency(self) -> str:
-        """Of the amount; empty where nobody said which."""
+        """The currency of `amount`; empty if it is not stated."""
         return "USD" if self.channel == "mturk" else self.pay.currency
 
     @property
     def names_participants(self) -> bool:
-        """Whether nobody takes part whom the channel does not name."""
+        """Whether the channel names everybody who takes part."""
         return self.channel != "link"
 
     def link(self, address: str) -> str:
-        """Return the link that brings participants to `address`; empty where each has their own."""
+        """Return the link to the study at `address`; empty if participants have personal ones."""
         if self.channel in ("invitations", "mturk"):
             return ""
         return address + (PROLIFIC_PLACEHOLDERS if self.channel == "prolific" else "")
 
     @property
     def is_proven(self) -> bool:
-        """Whether everybody comes with a link that was made or signed for them."""
-        signed = self.channel == "prolific" and self.prolific.signed_for != ""
-        return signed or self.channel == "invitations"
+        """Whether all participants have personal or signed links."""
+        is_signed = self.channel == "prolific" and self.prolific.signed_for != ""
+        return is_signed or self.channel == "invitations"
 
     def outcome(self, failed_checks: int) -> Outcome:
-        """Return what the recruiter is told of who finished, by the payment rule."""
+        """Return the outcome of a finished study session under the payment rule."""
         if self.unpaid_failed_checks and failed_checks >= self.unpaid_failed_checks:
             return "failed_attention"
         return "completed"
 
     def problems(self, minutes: int | None) -> list[str]:
-        """Return what cannot be right, whatever the channel.
+        """Return all contradictions between keys.
 
         Parameters
         ----------
         minutes : int or None
-            How long the study says it takes.
+            The stated duration of the study.
         """
-        short = minutes is not None and minutes < LONG_STUDY_MINUTES
-        paid = self.prolific
-        codes = {key: code for key, code in paid.codes.items() if code}
+        is_short = minutes is not None and minutes < LONG_STUDY_MINUTES
+        prolific = self.prolific
+        codes = {key: code for key, code in prolific.codes.items() if code}
         problems = [
-            f"recruitment.prolific.{key}: the code {problem} (draw one with 'motionjury "
+            f"recruitment.prolific.{key}: the code {weakness} (draw one with 'motionjury "
             "recruit STUDY codes')"
             for key, code in codes.items()
-            if (problem := code_weakness(code)) is not None
+            if (weakness := code_weakness(code)) is not None
         ]
         if len(set(map(str.casefold, codes.values()))) < len(codes):
             problems.append("recruitment.prolific: two outcomes have the same code")
-        problems += self.pay.problems()
-        if self.unpaid_failed_checks == 1 and not short:
+        if (self.pay.amount or self.pay.hourly_minimum) and not self.pay.currency:
+            problems.append("recruitment.pay: an amount needs a currency")
+        if self.unpaid_failed_checks == 1 and not is_short:
             problems.append(
-                "recruitment.unpaid_failed_checks: one failed check is no ground for refusing pay, "
-                "unless page.minutes says that the study takes less than "
-                f"{LONG_STUDY_MINUTES} (use {MIN_FAILED_CHECKS} or more, or 0)"
+                "recruitment.unpaid_failed_checks: one failed check is not enough to refuse pay, "
+                f"unless page.minutes is less than {LONG_STUDY_MINUTES} (use {MIN_FAILED_CHECKS} "
+                "or more, or 0)"
             )
-        if bool(paid.screened_out_reward) != bool(paid.screened_out_places):
+        if bool(prolific.screened_out_reward) != bool(prolific.screened_out_places):
             problems.append(
-                "recruitment.prolific: screened_out_reward and screened_out_places need each other"
+                "recruitment.prolific: set both screened_out_reward and screened_out_places, or "
+                "neither"
             )
-        if paid.screened_out_reward and paid.screened_out_reward >= paid.reward:
+        if prolific.screened_out_reward and prolific.screened_out_reward >= prolific.reward:
             problems.append("recruitment.prolific: screened_out_reward must be less than reward")
         return problems
 
     @property
     def missing_codes(self) -> list[str]:
-        """Keys of the codes without which the channel's participants cannot be told the end."""
+        """Keys of the codes that the channel needs and that are empty."""
         if self.channel != "prolific":
             return []
         return [key for key, code in self.prolific.codes.items() if not code]

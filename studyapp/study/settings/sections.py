@@ -1,4 +1,4 @@
-"""What all sections of a study file have in common, and sentences of what is wrong in one."""
+"""The base of all sections of a study file, and readable messages about errors in them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Annotated, Any, Final, get_args
+from typing import Annotated, Final, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -14,7 +14,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")]
 
 
 class Section(BaseModel):
-    """A part of a study file: unknown keys are errors, and nothing changes once it is read."""
+    """A section of a study file: unknown keys are errors, and instances are immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
@@ -22,56 +22,56 @@ class Section(BaseModel):
 MESSAGES: Final = {
     "extra_forbidden": "unknown key",
     "missing": "is missing",
-    "string_pattern_mismatch": "may hold only letters, digits, '_', '-' and '.', and must start "
+    "string_pattern_mismatch": "may contain only letters, digits, '_', '-' and '.', and must start "
     "with a letter or digit",
-    "string_type": "must be a text in quotes",
+    "string_type": "must be text in quotes",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
     "float_type": "must be a number",
     "union_tag_not_found": "'rule' is missing",
     "model_attributes_type": "must be a table of keys and values",
 }
-"""What the kinds of finding mean in a study file; pydantic's own words serve for the rest."""
+"""Our words for some of pydantic's errors; its own serve for the others."""
 
 
 def explain_errors(
     error: ValidationError, section: type[BaseModel] | None = None, text: str = ""
 ) -> str:
-    """Return every finding of `error` as ``key: what is wrong``, joined into one sentence.
+    """Return all errors as ``key: what is wrong``, joined by semicolons.
 
-    Each is told with its line in `text`, an unknown key with the nearest one that `section` knows
-    in its place too.
+    Each names its line in `text`, and the closest known key of `section` for an unknown one.
     """
     lines = _lines(text)
-    found = error.errors(include_url=False)
-    findings = []
-    for finding in found:
-        if finding["type"] == "too_short" and any(_lies_within(f, finding) for f in found):
-            # Too few entries are left because others were wrong, which is said already.
+    errors = error.errors(include_url=False)
+    sentences = []
+    for each in errors:
+        kind, location = each["type"], each["loc"]
+        if kind == "too_short" and any(_is_within(other["loc"], location) for other in errors):
+            # Too few entries remain because others are wrong, which is reported anyway.
             continue
-        key = ".".join(str(part) for part in finding["loc"] if part != "[key]")
-        message = MESSAGES.get(finding["type"], finding["msg"].removeprefix("Value error, "))
-        if finding["type"] == "union_tag_invalid":
-            tag, known = finding["ctx"]["tag"], finding["ctx"]["expected_tags"]
+        key = ".".join(str(part) for part in location if part != "[key]")
+        message = MESSAGES.get(kind, each["msg"].removeprefix("Value error, "))
+        if kind == "union_tag_invalid":
+            tag, known = each["ctx"]["tag"], each["ctx"]["expected_tags"]
             message = f"unknown rule {tag!r} (use one of {known})"
-        if line := _line_of(finding["loc"], lines):
-            is_unknown = finding["type"] == "extra_forbidden"
-            message += f" in line {line}" if is_unknown else f" (line {line})"
-        if finding["type"] == "extra_forbidden":
-            *place, last = finding["loc"]
-            if near := get_close_matches(str(last), _known_keys(section, place), n=1):
-                message += f" (did you mean {near[0]!r}?)"
-        findings.append(f"{key}: {message}" if key else message)
-    return "; ".join(findings)
-
-
-def _lies_within(finding: Any, outer: Any) -> bool:
-    """Tell whether `finding` is about a part of what `outer` is about."""
-    depth = len(outer["loc"])
-    return len(finding["loc"]) > depth and finding["loc"][:depth] == outer["loc"]
+        line = _line_of(location, lines)
+        if kind == "extra_forbidden":
+            message += f" in line {line}" if line else ""
+            *path, last = location
+            if matches := get_close_matches(str(last), _known_keys(section, path), n=1):
+                message += f" (did you mean {matches[0]!r}?)"
+        elif line:
+            message += f" (line {line})"
+        sentences.append(f"{key}: {message}" if key else message)
+    return "; ".join(sentences)
 
 
 Location = tuple[str | int, ...]
+
+
+def _is_within(inner: Location, outer: Location) -> bool:
+    return len(inner) > len(outer) and inner[: len(outer)] == outer
+
 
 _HEADING: Final = re.compile(r"\s*\[(\[?)\s*([^\]]+?)\s*\]")
 _NAMED: Final = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
@@ -81,25 +81,25 @@ _LONG_TEXT: Final = re.compile(r'"""|\'\'\'')
 
 
 def _lines(text: str) -> dict[Location, int]:
-    """Return in which line of a TOML file each table and each key begins."""
-    found: dict[Location, int] = {}
+    """Return the line of a TOML file in which each table and each key begins."""
+    lines: dict[Location, int] = {}
     table: Location = ()
     count: Counter[Location] = Counter()
     is_in_text = False
     for number, line in enumerate(text.split("\n"), 1):
-        begins_in_text = is_in_text
+        starts_in_text = is_in_text
         is_in_text ^= len(_LONG_TEXT.findall(line)) % 2 == 1
-        if begins_in_text:
+        if starts_in_text:
             continue
         if heading := _HEADING.match(line):
             table = _parts(heading[2])
             if heading[1]:
                 count[table] += 1
                 table += (count[table] - 1,)
-            found.setdefault(table, number)
+            lines.setdefault(table, number)
         elif key := _KEY.match(line):
-            found.setdefault(table + _parts(key[1]), number)
-    return found
+            lines.setdefault(table + _parts(key[1]), number)
+    return lines
 
 
 def _parts(dotted: str) -> Location:
@@ -107,17 +107,17 @@ def _parts(dotted: str) -> Location:
 
 
 def _line_of(location: Sequence[str | int], lines: Mapping[Location, int]) -> int | None:
-    """Return the line of what is at `location`, or of the nearest thing that it is within."""
+    """Return the line of `location`, or of the nearest table that contains it."""
     for depth in range(len(location), 0, -1):
         if (line := lines.get(tuple(location[:depth]))) is not None:
             return line
     return None
 
 
-def _known_keys(section: type[BaseModel] | None, place: Sequence[object]) -> list[str]:
-    """Return the keys that may stand at a place below a section."""
+def _known_keys(section: type[BaseModel] | None, path: Sequence[object]) -> list[str]:
+    """Return the keys that are allowed at `path` below `section`."""
     sections = [] if section is None else [section]
-    for step in place:
+    for step in path:
         fields = [each.model_fields[step] for each in sections if step in each.model_fields]
         if fields:
             sections = [each for field in fields for each in _sections_in(field.annotation)]
@@ -125,7 +125,7 @@ def _known_keys(section: type[BaseModel] | None, place: Sequence[object]) -> lis
 
 
 def _sections_in(annotation: object) -> Iterator[type[BaseModel]]:
-    """Yield the sections that a field may hold, alone, in a list or by name."""
+    """Yield the sections in a field's annotation, however nested."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for part in get_args(annotation):

@@ -64,10 +64,10 @@ def test_the_number_of_a_catch_rule_may_stand_in_either_place(read: Read) -> Non
 @pytest.mark.parametrize(
     ("rules", "catch", "said"),
     [
-        ([{"rule": "catch", "more_than": 0}], {"max_failed": 1}, "keep one of them"),
-        ([{"rule": "incomplete"}], {"max_failed": 1}, "catch.max_failed excludes nobody"),
-        ([{"rule": "catch"}], {"trials": 0}, "nothing to look at, as catch.trials is 0"),
-        ([{"rule": "attention"}], {}, "nothing to look at, as attention.trials is 0"),
+        ([{"rule": "catch", "more_than": 0}], {"max_failed": 1}, "remove one of them"),
+        ([{"rule": "incomplete"}], {"max_failed": 1}, "catch.max_failed has no effect"),
+        ([{"rule": "catch"}], {"trials": 0}, "no effect because catch.trials is 0"),
+        ([{"rule": "attention"}], {}, "no effect because attention.trials is 0"),
         (
             [{"rule": "incomplete"}, {"rule": "incomplete"}],
             {},

@@ -52,10 +52,10 @@ def test_a_scale_names_its_ends() -> None:
     ("keys", "said"),
     [
         ({"kind": "choice"}, "needs choices"),
-        ({"kind": "text", "choices": ["a"]}, "has no choices"),
+        ({"kind": "text", "choices": ["a"]}, "cannot have choices"),
         ({"kind": "scale", "choices": ["a"]}, "or two"),
-        ({"kind": "number", "low": 5, "high": 5}, "not below"),
-        ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "not among the choices"),
+        ({"kind": "number", "low": 5, "high": 5}, "must be below"),
+        ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "only name choices"),
     ],
 )
 def test_a_question_that_cannot_be_asked_is_refused(keys: dict[str, Any], said: str) -> None:

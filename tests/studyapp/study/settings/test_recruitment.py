@@ -22,7 +22,7 @@ def problems(**recruitment: Any) -> str:
 
 
 def test_one_failed_check_costs_pay_in_short_studies_only() -> None:
-    assert "no ground for refusing pay" in problems(unpaid_failed_checks=1)
+    assert "not enough to refuse pay" in problems(unpaid_failed_checks=1)
     short = make_study(
         page={"consent": "You agree.", "minutes": 4}, recruitment={"unpaid_failed_checks": 1}
     )
@@ -32,9 +32,12 @@ def test_one_failed_check_costs_pay_in_short_studies_only() -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"completed": "DONE-ALL-99"}, "recruitment.prolific.completed: the code holds the word"),
+        (
+            {"completed": "DONE-ALL-99"},
+            "prolific.completed: the code contains the word",
+        ),
         ({"screened_out": "kx7qm2pwtr"}, "two outcomes have the same code"),
-        ({"screened_out_reward": 10}, "need each other"),
+        ({"screened_out_reward": 10}, "or neither"),
         ({"reward": 9, "screened_out_reward": 9, "screened_out_places": 5}, "less than reward"),
     ],
 )

@@ -55,19 +55,19 @@ def test_the_template_follows_the_published_design(study_file: Path) -> None:
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
-        ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is no other condition"),
-        ({"conditions__mismatched__source": "mismatched"}, "is no other condition"),
-        ({"conditions__rule_based__source": "mismatched"}, "nothing there uses it"),
+        ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is not another condition"),
+        ({"conditions__mismatched__source": "mismatched"}, "is not another condition"),
+        ({"conditions__rule_based__source": "mismatched"}, "source has no effect here"),
         ({"conditions__a b__generator": "static"}, "conditions.a b"),
         ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
         ({"conditions__rule_based__generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
         ({"conditions__rule_based__checkpoint": "a.pt"}, "checkpoint is given, but nothing"),
         ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
-        ({"catch__generator": "diffsheg"}, "generator 'diffsheg' is a network"),
+        ({"catch__generator": "diffsheg"}, "a network such as 'diffsheg' cannot"),
         ({"catch__against": "nobody"}, "catch.against 'nobody'"),
         (
             {"conditions__mismatched__label": "rule based"},
-            "conditions.mismatched: 'rule_based' is called 'rule based' too",
+            "conditions.mismatched: 'rule_based' is also called 'rule based'",
         ),
         ({"watching__coverage": 1.5}, "watching.coverage"),
         ({"format": 2}, "format"),
@@ -111,11 +111,11 @@ def test_an_unknown_key_is_told_with_its_line_and_the_nearest_one(
         # Of a wrong name no jargon is told, nor that questions are too few: they are wrong.
         (
             {"name": "two words"},
-            "questions.1.name: may hold only letters, digits",
+            "questions.1.name: may contain only letters, digits",
             ("pattern", "at least 1"),
         ),
         ({"name": "trial"}, "no question can be named 'trial'", ()),
-        ({"text": "How {condition}?"}, "may hold {emotion}", ()),
+        ({"text": "How {condition}?"}, "may contain {emotion}", ()),
     ],
 )
 def test_a_question_that_cannot_be_asked_is_explained(
