@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 
 from benchmarks.server.load import Arrived, arrive, beside
-from studyapp.session.watch_evidence import MOST_INTERVALS, MOST_REPORTS
+from studyapp.session.watch_evidence import MAX_INTERVALS, MAX_REPORTS
 from tests.support.servers.databases import BACKENDS, FreshDatabase, fresh_database
 from tests.support.servers.page_scan import SeenVideo, seen_videos
 from tests.support.servers.study_server import HOST, study_server
@@ -141,7 +141,7 @@ async def _send_reports(port: int, flooding: Event) -> None:
         reports = [
             (video.watched_address, _largest_report(video, batch))
             for video in videos
-            for batch in range(MOST_REPORTS)
+            for batch in range(MAX_REPORTS)
         ]
         while True:
             for address, body in reports:
@@ -152,8 +152,8 @@ async def _send_reports(port: int, flooding: Event) -> None:
 
 
 def _largest_report(video: SeenVideo, batch: int) -> bytes:
-    step = video.duration / MOST_INTERVALS
-    intervals = [[part * step, (part + 0.001) * step] for part in range(MOST_INTERVALS)]
+    step = video.duration / MAX_INTERVALS
+    intervals = [[part * step, (part + 0.001) * step] for part in range(MAX_INTERVALS)]
     return json.dumps({"batch": batch, "intervals": intervals}).encode()
 
 

@@ -11,9 +11,9 @@ from studyapp.cli.arguments import named_study_folder
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import Remembered, forget, has_forgotten, remembered
 from studyapp.database.engine import Database, database_url_of
-from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.scrubbing import scrub
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.researchers.pseudonyms import PseudonymKey, number_called
+from studyapp.researchers.pseudonyms import PseudonymKey, find_number_by_name
 from studyapp.results.answers import snapshot
 from studyapp.study.folder import StudyFolder
 
@@ -35,7 +35,7 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
     with snapshot(folder, "participants") as session:
         number = None
         if session is not None:
-            number = number_called(session, PseudonymKey.read(folder.pseudonym_key), name)
+            number = find_number_by_name(session, PseudonymKey.read(folder.pseudonym_key), name)
     if number is None:
         raise InputError(
             f"no study session is called {name!r}",
@@ -105,7 +105,7 @@ def forget_participant(folder: StudyFolder, name: str) -> int:
         key = PseudonymKey.read(folder.pseudonym_key)
         count = forget(database, name, key, Clock())
         if count or has_forgotten(database):
-            leave_nothing(database)
+            scrub(database)
     return count
 
 

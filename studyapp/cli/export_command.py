@@ -9,7 +9,7 @@ import click
 from motion.errors import InputError
 from studyapp.cli.arguments import refuse_beside, study_folder
 from studyapp.cli.output import counted
-from studyapp.researchers.audit import reason_given
+from studyapp.researchers.audit import read_reason
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
@@ -75,7 +75,7 @@ def command(
             where="--reason",
             remedy="Leave it out",
         )
-    why = "" if reason is None else reason_given(reason)
+    why = "" if reason is None else read_reason(reason)
     if shared is not None:
         refuse_beside(
             {

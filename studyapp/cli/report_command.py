@@ -15,7 +15,7 @@ from analysis.answers.table import LAYOUTS
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder, refuse_beside, study_here
 from studyapp.cli.output import sign_of_life
-from studyapp.researchers.audit import reason_given
+from studyapp.researchers.audit import read_reason
 from studyapp.results.report import report, report_table
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
@@ -124,7 +124,7 @@ def command(
         with sign_of_life("report") as show:
             page = report(
                 folder,
-                reason="" if reason is None else reason_given(reason),
+                reason="" if reason is None else read_reason(reason),
                 rehearsal=rehearsal,
                 with_motion=with_motion,
                 warn=remarks.append,

@@ -12,7 +12,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.researchers import credentials as second_factor
 from studyapp.researchers import links
-from studyapp.researchers.account import ROLES, Account, Role, accounts
+from studyapp.researchers.account import ROLES, Account, Role, list_accounts
 from studyapp.study.folder import StudyFolder
 
 
@@ -22,7 +22,7 @@ def listed_researchers(folder: StudyFolder) -> list[Account]:
     if database is None:
         return []
     with closing(database):
-        return accounts(database)
+        return list_accounts(database)
 
 
 def _opened(folder: StudyFolder) -> closing[Database]:

@@ -31,8 +31,8 @@ from studyapp.custody.manifest import (
     media_files,
     small_files,
 )
-from studyapp.database.copies import flaws_of_copy, rows_of_copy, schema_of_copy, write_copy
-from studyapp.database.engine import database_url_of, shown_address
+from studyapp.database.copies import count_rows, find_flaws, schema_of_copy, write_copy
+from studyapp.database.engine import database_url_of, display_address
 from studyapp.study.folder import StudyFolder
 
 _UNFINISHED: Final = "unfinished-backup-"
@@ -114,7 +114,7 @@ def back_up(
             made_at=made_at,
             origin=_origin(folder, url),
             schema_name=schema_of_copy(copy) or "",
-            rows=rows_of_copy(copy),
+            rows=count_rows(copy),
             files=tuple(each.entry for each in taken),
             media=() if media else tuple(each.entry for each in known),
         )
@@ -138,7 +138,9 @@ def back_up(
         # None goes before its successor is known to be good.
         check_archive(path, on_file)
         removed = remove_older(path.parent, study, manifest, keep)
-    return Backup(path=path, manifest=manifest, database=shown_address(url), removed=tuple(removed))
+    return Backup(
+        path=path, manifest=manifest, database=display_address(url), removed=tuple(removed)
+    )
 
 
 def _require_room_for_name(out: Path, *, into_folder: bool) -> None:
@@ -200,7 +202,7 @@ def _taken(path: Path) -> InputError:
 
 
 def _origin(folder: StudyFolder, url: str) -> str:
-    where = f"{folder.root.resolve()}\n{shown_address(url)}"
+    where = f"{folder.root.resolve()}\n{display_address(url)}"
     return hashlib.sha256(where.encode()).hexdigest()
 
 
@@ -271,10 +273,10 @@ def check_archive(archive: Path, on_file: OnFile) -> Manifest:
 
 def require_sound(copy: Path, manifest: Manifest, archive: Path) -> None:
     """Raise `InputError` unless the database `copy` is whole and holds what `manifest` says."""
-    flaws: Sequence[str] = flaws_of_copy(copy)
+    flaws: Sequence[str] = find_flaws(copy)
     if not flaws and schema_of_copy(copy) != manifest.schema_name:
         flaws = ["it has another schema"]
-    if not flaws and (rows := rows_of_copy(copy)) != manifest.rows:
+    if not flaws and (rows := count_rows(copy)) != manifest.rows:
         tables = sorted({*rows, *manifest.rows})
         wrong = [name for name in tables if rows.get(name) != manifest.rows.get(name)]
         flaws = [f"another number of rows in {listed(wrong)}"]

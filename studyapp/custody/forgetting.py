@@ -118,7 +118,7 @@ def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock
     a name; names that stand in earlier lines are replaced. Forgetting twice changes nothing.
 
     What the participant sends meanwhile either comes before, and is erased, or is refused: the
-    address belongs to nobody any more. `studyapp.database.scrubbing.leave_nothing` is to be
+    address belongs to nobody any more. `studyapp.database.scrubbing.scrub` is to be
     called after it.
 
     Parameters

@@ -18,7 +18,7 @@ from studyapp.database.copies import compact, fill_from_copy, require_empty
 from studyapp.database.engine import (
     Database,
     database_url_of,
-    shown_address,
+    display_address,
     sqlite_file,
     sqlite_url,
 )
@@ -120,7 +120,7 @@ def _restored(
     missing, other = media_amiss(folder.root, manifest.media)
     return Restored(
         manifest=manifest,
-        database=shown_address(url),
+        database=display_address(url),
         missing=tuple(missing),
         other=tuple(other),
     )

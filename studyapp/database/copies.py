@@ -27,13 +27,13 @@ from sqlalchemy.exc import DBAPIError
 from motion.errors import InputError
 from studyapp.database.engine import (
     Database,
+    display_address,
     migration_config,
     schema_of,
-    shown_address,
     sqlite_file,
     sqlite_url,
 )
-from studyapp.database.postgresql import Turn, take_turn, taking_time
+from studyapp.database.postgresql import Turn, take_turn, without_timeout
 from studyapp.database.tables.base import UtcMoment
 
 SCHEMA: Final = "alembic_version"
@@ -57,7 +57,7 @@ def write_copy(url: str, file: Path) -> None:
     if database is None:
         raise InputError(
             "there is no database yet, and so nothing that could be lost",
-            where=shown_address(url),
+            where=display_address(url),
             remedy="If the study is served with DATABASE_URL, set it here as well",
         )
     try:
@@ -68,7 +68,7 @@ def write_copy(url: str, file: Path) -> None:
     except (DBAPIError, sqlite3.Error) as error:
         raise InputError(
             f"the database could not be copied: {getattr(error, 'orig', error)}",
-            where=shown_address(url),
+            where=display_address(url),
             remedy="See whether it is whole and its disk has room, and try again",
         ) from error
     finally:
@@ -89,7 +89,7 @@ def schema_of_copy(file: Path) -> str | None:
     return None if found is None else str(found[0])
 
 
-def rows_of_copy(file: Path) -> dict[str, int]:
+def count_rows(file: Path) -> dict[str, int]:
     """Return how many rows each table of the copy `file` has."""
     engine = create_engine(sqlite_url(file))
     try:
@@ -99,7 +99,7 @@ def rows_of_copy(file: Path) -> dict[str, int]:
         engine.dispose()
 
 
-def flaws_of_copy(file: Path) -> list[str]:
+def find_flaws(file: Path) -> list[str]:
     """Return what SQLite finds wrong with the copy `file`; nothing where it is whole."""
     try:
         with closing(sqlite3.connect(file)) as connection:
@@ -127,10 +127,10 @@ def require_empty(url: str) -> None:
     file = sqlite_file(url)
     if file is not None:
         if file.exists():
-            raise _not_empty(url, "it is there")
+            raise _not_empty_error(url, "it is there")
         return
     # Asked first, since it says what is wrong with an address.
-    database = Database.open_for_reading(url, of_any_age=True) or Database.as_it_is(url)
+    database = Database.open_for_reading(url, of_any_age=True) or Database.open_unchecked(url)
     try:
         with database.engine.connect() as connection:
             tables = MetaData()
@@ -139,7 +139,7 @@ def require_empty(url: str) -> None:
     finally:
         database.close()
     if filled:
-        raise _not_empty(url, f"{filled[0]} has rows")
+        raise _not_empty_error(url, f"{filled[0]} has rows")
 
 
 def fill_from_copy(url: str, file: Path) -> None:
@@ -162,24 +162,24 @@ def fill_from_copy(url: str, file: Path) -> None:
             ExitStack() as opened,
         ):
             target = session.connection()
-            opened.enter_context(taking_time(target))
+            opened.enter_context(without_timeout(target))
             # A server that opens its places at this moment comes before all of this, or after it.
             take_turn(target, Turn.ALLOCATION)
             tables = _tables_of(copy)
             if any(row_counts(target, tables).values()):
-                raise _not_empty(url, "somebody has just filled it")
+                raise _not_empty_error(url, "somebody has just filled it")
             _copy_rows(copy, target, tables)
-            _count_on(target, tables)
+            _advance_sequences(target, tables)
             if row_counts(target, tables) != row_counts(copy, tables):
                 raise InputError(
                     "the database does not hold what was put into it",
-                    where=shown_address(url),
+                    where=display_address(url),
                     remedy="See whether anything else writes to it; nothing of this was stored",
                 )
     except DBAPIError as error:
         raise InputError(
             f"the database cannot be filled: {error.orig}",
-            where=shown_address(url),
+            where=display_address(url),
             remedy="Mend that and try again: nothing was stored",
         ) from error
     finally:
@@ -231,7 +231,7 @@ def _copy_rows(source: Connection, target: Connection, tables: MetaData) -> None
             target.execute(table.insert(), [dict(row) for row in rows])
 
 
-def _count_on(connection: Connection, tables: MetaData) -> None:
+def _advance_sequences(connection: Connection, tables: MetaData) -> None:
     """Let PostgreSQL count on from the highest id of each table."""
     if connection.dialect.name != "postgresql":
         return
@@ -245,21 +245,21 @@ def _count_on(connection: Connection, tables: MetaData) -> None:
 def _tables_of(connection: Connection) -> MetaData:
     """Return the tables that a copy has, in types that every database knows."""
     tables = MetaData()
-    event.listen(tables, "column_reflect", _in_general_terms)
+    event.listen(tables, "column_reflect", _generalize_type)
     tables.reflect(connection)
     tables.remove(tables.tables[SCHEMA])
     return tables
 
 
-def _in_general_terms(_inspector: Any, _table: Table, column: dict[str, Any]) -> None:
+def _generalize_type(_inspector: Any, _table: Table, column: dict[str, Any]) -> None:
     column["type"] = column["type"].as_generic()
     if isinstance(column["type"], DateTime):
         column["type"] = UtcMoment()
 
 
-def _not_empty(url: str, why: str) -> InputError:
+def _not_empty_error(url: str, why: str) -> InputError:
     return InputError(
         f"the database is not empty: {why}",
-        where=shown_address(url),
+        where=display_address(url),
         remedy="Restore into a new database, so that nothing that is there can be lost",
     )

@@ -31,9 +31,9 @@ from studyapp.database.postgresql import (
     Turn,
     postgresql_engine,
     take_turn,
-    taking_time,
+    without_timeout,
 )
-from studyapp.database.sqlite import in_line, keep_private, sqlite_engine
+from studyapp.database.sqlite import hold_writer_lock, keep_private, sqlite_engine
 from studyapp.study.folder import StudyFolder
 
 
@@ -86,12 +86,12 @@ class Database:
             If the address is unusable, the file is not a database or damaged, or a newer version
             of Motion Jury made it.
         """
-        with _explained(url):
+        with _explain_failures(url):
             if (file := sqlite_file(url)) is not None:
                 keep_private(file)
             engine = _engine(url, seconds=STATEMENT_SECONDS)
             with engine.connect() as connection:
-                is_current = schema_of(connection) == _head()
+                is_current = schema_of(connection) == _newest_schema()
             if not is_current:
                 _migrate(engine, url)
         return cls(engine)
@@ -116,7 +116,7 @@ class Database:
         InputError
             As in `open`; and if an older version of Motion Jury made it, unless `of_any_age`.
         """
-        with _explained(url):
+        with _explain_failures(url):
             file = sqlite_file(url)
             if file is not None and not file.exists():
                 return None
@@ -128,18 +128,18 @@ class Database:
         if revision is None:
             return None
         _require_known(revision, url)
-        if revision != _head() and not of_any_age:
+        if revision != _newest_schema() and not of_any_age:
             raise InputError(
                 f"an older version of Motion Jury made the database (schema {revision})",
-                where=shown_address(url),
+                where=display_address(url),
                 remedy="Run 'motionjury serve' once: it brings the database to the newest schema",
             )
         return cls(engine)
 
     @classmethod
-    def as_it_is(cls, url: str) -> Self:
+    def open_unchecked(cls, url: str) -> Self:
         """Give the database at `url` for reading, whatever is in it; nothing is looked at yet."""
-        with _explained(url):
+        with _explain_failures(url):
             return cls(_read_only(url))
 
     @contextmanager
@@ -150,7 +150,7 @@ class Database:
         for each other where they lock the same row or take the same `Turn`.
         """
         with (
-            in_line(self.engine),
+            hold_writer_lock(self.engine),
             Session(self._writer, expire_on_commit=False) as session,
             session.begin(),
         ):
@@ -193,7 +193,7 @@ class Database:
             return self.engine
         return self.engine.execution_options(**options)
 
-    def try_writing(self) -> None:
+    def check_writable(self) -> None:
         """Store what is stored already: where that fails, no answer could be stored either."""
         with self.writing() as session:
             session.execute(text("UPDATE alembic_version SET version_num = version_num"))
@@ -212,7 +212,7 @@ def migration_config(connection: Connection) -> Config:
 
 def _migrate(engine: Engine, url: str) -> None:
     """Bring the database to the newest schema; several processes may try at once."""
-    with engine.execution_options(writes=True).begin() as connection, taking_time(connection):
+    with engine.execution_options(writes=True).begin() as connection, without_timeout(connection):
         take_turn(connection, Turn.MIGRATION)
         revision = schema_of(connection)
         if revision is not None:
@@ -226,7 +226,7 @@ def _require_known(revision: str, url: str) -> None:
         raise InputError(
             f"another version of Motion Jury made the database (schema {revision}), "
             "and this one cannot read it",
-            where=shown_address(url),
+            where=display_address(url),
             remedy="Use the version that made it, or choose another database",
         )
 
@@ -236,7 +236,7 @@ def schema_of(connection: Connection) -> str | None:
     return MigrationContext.configure(connection).get_current_revision()
 
 
-def _head() -> str | None:
+def _newest_schema() -> str | None:
     return _schemas().get_current_head()
 
 
@@ -253,14 +253,14 @@ def _config() -> Config:
 
 
 @contextmanager
-def _explained(url: str) -> Iterator[None]:
+def _explain_failures(url: str) -> Iterator[None]:
     """Turn failures of opening the database at `url` into `InputError`."""
     try:
         yield
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
         raise InputError(
             f"the database address cannot be used: {error}",
-            where=shown_address(url),
+            where=display_address(url),
             remedy="Give an address such as sqlite:////folder/responses.db, and install the "
             "driver it needs",
         ) from error
@@ -272,7 +272,9 @@ def _explained(url: str) -> Iterator[None]:
                 "in its place"
             )
         raise InputError(
-            f"the database cannot be opened: {error.orig}", where=shown_address(url), remedy=remedy
+            f"the database cannot be opened: {error.orig}",
+            where=display_address(url),
+            remedy=remedy,
         ) from error
 
 
@@ -284,7 +286,7 @@ def _address(url: str) -> URL:
     return address
 
 
-def shown_address(url: str) -> str:
+def display_address(url: str) -> str:
     """Return the address without its password."""
     try:
         return _address(url).render_as_string(hide_password=True)

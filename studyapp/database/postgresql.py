@@ -41,13 +41,13 @@ READING_SECONDS: Final = 600.0
 GRACE_SECONDS: Final = 2.0
 """What a server may take to say that a statement took too long; a frozen one says nothing."""
 
-REST_SECONDS: Final = 1.0
+IDLE_SECONDS: Final = 1.0
 """After such a rest, a connection is tried before it is used."""
 
-RESTS_SINCE: Final = "rests_since"
+IDLE_SINCE: Final = "rests_since"
 
 
-MOST_CONNECTIONS: Final = 15
+MAX_CONNECTIONS: Final = 15
 """Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
 page."""
 
@@ -78,7 +78,7 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
         address,
         # Locks are what keeps writers apart, whatever the server's own default is.
         isolation_level="READ COMMITTED",
-        pool_size=MOST_CONNECTIONS,
+        pool_size=MAX_CONNECTIONS,
         max_overflow=0,
         # Few are used at all, and the one that was used last has the most prepared.
         pool_use_lifo=True,
@@ -98,13 +98,13 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
         made.patience = seconds + GRACE_SECONDS
         return made
 
-    event.listen(engine, "checkin", _note_rest)
+    event.listen(engine, "checkin", _note_idle_since)
     event.listen(engine, "checkout", _require_alive)
     return engine
 
 
 @contextmanager
-def taking_time(connection: Connection) -> Iterator[None]:
+def without_timeout(connection: Connection) -> Iterator[None]:
     """Let statements of the present transaction on `connection` take any time."""
     driver: Any = connection.connection.driver_connection
     if not isinstance(driver, PatientConnection):
@@ -118,8 +118,8 @@ def taking_time(connection: Connection) -> Iterator[None]:
         driver.patience = patience
 
 
-def _note_rest(_connection: DBAPIConnection | None, record: ConnectionPoolEntry) -> None:
-    record.info[RESTS_SINCE] = time.monotonic()
+def _note_idle_since(_connection: DBAPIConnection | None, record: ConnectionPoolEntry) -> None:
+    record.info[IDLE_SINCE] = time.monotonic()
 
 
 def _require_alive(
@@ -129,8 +129,8 @@ def _require_alive(
 
     To ask before every use would be a journey to the server for nothing.
     """
-    since = record.info.get(RESTS_SINCE)
-    if since is None or time.monotonic() - since < REST_SECONDS:
+    since = record.info.get(IDLE_SINCE)
+    if since is None or time.monotonic() - since < IDLE_SECONDS:
         return
     driver: Any = connection
     patience, driver.patience = driver.patience, ALIVE_SECONDS

@@ -12,7 +12,7 @@ from sqlalchemy.exc import DBAPIError
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.sqlite import in_line
+from studyapp.database.sqlite import hold_writer_lock
 from studyapp.database.tables import Base
 
 LOCK_SECONDS: Final = 30
@@ -24,7 +24,7 @@ AGAIN: Final = (
 )
 
 
-def leave_nothing(database: Database) -> None:
+def scrub(database: Database) -> None:
     """Write the database's files anew, so that they hold nothing but what is stored.
 
     Deleting marks rows as free; their bytes stay in the file until something else needs the room.
@@ -48,7 +48,7 @@ def leave_nothing(database: Database) -> None:
 
 
 def _rewrite_sqlite(engine: Engine) -> None:
-    with in_line(engine):
+    with hold_writer_lock(engine):
         connection = engine.raw_connection()
         try:
             cursor = connection.cursor()

@@ -21,16 +21,16 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event
 
 from motion.errors import InputError
 
-LINE_SECONDS: Final = 30.0
+WRITER_LOCK_SECONDS: Final = 30.0
 """How long a writer waits for its turn before it gives up."""
 
 
-class LineHeldError(InputError):
+class WriterLockError(InputError):
     """Another process has its turn and does not end it."""
 
 
 @contextmanager
-def in_line(engine: Engine) -> Iterator[None]:
+def hold_writer_lock(engine: Engine) -> Iterator[None]:
     """Let writers of an SQLite file wait in line.
 
     SQLite's own waiters try again after ever longer pauses: under load some wait for seconds while
@@ -41,16 +41,16 @@ def in_line(engine: Engine) -> Iterator[None]:
     Raises
     ------
     LineHeldError
-        If nobody's turn ends for `LINE_SECONDS`.
+        If nobody's turn ends for `WRITER_LOCK_SECONDS`.
     """
     if engine.dialect.name != "sqlite" or not engine.url.database:
         yield
         return
     path = f"{engine.url.database}-line"
     line = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-    if not keeper_of(path, os.getpid()).lock(line, LINE_SECONDS):
-        raise LineHeldError(
-            f"another process keeps everybody from writing for more than {LINE_SECONDS:g} s",
+    if not lock_waiter(path, os.getpid()).lock(line, WRITER_LOCK_SECONDS):
+        raise WriterLockError(
+            f"another process keeps everybody from writing for more than {WRITER_LOCK_SECONDS:g} s",
             where=path,
             remedy="End the process that has locked this file ('fuser' names it)",
         )
@@ -60,7 +60,7 @@ def in_line(engine: Engine) -> Iterator[None]:
         os.close(line)
 
 
-class Keeper:
+class LockWaiter:
     """Waits for the system's lock in a thread of its own: the system knows no waiting with an end.
 
     It waits for one writer of this process after the other, in the order in which they came.
@@ -74,7 +74,7 @@ class Keeper:
 
     def lock(self, line: int, seconds: float) -> bool:
         """Lock the file `line`, or close it after so many seconds; tell which."""
-        if not self.waiting and _locked_at_once(line):
+        if not self.waiting and _try_lock(line):
             return True
         with self._starts:
             if self._thread is None:
@@ -103,7 +103,7 @@ class Keeper:
                 os.close(line)
 
 
-def _locked_at_once(line: int) -> bool:
+def _try_lock(line: int) -> bool:
     try:
         fcntl.flock(line, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -112,15 +112,15 @@ def _locked_at_once(line: int) -> bool:
 
 
 @cache
-def keeper_of(_path: str, _process: int) -> Keeper:
+def lock_waiter(_path: str, _process: int) -> LockWaiter:
     """Return this process's keeper of a line; a process that forks does not pass its thread on."""
-    return Keeper()
+    return LockWaiter()
 
 
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
 
-_OWN: Final = 0o600
+OWNER_ONLY: Final = 0o600
 
 
 def sqlite_engine(address: URL, *, changes: bool, **options: Any) -> Engine:
@@ -137,11 +137,11 @@ def keep_private(file: Path) -> None:
     SQLite gives its working files the rights of the database's own.
     """
     with suppress(OSError):
-        os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, _OWN))
+        os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, OWNER_ONLY))
     for ending in ("", "-wal", "-shm", "-line"):
         # Where it belongs to somebody else, that is for them to say.
         with suppress(OSError):
-            Path(f"{file}{ending}").chmod(_OWN)
+            Path(f"{file}{ending}").chmod(OWNER_ONLY)
 
 
 def _set_up(connection: sqlite3.Connection, _record: Any) -> None:

@@ -9,8 +9,8 @@ from typing import Final
 from motion.errors import InputError
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import answers_so_far
-from studyapp.researchers.logins import unblinded_because
+from studyapp.researchers.audit import count_answers
+from studyapp.researchers.logins import unblinding_reason
 from studyapp.study.interview import MAX_PARTICIPANTS, read_count
 from studyapp.web.research.page import visitor_cookie
 from studyapp.web.research.results import over_because
@@ -72,12 +72,12 @@ def reason_to_look(study: OpenedStudy) -> str | None:
     Empty where there are no answers yet, so that only a rehearsal can be seen.
     """
     with study.database.reading() as session:
-        if not answers_so_far(session):
+        if not count_answers(session):
             return ""
     now, served, token = current_lab().clock.now(), study.study.served(), visitor_cookie()
     over = "" if served is None else over_because(study.database, served, now)
     study_login = "" if token is None else study_token(token, study.name)
-    return over or unblinded_because(study.database, study_login, now) or None
+    return over or unblinding_reason(study.database, study_login, now) or None
 
 
 def _fixed(*command: str) -> Callable[[OpenedStudy, Form], tuple[str, ...]]:

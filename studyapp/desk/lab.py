@@ -15,7 +15,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.desk.studies import NAME, RESERVED, LabStudy
-from studyapp.researchers.account import Account, account_of_identity
+from studyapp.researchers.account import Account, find_account_by_identity
 from studyapp.study.folder import StudyFolder
 from studyapp.web.site import EXTENSION, Desk
 
@@ -78,7 +78,7 @@ class Lab:
         if study is None or account.identity is None:
             return None
         try:
-            in_study = account_of_identity(study.database, account.identity)
+            in_study = find_account_by_identity(study.database, account.identity)
         except InputError:
             # A database that cannot be read tells nobody's rights.
             return None

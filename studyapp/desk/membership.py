@@ -17,17 +17,23 @@ from studyapp.database.tables import Event
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.page import page
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.account import Account, Right, take_identity
+from studyapp.researchers.account import Account, Right, link_identity
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.credentials import new_token
 from studyapp.researchers.links import (
     Link,
     UnusableLinkError,
+    find_link,
     first_owner_link,
     join,
-    link_of,
 )
-from studyapp.researchers.logins import WrongLoginError, begin_login, end_login, log_in, logged_in
+from studyapp.researchers.logins import (
+    WrongLoginError,
+    begin_login,
+    end_login,
+    find_account_by_login,
+    log_in,
+)
 from studyapp.web.research import own_account
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
@@ -39,7 +45,7 @@ def enter_study(study: OpenedStudy, token: str) -> None:
     desk, study_login = current_lab(), study_token(token, study.name)
     now = desk.clock.now()
     if all(
-        logged_in(database, study_login, now, by_hand=True)
+        find_account_by_login(database, study_login, now, by_hand=True)
         for database in (desk.database, study.database)
     ):
         return
@@ -131,7 +137,7 @@ def _invitation(name: str, token: str) -> tuple[LabStudy, Link]:
     """
     lab = current_lab()
     study = lab.study(name)
-    link = None if study is None else link_of(study.database, token, lab.clock.now())
+    link = None if study is None else find_link(study.database, token, lab.clock.now())
     if study is None or link is None or link.role is None:
         raise UnusableLinkError
     return study, link
@@ -158,11 +164,11 @@ def bring_account() -> ResponseReturnValue:
             code=request.form.get("code", ""),
             address=client_address(),
         )
-        account = logged_in(study.database, token, lab.clock.now(), by_hand=True)
+        account = find_account_by_login(study.database, token, lab.clock.now(), by_hand=True)
         end_login(study.database, token)
         if account is None:
             raise WrongLoginError
-        take_identity(study.database, account.id, identity)
+        link_identity(study.database, account.id, identity)
     except InputError as error:
         return page("existing_account", problem=error, study=study_name, name=name), 403
     return redirect(url_for("research.study_page", study=study.name), 303)

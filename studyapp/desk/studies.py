@@ -19,9 +19,9 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.monitoring.overview import places_so_far
-from studyapp.session.intake import present_intake
+from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import must_be_new_version, open_study
+from studyapp.session.versions import needs_new_version, open_study
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.site import Desk
@@ -165,7 +165,7 @@ class LabStudy:
             self._read_stamp, self._awaits_new_version = stamp, False
             try:
                 served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
-                self._awaits_new_version = must_be_new_version(self.database, served.design)
+                self._awaits_new_version = needs_new_version(self.database, served.design)
                 open_study(self.database, served, self._clock)
                 if self._app is not None:
                     self._app = self._make_app(served)
@@ -214,7 +214,7 @@ def _file_stamp(path: Path) -> tuple[int, int]:
 
 
 def _state(session: Session, served: ServedStudy, *, is_done: bool) -> State:
-    intake = present_intake(session).state
+    intake = current_intake(session).state
     if intake == "closed" or not served.study.open:
         return "closed"
     if is_done:

@@ -29,8 +29,12 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Alarm, IntakeChange, StudySession, StudyVersion
-from studyapp.session.arrivals import most_from_one_address, require_let_in, require_room
-from studyapp.session.intake import present_intake, wanted_places
+from studyapp.session.arrivals import (
+    max_newcomers_from_one_address,
+    require_open_intake,
+    require_open_place,
+)
+from studyapp.session.intake import current_intake, wanted_places
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study
@@ -225,7 +229,7 @@ def _claim(database: Database, event: Event, now: datetime) -> bool:
 
 def _due(session: Session, served: ServedStudy, now: datetime) -> Iterator[Event]:
     study = served.study
-    most = most_from_one_address(session, now)
+    most = max_newcomers_from_one_address(session, now)
     if most >= study.alarms.from_one_address:
         yield Event(
             kind="one address",
@@ -233,16 +237,16 @@ def _due(session: Session, served: ServedStudy, now: datetime) -> Iterator[Event
             text=f"{most} participants of the study {study.title!r} came from one network "
             "address within an hour.",
         )
-    intake = present_intake(session)
+    intake = current_intake(session)
     try:
-        require_let_in(served, intake)
+        require_open_intake(served, intake)
     except StudyFullError:
         return
     version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
     if version is None:
         return
     try:
-        require_room(session, served, intake, now)
+        require_open_place(session, served, intake, now)
     except StudyFullError:
         places = sum(wanted_places(served, intake).values())
         yield Event(

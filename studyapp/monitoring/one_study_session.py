@@ -23,9 +23,9 @@ from studyapp.database.tables import (
 )
 from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sessions
 from studyapp.researchers.exclusion_decisions import exclusion_decisions
-from studyapp.session.ending import JUDGED, is_failed
+from studyapp.session.ending import JUDGED, has_failed
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.watch_evidence import FASTEST, length, watched_share, watched_so_far
+from studyapp.session.watch_evidence import MAX_RATE, measure_watched, total_seconds, watched_share
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
@@ -187,7 +187,7 @@ def _outcome(study: Study, trial: Trial) -> str:
         return ""
     if trial.kind not in JUDGED:
         return "answered"
-    return "failed" if is_failed(study, trial) else "passed"
+    return "failed" if has_failed(study, trial) else "passed"
 
 
 def _own_events(study_session: StudySession) -> Iterator[Event]:
@@ -243,14 +243,14 @@ def _trial_events(trial: Trial) -> Iterator[Event]:
 
 
 def _played(trial: Trial, video: Video, record: WatchRecord) -> Event:
-    watched = length(watched_so_far(video, 0.0).intervals)
+    watched = total_seconds(measure_watched(video, 0.0).intervals)
     notes = [
         f"Had played {record.played_seconds:.1f} s of {_video(trial, video)}",
         f"{watched:.1f} s of its {video.duration:.1f} s count as watched",
     ]
     if video.sent_at is None:
         notes.append("though it was never sent")
-    if record.rate > FASTEST:
+    if record.rate > MAX_RATE:
         notes.append(f"at up to {record.rate:.2g} times the speed")
     if record.hidden_seconds:
         notes.append(f"{record.hidden_seconds:.1f} s out of sight")

@@ -46,7 +46,7 @@ from studyapp.monitoring.study_sessions import (
     progress_of_sessions,
 )
 from studyapp.session.ending import JUDGED
-from studyapp.session.intake import Intake, present_intake
+from studyapp.session.intake import Intake, current_intake
 from studyapp.session.screening import count_screened_out
 from studyapp.session.served_study import ServedStudy
 
@@ -131,7 +131,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         judged_checks = checks(session, served.study, counted)
         videos = played_videos(session, names)
         balance = sides(shown_on_sides(session), names)
-        intake = present_intake(session)
+        intake = current_intake(session)
         screened_out = count_screened_out(session)
     arms = count_places(served.study.arms, present, intake.more_places)
     places, left, items = total_places(arms), dropouts(present), checked_items(judged_checks)
@@ -182,7 +182,7 @@ def places_so_far(database: Database, served: ServedStudy, now: datetime) -> Pla
     """Return the counts of places of all arms together."""
     with database.reading() as session:
         present = current_sessions(progress_of_sessions(session, served, now))
-        more = present_intake(session).more_places
+        more = current_intake(session).more_places
     return total_places(count_places(served.study.arms, present, more))
 
 

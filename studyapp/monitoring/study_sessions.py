@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial, Video
 from studyapp.monitoring.data_quality import checks, failed_by_session
-from studyapp.researchers.exclusion_decisions import standing_exclusions
+from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import state_of
 
@@ -134,7 +134,7 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
     failing = failing.join(Video, Video.trial_id == Trial.id)
     failing = failing.where(Video.unplayable_at.is_not(None)).group_by(Trial.study_session_id)
     of_videos = failing.subquery()
-    by_hand = standing_exclusions().subquery()
+    by_hand = current_exclusions().subquery()
     query = (
         select(
             StudySession.id,

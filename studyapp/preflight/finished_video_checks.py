@@ -10,7 +10,7 @@ from typing import Final
 
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
-from studyapp.session.served_study import described
+from studyapp.session.served_study import describe_content
 from studyapp.stimuli.media_probe import (
     DURATION_TOLERANCE,
     Flaw,
@@ -76,7 +76,7 @@ def _file_findings(material: Material, file: Path, content: Content) -> Iterator
             remedy = f"Rename {other} if that is the video, or save it as {file}"
         yield make_finding(
             "video-missing",
-            f"the video of {described(content)} is missing",
+            f"the video of {describe_content(content)} is missing",
             where=name,
             remedy=remedy,
         )

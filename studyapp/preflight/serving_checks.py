@@ -16,9 +16,9 @@ from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import count_arrivals
 from studyapp.recruitment.record import count_places
-from studyapp.session.intake import present_intake
+from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import must_be_new_version
+from studyapp.session.versions import needs_new_version
 from studyapp.stimuli.disk_space import as_text
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -70,12 +70,12 @@ def _database_findings(material: Material) -> Iterator[Finding]:
         if count:
             yield make_finding("answers-there", count=count)
         with current.reading() as session:
-            state = present_intake(session).state
+            state = current_intake(session).state
         if state != "open":
             yield make_finding("intake-closed", state=state)
         design = design_digest(material.study, material.segments, material.shown)
         # Without all videos the design is not known yet.
-        if set(material.contents) <= material.shown.keys() and must_be_new_version(current, design):
+        if set(material.contents) <= material.shown.keys() and needs_new_version(current, design):
             yield make_finding("design-changed")
     finally:
         current.close()

@@ -17,7 +17,7 @@ from studyapp.preflight.finished_video_checks import (
 )
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import SAMPLED_PLACES
-from studyapp.session.served_study import described
+from studyapp.session.served_study import describe_content
 from studyapp.stimuli.media_probe import (
     VideoStructure,
     flaw_of,
@@ -69,7 +69,7 @@ def _file_findings(material: Material, content: Content) -> Iterator[Finding]:
         step = "copied for participants" if copied else "rendered"
         yield make_finding(
             "video-missing",
-            f"the video of {described(content)} is missing: it was not {step}",
+            f"the video of {describe_content(content)} is missing: it was not {step}",
             where=f"videos of segment {stimulus.segment}",
         )
         return

@@ -21,10 +21,10 @@ from motion.errors import InputError
 from motion.files import write_text
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
-from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.scrubbing import scrub
 from studyapp.database.tables import Base, Invitation, StudySession
 from studyapp.researchers.credentials import token_hash
-from studyapp.session.intake import extend, present_intake
+from studyapp.session.intake import add_places, current_intake
 from studyapp.session.places import has_open_place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -174,9 +174,9 @@ def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by
     with closing(Database.open(sqlite_url(StudyFolder(root).tries))) as database:
         open_study(database, test, clock, new_version=True)
         with database.reading() as session:
-            is_full = not has_open_place(session, test, present_intake(session), clock.now())
+            is_full = not has_open_place(session, test, current_intake(session), clock.now())
         if is_full:
-            extend(database, test, clock, 1, by=by, reason="every place has been tried")
+            add_places(database, test, clock, 1, by=by, reason="every place has been tried")
         (token,) = make_invitations(database, 1, clock)
     return token
 
@@ -200,7 +200,7 @@ def erase_test_participations(root: Path) -> int:
         with database.writing() as session:
             for table in reversed(Base.metadata.sorted_tables):
                 session.execute(delete(table))
-        leave_nothing(database)
+        scrub(database)
     return count
 
 

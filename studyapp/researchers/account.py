@@ -23,11 +23,11 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLogin
 from studyapp.researchers.audit import log_change
 
-SHORTEST: Final = 2
-LONGEST: Final = 100
+MIN_NAME_LENGTH: Final = 2
+MAX_NAME_LENGTH: Final = 100
 
 
-def settled_name(given: str) -> str:
+def normalize_name(given: str) -> str:
     """Return the name as it is stored.
 
     Raises
@@ -36,9 +36,9 @@ def settled_name(given: str) -> str:
         If it is too short or too long, or holds what cannot be seen.
     """
     name = " ".join(unicodedata.normalize("NFC", given).split())
-    if not SHORTEST <= len(name) <= LONGEST or not name.isprintable():
+    if not MIN_NAME_LENGTH <= len(name) <= MAX_NAME_LENGTH or not name.isprintable():
         raise InputError(
-            f"a name has {SHORTEST} to {LONGEST} letters, and none that cannot be seen",
+            f"a name has {MIN_NAME_LENGTH} to {MAX_NAME_LENGTH} letters, all of them visible",
             remedy="Use your own name or your address of electronic mail",
         )
     return name
@@ -47,11 +47,11 @@ def settled_name(given: str) -> str:
 def name_key(name: str) -> str:
     """Return what is the same for all ways of writing one name.
 
-    It is never longer than twice `LONGEST`, nor does it hold what a database cannot store.
+    It is never longer than twice `MAX_NAME_LENGTH`, nor does it hold what a database cannot store.
     """
     folded = unicodedata.normalize("NFKC", " ".join(name.split())).casefold()
     seen = "".join(letter for letter in folded if letter.isprintable())
-    return seen[: 2 * LONGEST]
+    return seen[: 2 * MAX_NAME_LENGTH]
 
 
 def name_hash(name: str) -> str:
@@ -112,7 +112,7 @@ def account_of(row: Researcher) -> Account:
     )
 
 
-def researcher_named(session: Session, name: str) -> Researcher:
+def find_researcher(session: Session, name: str) -> Researcher:
     """Return the researcher `name`, kept from other writers until stored.
 
     Raises
@@ -135,7 +135,7 @@ OWNERS: Final = select(Researcher.id).where(
 )
 
 
-def accounts(database: Database) -> list[Account]:
+def list_accounts(database: Database) -> list[Account]:
     """Return all researchers in the order in which they joined."""
     with database.reading() as session:
         return [
@@ -143,7 +143,7 @@ def accounts(database: Database) -> list[Account]:
         ]
 
 
-def account_of_identity(database: Database, identity: str) -> Account | None:
+def find_account_by_identity(database: Database, identity: str) -> Account | None:
     """Return the account of a person, None where they have none or no access."""
     query = select(Researcher).where(
         Researcher.identity == identity, Researcher.disabled_at.is_(None)
@@ -153,7 +153,7 @@ def account_of_identity(database: Database, identity: str) -> Account | None:
     return None if found is None else account_of(found)
 
 
-def take_identity(database: Database, researcher_id: int, identity: str) -> None:
+def link_identity(database: Database, researcher_id: int, identity: str) -> None:
     """Note whose account it is, once they have shown that it is theirs.
 
     Raises
@@ -187,18 +187,18 @@ def change_role(
         If there is no such researcher, or nobody would be left who is an owner.
     """
     with database.writing() as session:
-        researcher = _kept_from_others(session, researcher_id)
+        researcher = _lock_researcher(session, researcher_id)
         if researcher.role == role:
             return
         if role != "owner":
             _require_another_owner(session, researcher)
         detail = f"{researcher.name}: {researcher.role} becomes {role}"
         researcher.role = role
-        end_logins_of(session, researcher.id)
+        end_logins(session, researcher.id)
         log_change(session, clock.now(), Event.ROLE_CHANGED, by=by, detail=detail)
 
 
-def shut_out(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
+def remove_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
     """Let a researcher log in no more, and end their logins; what they did stays in the log.
 
     Raises
@@ -207,15 +207,15 @@ def shut_out(database: Database, clock: Clock, researcher_id: int, *, by: str) -
         If there is no such researcher, or nobody would be left who is an owner.
     """
     with database.writing() as session:
-        researcher = _kept_from_others(session, researcher_id)
+        researcher = _lock_researcher(session, researcher_id)
         _require_another_owner(session, researcher)
         if researcher.disabled_at is None:
             researcher.disabled_at = clock.now()
             log_change(session, clock.now(), Event.SHUT_OUT, by=by, detail=researcher.name)
-        end_logins_of(session, researcher.id)
+        end_logins(session, researcher.id)
 
 
-def let_in_again(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
+def restore_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
     """Let a researcher who was shut out log in again, with the password they had.
 
     Raises
@@ -224,13 +224,13 @@ def let_in_again(database: Database, clock: Clock, researcher_id: int, *, by: st
         If there is no such researcher.
     """
     with database.writing() as session:
-        researcher = _kept_from_others(session, researcher_id)
+        researcher = _lock_researcher(session, researcher_id)
         if researcher.disabled_at is not None:
             researcher.disabled_at = None
             log_change(session, clock.now(), Event.LET_IN_AGAIN, by=by, detail=researcher.name)
 
 
-def _kept_from_others(session: Session, researcher_id: int) -> Researcher:
+def _lock_researcher(session: Session, researcher_id: int) -> Researcher:
     """Return a researcher; until stored, nobody else changes who is an owner."""
     query = select(Researcher).order_by(Researcher.id).with_for_update()
     for researcher in session.scalars(query).all():
@@ -248,6 +248,6 @@ def _require_another_owner(session: Session, leaving: Researcher) -> None:
         )
 
 
-def end_logins_of(session: Session, researcher_id: int) -> None:
+def end_logins(session: Session, researcher_id: int) -> None:
     """Log a researcher out everywhere."""
     session.execute(delete(ResearcherLogin).where(ResearcherLogin.researcher_id == researcher_id))

@@ -21,8 +21,8 @@ from studyapp.database.postgresql import Turn, take_turn
 from studyapp.database.tables import LoginAttempt
 
 WINDOW: Final = timedelta(minutes=15)
-MOST_OF_NAME: Final = 10
-MOST_OF_ADDRESS: Final = 50
+MAX_ATTEMPTS_PER_NAME: Final = 10
+MAX_ATTEMPTS_PER_ADDRESS: Final = 50
 """More, since a whole institute may share one."""
 
 
@@ -56,17 +56,17 @@ def count_attempt(database: Database, name_hash: str, address: str, now: datetim
     """
     # Whoever floods the server with attempts must not keep participants from storing answers.
     with database.reading() as session:
-        _require_fewer(session, name_hash, address, now)
+        _require_few_attempts(session, name_hash, address, now)
     with database.writing() as session:
         take_turn(session.connection(), Turn.LOGIN)
-        _require_fewer(session, name_hash, address, now)
-        session.execute(delete(LoginAttempt).where(~_counts(now)))
+        _require_few_attempts(session, name_hash, address, now)
+        session.execute(delete(LoginAttempt).where(~_is_recent(now)))
         session.add(LoginAttempt(at=now, name_hash=name_hash, address=address))
 
 
 def forget_attempts(session: Session, name_hash: str, address: str) -> None:
     """Forget the attempts with a name whose right password was given from `address`."""
-    session.execute(delete(LoginAttempt).where(_of(name_hash, address)))
+    session.execute(delete(LoginAttempt).where(_of_name_and_address(name_hash, address)))
 
 
 def forget_all_attempts(session: Session, name_hash: str) -> None:
@@ -74,32 +74,32 @@ def forget_all_attempts(session: Session, name_hash: str) -> None:
     session.execute(delete(LoginAttempt).where(LoginAttempt.name_hash == name_hash))
 
 
-def _of(name_hash: str, address: str) -> ColumnElement[bool]:
+def _of_name_and_address(name_hash: str, address: str) -> ColumnElement[bool]:
     return and_(LoginAttempt.name_hash == name_hash, LoginAttempt.address == address)
 
 
-def _counts(now: datetime) -> ColumnElement[bool]:
+def _is_recent(now: datetime) -> ColumnElement[bool]:
     """Return the condition that an attempt still counts; not so if the clock was set back since."""
     return and_(LoginAttempt.at > now - WINDOW, LoginAttempt.at <= now + APART)
 
 
-def _require_fewer(session: Session, name_hash: str, address: str, now: datetime) -> None:
+def _require_few_attempts(session: Session, name_hash: str, address: str, now: datetime) -> None:
     for same, most in (
-        (_of(name_hash, address), MOST_OF_NAME),
-        (LoginAttempt.address == address, MOST_OF_ADDRESS),
+        (_of_name_and_address(name_hash, address), MAX_ATTEMPTS_PER_NAME),
+        (LoginAttempt.address == address, MAX_ATTEMPTS_PER_ADDRESS),
     ):
-        ends = _free_again(session, same, most, now)
+        ends = _end_of_lockout(session, same, most, now)
         if ends is not None:
             raise TooManyAttemptsError(max(1, math.ceil((ends - now).total_seconds())))
 
 
-def _free_again(
+def _end_of_lockout(
     session: Session, same: ColumnElement[bool], most: int, now: datetime
 ) -> datetime | None:
     """Return when fewer than `most` attempts will count, None where that is so by now."""
     counted = (
         select(LoginAttempt.at)
-        .where(same, _counts(now))
+        .where(same, _is_recent(now))
         .order_by(LoginAttempt.at.desc())
         .offset(most - 1)
         .limit(1)

@@ -27,15 +27,15 @@ from studyapp.database.tables import (
     Trial,
 )
 
-LINES: Final = 200
+MAX_LINES: Final = 200
 """As many are shown at once."""
 
-LONGEST_REASON: Final = 500
+MAX_REASON_LENGTH: Final = 500
 
 ERASED: Final = "(erased)"
 """What stands in place of what would name or describe somebody who is to be forgotten."""
 
-WORDS: Final[Mapping[Event, str]] = MappingProxyType(
+EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
     {
         Event.RESTORED: "restored from a backup",
         Event.NEWCOMERS_LET_IN: "opened to new participants",
@@ -66,7 +66,7 @@ class LoggedChange:
     reason: str
 
 
-def reason_given(text: str) -> str:
+def read_reason(text: str) -> str:
     """Return a reason in a researcher's words, on one line.
 
     Raises
@@ -76,9 +76,9 @@ def reason_given(text: str) -> str:
     """
     reason = " ".join(text.split())
     storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
-    if not 1 <= len(reason) <= LONGEST_REASON or not storable:
+    if not 1 <= len(reason) <= MAX_REASON_LENGTH or not storable:
         raise InputError(
-            f"a reason of 1 to {LONGEST_REASON} letters is needed",
+            f"a reason of 1 to {MAX_REASON_LENGTH} letters is needed",
             remedy="It stands in the log, for whoever asks later",
         )
     return reason
@@ -115,27 +115,27 @@ def log_change(
     )
 
 
-def told_event(line: AuditLine) -> str:
+def event_label(line: AuditLine) -> str:
     """Return what was done, in words."""
     event = Event(line.event)
-    return WORDS.get(event, event.replace("_", " "))
+    return EVENT_LABELS.get(event, event.replace("_", " "))
 
 
-def told_detail(line: AuditLine) -> str:
+def detail_label(line: AuditLine) -> str:
     """Return what there is to know of a change, in words: whom it is about, and how."""
     whom = "" if line.study_session is None else f"study session {line.study_session}"
     return ", ".join(filter(None, (whom, line.detail)))
 
 
-def logged_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
-    """Return the newest `LINES` lines of the log, the newest first; of those older than `before`.
+def latest_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
+    """Return the newest `MAX_LINES` lines of the log older than `before`, the newest first.
 
     Parameters
     ----------
     before : int, optional
         The `id` of a line.
     """
-    query = select(AuditLine).order_by(AuditLine.id.desc()).limit(LINES)
+    query = select(AuditLine).order_by(AuditLine.id.desc()).limit(MAX_LINES)
     if before is not None:
         query = query.where(AuditLine.id < before)
     with database.reading() as session:
@@ -144,8 +144,8 @@ def logged_changes(database: Database, *, before: int | None = None) -> list[Log
                 id=line.id,
                 at=line.at,
                 researcher=line.researcher,
-                event=told_event(line),
-                detail=told_detail(line),
+                event=event_label(line),
+                detail=detail_label(line),
                 reason=line.reason,
             )
             for line in session.scalars(query)
@@ -154,13 +154,13 @@ def logged_changes(database: Database, *, before: int | None = None) -> list[Log
 
 Way = Literal["page", "report", "export"]
 
-EVENTS: Final[dict[Way, Event]] = {
+LOOK_EVENTS: Final[dict[Way, Event]] = {
     "page": Event.LOOKED_AT,
     "report": Event.REPORTED,
     "export": Event.EXPORTED,
 }
 COMMAND_LINE: Final = "command line"
-SHOWN: Final = 200
+MAX_LOOKS: Final = 200
 """As many are listed on the page."""
 
 
@@ -186,7 +186,7 @@ class StudyState:
         return self.finished < self.planned
 
 
-def note_look(
+def log_look(
     session: Session, now: datetime, state: StudyState, *, way: Way, by: str = "", reason: str = ""
 ) -> None:
     """Log a look at results; to be stored before they are shown.
@@ -210,17 +210,17 @@ def note_look(
         )
     )
     detail = f"{state.finished} of {state.planned} participants had finished"
-    log_change(session, now, EVENTS[way], by=by, detail=detail, reason=reason)
+    log_change(session, now, LOOK_EVENTS[way], by=by, detail=detail, reason=reason)
 
 
-def looks(database: Database) -> Sequence[Look]:
-    """Return the newest `SHOWN` looks, the newest first."""
-    query = select(Look).order_by(Look.id.desc()).limit(SHOWN)
+def latest_looks(database: Database) -> Sequence[Look]:
+    """Return the newest `MAX_LOOKS` looks, the newest first."""
+    query = select(Look).order_by(Look.id.desc()).limit(MAX_LOOKS)
     with database.reading() as session:
         return session.scalars(query).all()
 
 
-def answers_so_far(session: Session) -> int:
+def count_answers(session: Session) -> int:
     """Return how many answers there are of those who have not withdrawn."""
     query = (
         select(func.count(Response.id))

@@ -17,7 +17,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Event, ExclusionDecision, StudySession
-from studyapp.researchers.audit import ERASED, log_change, reason_given
+from studyapp.researchers.audit import ERASED, log_change, read_reason
 
 EVENTS: Final = {True: Event.EXCLUDED, False: Event.REINSTATED}
 
@@ -38,9 +38,9 @@ def decide_exclusion(
         If there is no such study session, its participant withdrew, no reason is given, or it is
         so already.
     """
-    reason = reason_given(reason)
+    reason = read_reason(reason)
     with database.writing() as session:
-        _require_staying(session, number)
+        _require_participant(session, number)
         if _is_excluded(session, number) is excluded:
             raise InputError(
                 f"study session {number} is {'' if excluded else 'not '}excluded already",
@@ -65,7 +65,7 @@ def exclusion_decisions(session: Session, number: int) -> Sequence[ExclusionDeci
     return session.scalars(query).all()
 
 
-def standing_exclusions() -> Select[int, str, datetime]:
+def current_exclusions() -> Select[int, str, datetime]:
     """Select who is excluded by hand now: ``study_session_id``, ``reason`` and ``at``."""
     newest = select(func.max(ExclusionDecision.id)).group_by(ExclusionDecision.study_session_id)
     return select(
@@ -83,7 +83,7 @@ def erase_decisions(session: Session, number: int) -> None:
     )
 
 
-def _require_staying(session: Session, number: int) -> None:
+def _require_participant(session: Session, number: int) -> None:
     """Raise `InputError` unless there is somebody to decide about; keep other writers away."""
     found = session.scalars(
         select(StudySession).where(StudySession.id == number).with_for_update()

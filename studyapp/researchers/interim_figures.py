@@ -33,20 +33,20 @@ from studyapp.database.tables import (
     StudySession,
     StudyVersion,
 )
-from studyapp.researchers.audit import StudyState, answers_so_far
+from studyapp.researchers.audit import StudyState, count_answers
 from studyapp.side_process import SideProcessError, output_of
 
 FORMAT: Final = 2
 """Of the documents; to be raised where they change, so that older ones are computed anew."""
 
-What = Literal["agreement", "results"]
+FigureKind = Literal["agreement", "results"]
 
 
-class _Plain(BaseModel):
+class _FrozenModel(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Basis(_Plain):
+class Basis(_FrozenModel):
     """What figures rest on.
 
     Attributes
@@ -69,7 +69,7 @@ class Basis(_Plain):
         return StudyState(finished=self.finished, planned=self.planned, answers=self.answers)
 
 
-class Document(_Plain):
+class Document(_FrozenModel):
     """Agreement or results so far.
 
     Attributes
@@ -96,7 +96,7 @@ class Document(_Plain):
 PROGRAM: Final = "studyapp.results.looks"
 """It belongs to a room above this one, and is called by name, as a stranger would."""
 
-SECONDS: Final = 300
+TIMEOUT_SECONDS: Final = 300
 """For 100,000 answers it takes about 15, and longer where it has to give way to others."""
 
 
@@ -123,7 +123,7 @@ class FigureProcess:
         """Have `job` done while the server goes on."""
         Thread(target=job, name="figures", daemon=True).start()
 
-    def compute(self, what: What, *, seconds: float = SECONDS) -> str:
+    def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
         """Return the document that the process hands over.
 
         Raises
@@ -151,18 +151,18 @@ class FigureProcess:
         return found.decode()
 
 
-RESTS: Final[dict[What, timedelta]] = {
+MIN_INTERVALS: Final[dict[FigureKind, timedelta]] = {
     "agreement": timedelta(minutes=10),
     "results": timedelta(minutes=1),
 }
 """However many answers come in between, nothing is computed more often."""
 
-GIVEN_UP_AFTER: Final = timedelta(minutes=10)
+ABANDONED_AFTER: Final = timedelta(minutes=10)
 """Whoever began to compute longer ago has gone away."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kept:
+class StoredFigures:
     """What is known of one kind of figures.
 
     Attributes
@@ -173,7 +173,7 @@ class Kept:
         As it was computed last; empty where it never was.
     is_current : bool
         Whether nothing has changed since.
-    is_awaited : bool
+    is_computing : bool
         Whether it is being computed.
     problem : str
         Why the last attempt failed; empty where it did not.
@@ -182,34 +182,38 @@ class Kept:
     answers: int
     document: str
     is_current: bool
-    is_awaited: bool
+    is_computing: bool
     problem: str
 
 
-def kept_figures(database: Database, clock: Clock, what: What, figures: FigureProcess) -> Kept:
+def stored_figures(
+    database: Database, clock: Clock, what: FigureKind, figures: FigureProcess
+) -> StoredFigures:
     """Return what was computed last, and have it computed anew where that is due.
 
     Computing goes on after this returns. Before anybody has answered there is nothing to compute.
     """
     now = clock.now()
     with database.reading() as session:
-        answers, state = answers_so_far(session), _state(session)
+        answers, state = count_answers(session), _state(session)
         row = _row(session, what)
     begun = None
-    if answers and _is_due(row, state, now, RESTS[what]):
-        begun = _begin(database, what, state, now)
+    if answers and _is_due(row, state, now, MIN_INTERVALS[what]):
+        begun = _claim(database, what, state, now)
     if begun is not None:
-        figures.begin(partial(_fill, database, clock, what, begun, figures))
+        figures.begin(partial(_compute, database, clock, what, begun, figures))
         with database.reading() as session:
             row = _row(session, what)
-    is_awaited = row is not None and _is_running(row, now)
+    is_computing = row is not None and _is_running(row, now)
     if row is None:
-        return Kept(answers=answers, document="", is_current=False, is_awaited=False, problem="")
-    return Kept(
+        return StoredFigures(
+            answers=answers, document="", is_current=False, is_computing=False, problem=""
+        )
+    return StoredFigures(
         answers=answers,
         document=row.document,
         is_current=row.state == state,
-        is_awaited=is_awaited,
+        is_computing=is_computing,
         problem=row.problem,
     )
 
@@ -225,19 +229,19 @@ def _state(session: Session) -> str:
     )
     numbers = (
         FORMAT,
-        answers_so_far(session),
+        count_answers(session),
         *session.execute(people).one(),
         *(session.scalar(query) or 0 for query in decided),
     )
     return "-".join(map(str, numbers))
 
 
-def _row(session: Session, what: What) -> InterimFigures | None:
+def _row(session: Session, what: FigureKind) -> InterimFigures | None:
     return session.scalars(select(InterimFigures).where(InterimFigures.what == what)).first()
 
 
 def _is_running(row: InterimFigures, now: datetime) -> bool:
-    return row.begun_at is not None and not has_passed(GIVEN_UP_AFTER, row.begun_at, now)
+    return row.begun_at is not None and not has_passed(ABANDONED_AFTER, row.begun_at, now)
 
 
 def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedelta) -> bool:
@@ -247,12 +251,12 @@ def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedel
     return changed and has_passed(rest, row.tried_at, now) and not _is_running(row, now)
 
 
-def _begin(database: Database, what: What, state: str, now: datetime) -> datetime | None:
+def _claim(database: Database, what: FigureKind, state: str, now: datetime) -> datetime | None:
     """Claim the computing for this process; None where another one was first."""
     with database.writing() as session:
         take_turn(session.connection(), Turn.FIGURES)
         row = _row(session, what)
-        if not _is_due(row, state, now, RESTS[what]):
+        if not _is_due(row, state, now, MIN_INTERVALS[what]):
             return None
         if row is None:
             row = InterimFigures(what=what, state="", document="", problem="")
@@ -261,8 +265,8 @@ def _begin(database: Database, what: What, state: str, now: datetime) -> datetim
         return now
 
 
-def _fill(
-    database: Database, clock: Clock, what: What, begun: datetime, figures: FigureProcess
+def _compute(
+    database: Database, clock: Clock, what: FigureKind, begun: datetime, figures: FigureProcess
 ) -> None:
     """Compute, and keep what comes of it."""
     with database.reading() as session:

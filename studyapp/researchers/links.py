@@ -19,13 +19,13 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLink
 from studyapp.researchers.account import (
     Role,
-    end_logins_of,
+    end_logins,
+    find_researcher,
     name_key,
-    researcher_named,
-    settled_name,
+    normalize_name,
 )
 from studyapp.researchers.audit import log_change
-from studyapp.researchers.credentials import check_password, hashed, new_token, token_hash
+from studyapp.researchers.credentials import check_password, hash_password, new_token, token_hash
 from studyapp.researchers.logins import begin_login, set_password
 
 Purpose = Literal["first_owner", "invitation", "new_password"]
@@ -80,7 +80,7 @@ def first_owner_link(database: Database, clock: Clock) -> str | None:
         if session.scalar(owners):
             return None
         session.execute(delete(ResearcherLink).where(ResearcherLink.purpose == "first_owner"))
-        return _make(session, clock.now(), "first_owner", role="owner", made_by="")
+        return _create_link(session, clock.now(), "first_owner", role="owner", made_by="")
 
 
 def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
@@ -88,7 +88,7 @@ def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
     now = clock.now()
     with database.writing() as session:
         log_change(session, now, Event.INVITED, by=by, detail=f"as {role}")
-        return _make(session, now, "invitation", role=role, made_by=by)
+        return _create_link(session, now, "invitation", role=role, made_by=by)
 
 
 def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) -> str:
@@ -101,22 +101,22 @@ def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) 
     """
     now = clock.now()
     with database.writing() as session:
-        found = researcher_named(session, name)
+        found = find_researcher(session, name)
         if found.disabled_at is not None:
             raise InputError(f"{found.name!r} has no access", remedy="An owner can restore it")
         session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))
         log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {found.name}")
-        return _make(session, now, "new_password", researcher_id=found.id, made_by=by)
+        return _create_link(session, now, "new_password", researcher_id=found.id, made_by=by)
 
 
-def usable_links(database: Database, now: datetime) -> list[Link]:
+def list_usable_links(database: Database, now: datetime) -> list[Link]:
     """Return the links that can be used, the one that expires first at the top."""
-    query = _usable(now).order_by(ResearcherLink.expires_at, ResearcherLink.id)
+    query = _usable_links_query(now).order_by(ResearcherLink.expires_at, ResearcherLink.id)
     with database.reading() as session:
         return [_link(row, name) for row, name in session.execute(query)]
 
 
-def link_of(database: Database, token: str, now: datetime) -> Link:
+def find_link(database: Database, token: str, now: datetime) -> Link:
     """Return the link whose token this is; looking at it does not use it.
 
     Raises
@@ -128,7 +128,7 @@ def link_of(database: Database, token: str, now: datetime) -> Link:
         return _found(session, token, now)
 
 
-def take_back_link(database: Database, clock: Clock, link_id: int, *, by: str) -> None:
+def revoke_link(database: Database, clock: Clock, link_id: int, *, by: str) -> None:
     """Make a link unusable; one that has been used is left as it is."""
     with database.writing() as session:
         found = session.get(ResearcherLink, link_id)
@@ -161,13 +161,13 @@ def join(
         If the link cannot be used, the name is taken, or name or password may not be one.
     """
     now = clock.now()
-    link = link_of(database, token, now)
-    name = settled_name(name)
+    link = find_link(database, token, now)
+    name = normalize_name(name)
     check_password(password, name=name)
-    password_hash = hashed(password)
+    password_hash = hash_password(password)
     try:
         with database.writing() as session:
-            _use(session, token, now)
+            _use_link(session, token, now)
             if link.role is None:
                 raise UnusableLinkError
             researcher = Researcher(
@@ -199,11 +199,11 @@ def choose_password(database: Database, clock: Clock, token: str, *, password: s
         If the link cannot be used, or the password may not be one.
     """
     now = clock.now()
-    link = link_of(database, token, now)
+    link = find_link(database, token, now)
     check_password(password, name=link.name)
-    password_hash = hashed(password)
+    password_hash = hash_password(password)
     with database.writing() as session:
-        researcher_id = _use(session, token, now)
+        researcher_id = _use_link(session, token, now)
         query = select(Researcher).where(Researcher.id == researcher_id).with_for_update()
         researcher = session.scalars(query).first()
         if researcher is None or researcher.disabled_at is not None:
@@ -211,11 +211,11 @@ def choose_password(database: Database, clock: Clock, token: str, *, password: s
         login = set_password(session, researcher, password_hash, now)
         if researcher.totp_secret is None:
             return login
-        end_logins_of(session, researcher.id)
+        end_logins(session, researcher.id)
         return None
 
 
-def _make(
+def _create_link(
     session: Session,
     now: datetime,
     purpose: Purpose,
@@ -240,7 +240,7 @@ def _make(
     return token
 
 
-def _use(session: Session, token: str, now: datetime) -> int | None:
+def _use_link(session: Session, token: str, now: datetime) -> int | None:
     """Remove the link, and return whose password it is about; of two at once one finds it."""
     used = session.execute(
         delete(ResearcherLink)
@@ -252,7 +252,7 @@ def _use(session: Session, token: str, now: datetime) -> int | None:
     return used[0]
 
 
-def _usable(now: datetime) -> Select[ResearcherLink, str]:
+def _usable_links_query(now: datetime) -> Select[ResearcherLink, str]:
     return (
         select(ResearcherLink, Researcher.name)
         .outerjoin(Researcher, Researcher.id == ResearcherLink.researcher_id)
@@ -261,7 +261,7 @@ def _usable(now: datetime) -> Select[ResearcherLink, str]:
 
 
 def _found(session: Session, token: str, now: datetime) -> Link:
-    query = _usable(now).where(ResearcherLink.token_hash == token_hash(token))
+    query = _usable_links_query(now).where(ResearcherLink.token_hash == token_hash(token))
     found = session.execute(query).first()
     if found is None:
         raise UnusableLinkError

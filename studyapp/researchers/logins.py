@@ -15,30 +15,30 @@ from motion.errors import InputError
 from studyapp.clock import Clock, has_passed
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLogin
-from studyapp.researchers.account import Account, account_of, end_logins_of, name_hash, name_key
+from studyapp.researchers.account import Account, account_of, end_logins, name_hash, name_key
 from studyapp.researchers.attempts import (
     count_attempt,
     forget_all_attempts,
     forget_attempts,
 )
-from studyapp.researchers.audit import log_change, reason_given
+from studyapp.researchers.audit import log_change, read_reason
 from studyapp.researchers.credentials import (
+    accept_code,
     check_password,
-    hashed,
-    is_outdated,
-    is_right,
+    hash_password,
+    needs_rehash,
     new_token,
-    passes,
     token_hash,
+    verify_password,
 )
 
-IDLE: Final = timedelta(hours=1)
+MAX_IDLE: Final = timedelta(hours=1)
 """Without a page asked for by hand; what a page asks for by itself does not count."""
 
-LONGEST: Final = timedelta(hours=12)
+MAX_DURATION: Final = timedelta(hours=12)
 """However busy: a working day."""
 
-NOTED_AFTER: Final = timedelta(minutes=1)
+ACTIVITY_INTERVAL: Final = timedelta(minutes=1)
 """Activity is stored no more often."""
 
 
@@ -65,7 +65,9 @@ def begin_login(
     return token
 
 
-def logged_in(database: Database, token: str, now: datetime, *, by_hand: bool) -> Account | None:
+def find_account_by_login(
+    database: Database, token: str, now: datetime, *, by_hand: bool
+) -> Account | None:
     """Return who is logged in with `token`, None where nobody is, or no longer.
 
     Parameters
@@ -87,7 +89,7 @@ def logged_in(database: Database, token: str, now: datetime, *, by_hand: bool) -
     if found is None:
         return None
     login, last_active_at, researcher = found
-    if by_hand and has_passed(NOTED_AFTER, last_active_at, now):
+    if by_hand and has_passed(ACTIVITY_INTERVAL, last_active_at, now):
         with database.writing() as session:
             session.execute(
                 update(ResearcherLogin)
@@ -107,7 +109,8 @@ def end_login(database: Database, *tokens: str) -> None:
 
 def _is_over(now: datetime) -> ColumnElement[bool]:
     return or_(
-        ResearcherLogin.began_at <= now - LONGEST, ResearcherLogin.last_active_at <= now - IDLE
+        ResearcherLogin.began_at <= now - MAX_DURATION,
+        ResearcherLogin.last_active_at <= now - MAX_IDLE,
     )
 
 
@@ -144,14 +147,14 @@ def log_in(
     now = clock.now()
     count_attempt(database, name_hash(name), address, now)
     with database.reading() as session:
-        found = _find(session, name)
-    right = is_right(None if found is None else found.password_hash, password)
+        found = _find_by_name(session, name)
+    right = verify_password(None if found is None else found.password_hash, password)
     if found is None or not right or found.disabled_at is not None:
         raise WrongLoginError
-    better = hashed(password) if is_outdated(found.password_hash) else None
+    better = hash_password(password) if needs_rehash(found.password_hash) else None
     with database.writing() as session:
-        researcher = _unchanged(session, found)
-        if not passes(researcher, code, now):
+        researcher = _lock_unchanged(session, found)
+        if not accept_code(researcher, code, now):
             raise WrongLoginError
         if better is not None:
             researcher.password_hash = better
@@ -174,12 +177,12 @@ def change_password(
     with database.reading() as session:
         found = session.get_one(Researcher, researcher_id)
     count_attempt(database, name_hash(found.name), address, now)
-    if not is_right(found.password_hash, old):
+    if not verify_password(found.password_hash, old):
         raise InputError("the old password is not right", remedy="Type it once more")
     check_password(new, name=found.name)
-    password_hash = hashed(new)
+    password_hash = hash_password(new)
     with database.writing() as session:
-        researcher = _unchanged(session, found)
+        researcher = _lock_unchanged(session, found)
         return set_password(session, researcher, password_hash, now)
 
 
@@ -188,17 +191,17 @@ def set_password(
 ) -> str:
     """Store a new password, end all logins with the old one, and return a new login's token."""
     researcher.password_hash = password_hash
-    end_logins_of(session, researcher.id)
+    end_logins(session, researcher.id)
     forget_all_attempts(session, name_hash(researcher.name))
     log_change(session, now, Event.PASSWORD_CHANGED, by=researcher.name)
     return begin_login(session, researcher.id, now)
 
 
-def _find(session: Session, name: str) -> Researcher | None:
+def _find_by_name(session: Session, name: str) -> Researcher | None:
     return session.scalars(select(Researcher).where(Researcher.name_key == name_key(name))).first()
 
 
-def _unchanged(session: Session, seen: Researcher) -> Researcher:
+def _lock_unchanged(session: Session, seen: Researcher) -> Researcher:
     """Return the row of `seen`, kept from other writers, if its password is still the same one."""
     query = select(Researcher).where(Researcher.id == seen.id).with_for_update()
     found = session.scalars(query.execution_options(populate_existing=True)).first()
@@ -208,7 +211,7 @@ def _unchanged(session: Session, seen: Researcher) -> Researcher:
     return found
 
 
-HOLDS: Final = timedelta(hours=1)
+UNBLINDED_FOR: Final = timedelta(hours=1)
 """So long, looking again in the same login needs no new reason; each look is logged anyway."""
 
 
@@ -225,7 +228,7 @@ def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: st
     InputError
         If no reason is given.
     """
-    reason = reason_given(reason)
+    reason = read_reason(reason)
     with database.writing() as session:
         now = clock.now()
         session.execute(
@@ -236,11 +239,11 @@ def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: st
         log_change(session, now, Event.UNBLINDED, by=by, reason=reason)
 
 
-def unblinded_because(database: Database, token: str, now: datetime) -> str:
+def unblinding_reason(database: Database, token: str, now: datetime) -> str:
     """Return for which reason the login of `token` sees results; empty where it does not."""
     query = select(ResearcherLogin.unblinding_reason).where(
         ResearcherLogin.token_hash == token_hash(token),
-        ResearcherLogin.unblinded_at > now - HOLDS,
+        ResearcherLogin.unblinded_at > now - UNBLINDED_FOR,
     )
     with database.reading() as session:
         return session.scalars(query).first() or ""

@@ -24,8 +24,8 @@ from studyapp.database.tables import StudySession
 
 KEY_BYTES: Final = 32
 PSEUDONYM_BYTES: Final = 10
-LENGTH: Final = 17
-AGAIN: Final = "x"
+PSEUDONYM_LENGTH: Final = 17
+REPEAT_SUFFIX: Final = "x"
 
 FOLDER: Final = "sub-"
 """Before the pseudonym in folders for another lab."""
@@ -33,7 +33,7 @@ FOLDER: Final = "sub-"
 PREFIX: Final = "p"
 """A letter first, so that no spreadsheet takes a pseudonym for a number."""
 
-_OTHERS: Final = 0o077
+OTHER_USERS: Final = 0o077
 
 
 class Identified(Protocol):
@@ -84,7 +84,7 @@ class PseudonymKey:
             return None
         except UnicodeDecodeError:
             text, mode = "", 0
-        if mode & _OTHERS:
+        if mode & OTHER_USERS:
             raise InputError(
                 "others on this machine may read the key of the pseudonyms",
                 where=path,
@@ -151,13 +151,13 @@ class PseudonymKey:
         for study_session in sorted(study_sessions, key=lambda each: each.id):
             name = self.pseudonym(study_session)
             times[name] += 1
-            again = "" if times[name] == 1 else f"{AGAIN}{times[name]}"
+            again = "" if times[name] == 1 else f"{REPEAT_SUFFIX}{times[name]}"
             names[study_session.id] = name + again
         return names
 
     def is_called(self, participant: Identified, name: str) -> bool:
         """Tell whether `name`, as an export has it, is one of the participant's."""
-        pseudonym = name.removeprefix(FOLDER)[:LENGTH]
+        pseudonym = name.removeprefix(FOLDER)[:PSEUDONYM_LENGTH]
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())
 
 
@@ -185,7 +185,7 @@ def pseudonyms_of(
     return {number: named[number] for number in numbers if number in named}
 
 
-def number_called(session: Session, key: PseudonymKey | None, name: str) -> int | None:
+def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -> int | None:
     """Return the study session that is called `name`; None where there is none.
 
     Parameters
@@ -197,12 +197,12 @@ def number_called(session: Session, key: PseudonymKey | None, name: str) -> int 
     """
     name = name.strip().removeprefix(FOLDER).lower()
     if name.isascii() and name.isdecimal():
-        return _numbered(session, name)
+        return _existing_number(session, name)
     named = {} if key is None else key.pseudonyms(_identities(session, true()))
     return next((number for number, found in named.items() if found == name), None)
 
 
-def number_recruited(session: Session, name: str) -> int | None:
+def find_number_by_recruiter(session: Session, name: str) -> int | None:
     """Return the last study session of whom a recruiter calls `name`; None where there is none."""
     return session.scalar(
         select(func.max(StudySession.id)).where(StudySession.recruiter_participant == name.strip())
@@ -221,7 +221,7 @@ def _identities(session: Session, chosen: ColumnElement[bool]) -> list[_Identity
     return [_Identity(*row) for row in rows]
 
 
-def _numbered(session: Session, digits: str) -> int | None:
+def _existing_number(session: Session, digits: str) -> int | None:
     """Return the number if there is such a study session; no database has one of many digits."""
     if len(digits) >= len(str(2**31)):
         return None

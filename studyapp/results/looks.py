@@ -20,7 +20,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.desk.jobs import RESEARCHER
-from studyapp.researchers.audit import StudyState, note_look
+from studyapp.researchers.audit import StudyState, log_look
 from studyapp.researchers.interim_figures import Basis, Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import of_present_design, read_answers
@@ -83,7 +83,7 @@ def note_way_out(
         database = Database.open(database_url_of(folder.root))
         with closing(database), database.writing() as session:
             by = os.environ.get(RESEARCHER, "")
-            note_look(session, Clock().now(), state, way=way, by=by, reason=reason)
+            log_look(session, Clock().now(), state, way=way, by=by, reason=reason)
     except (InputError, SQLAlchemyError, OSError) as error:
         problem = str(error).splitlines()[0]
     if not state.is_interim:

@@ -29,9 +29,9 @@ from studyapp.database.tables import (
     WatchRecord,
 )
 from studyapp.researchers.audit import COMMAND_LINE
-from studyapp.researchers.exclusion_decisions import standing_exclusions
+from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.ending import JUDGED
-from studyapp.session.intake import present_intake
+from studyapp.session.intake import current_intake
 from studyapp.session.screening import count_screened_out
 from studyapp.session.state import state_of
 from studyapp.session.watch_evidence import watched_share
@@ -199,7 +199,7 @@ def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
         looks=_looks(session),
-        more_places=present_intake(session).more_places,
+        more_places=current_intake(session).more_places,
         screened_out=count_screened_out(session),
     )
 
@@ -250,7 +250,7 @@ def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
         .group_by(Trial.study_session_id)
         .subquery()
     )
-    excluded = standing_exclusions().subquery()
+    excluded = current_exclusions().subquery()
     query = (
         select(
             StudySession.id.label("study_session"),

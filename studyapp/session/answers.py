@@ -12,11 +12,17 @@ from sqlalchemy import Table, insert
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Response, Trial, Video
-from studyapp.session.ending import end_unwatched, most_left_out, move_on
+from studyapp.session.ending import advance, end_as_unwatched, max_skipped_trials
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find, load_videos, note, require_present, trial_of
+from studyapp.session.state import (
+    find_study_session,
+    find_trial,
+    load_videos,
+    require_current_trial,
+    update_row,
+)
 from studyapp.session.watch_evidence import failed_to_play, missing_seconds
 from studyapp.study.design.trial import AnswerKey, Answers, Ask
 from studyapp.study.design.trial import Trial as AskedTrial
@@ -30,7 +36,7 @@ WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Given:
+class SubmittedAnswers:
     """The answers of one trial."""
 
     values: Answers
@@ -44,7 +50,7 @@ class Given:
 RESPONSES: Final = insert(cast(Table, Response.__table__))
 
 
-def answer(
+def store_answers(
     database: Database,
     served: ServedStudy,
     token: str,
@@ -73,15 +79,15 @@ def answer(
     """
     study = served.study
     with database.writing() as session:
-        study_session = find(session, token)
-        trial = trial_of(study_session, trial_token)
+        study_session = find_study_session(session, token)
+        trial = find_trial(study_session, trial_token)
         load_videos(session, [trial])
-        given = read_fields(study, trial, fields)
+        given = read_answers(study, trial, fields)
         if trial.answered_at is not None:
             _require_same(trial, given)
             return
         regain_place(session, served, study_session)
-        shown_at = require_present(study_session, trial)
+        shown_at = require_current_trial(study_session, trial)
         missing = missing_seconds(trial, study.watching.coverage)
         if missing > 0:
             raise UnacceptableError(
@@ -104,8 +110,8 @@ def answer(
                 for (question, stimulus), value in given.values.items()
             ],
         )
-        note(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
-        move_on(session, study_session, served.study, now)
+        update_row(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
+        advance(session, study_session, served.study, now)
 
 
 def skip_unplayable(
@@ -135,14 +141,14 @@ def skip_unplayable(
         nothing shows that it does not play. Nothing is changed then.
     """
     with database.writing() as session:
-        study_session = find(session, token)
-        trial = trial_of(study_session, trial_token)
+        study_session = find_study_session(session, token)
+        trial = find_trial(study_session, trial_token)
         if trial.unplayable_at is not None:
             return
         regain_place(session, served, study_session)
-        require_present(study_session, trial)
+        require_current_trial(study_session, trial)
         load_videos(session, [trial])
-        video = _unplayable(trial, video_token)
+        video = _find_unplayable_video(trial, video_token)
         if not failed_to_play(video, media_error):
             raise UnacceptableError(
                 "There is no sign yet that this video does not play.",
@@ -151,16 +157,16 @@ def skip_unplayable(
             )
         now = clock.now()
         video.unplayable_at = now
-        if sum(each.unplayable_at is not None for each in study_session.trials) >= most_left_out(
-            len(study_session.trials)
-        ):
-            end_unwatched(session, study_session, now)
+        if sum(
+            each.unplayable_at is not None for each in study_session.trials
+        ) >= max_skipped_trials(len(study_session.trials)):
+            end_as_unwatched(session, study_session, now)
         else:
             trial.unplayable_at = now
-            move_on(session, study_session, served.study, now)
+            advance(session, study_session, served.study, now)
 
 
-def _unplayable(trial: Trial, video_token: str) -> Video:
+def _find_unplayable_video(trial: Trial, video_token: str) -> Video:
     named = [video for video in trial.videos if video_token in ("", video.token)]
     if len(named) != 1:
         raise UnacceptableError(
@@ -170,7 +176,7 @@ def _unplayable(trial: Trial, video_token: str) -> Video:
     return named[0]
 
 
-def _require_same(trial: Trial, given: Given) -> None:
+def _require_same(trial: Trial, given: SubmittedAnswers) -> None:
     stored = {
         (response.question, response.stimulus): (response.value, tuple(response.reasons))
         for response in trial.responses
@@ -182,7 +188,7 @@ def _require_same(trial: Trial, given: Given) -> None:
         )
 
 
-def read_fields(study: Study, trial: AskedTrial, fields: Fields) -> Given:
+def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAnswers:
     """Return the answers in `fields`.
 
     Raises
@@ -207,7 +213,7 @@ def read_fields(study: Study, trial: AskedTrial, fields: Fields) -> Given:
         raise UnacceptableError(
             "{problem}", "Please look at it again; your answers are kept.", problem=problem
         )
-    return Given(values=values, reasons={ask.key: _reasons(ask, fields) for ask in asks})
+    return SubmittedAnswers(values=values, reasons={ask.key: _reasons(ask, fields) for ask in asks})
 
 
 def _check_value(ask: Ask, given: Sequence[str]) -> None:
@@ -222,7 +228,9 @@ def _check_value(ask: Ask, given: Sequence[str]) -> None:
 def _check_complete(asks: Sequence[Ask], fields: Fields) -> None:
     questions = list(dict.fromkeys(ask.question for ask in asks))
     missing = tuple(
-        _named(ask, questions.index(ask.question) + 1) for ask in asks if not fields.get(ask.field)
+        _question_label(ask, questions.index(ask.question) + 1)
+        for ask in asks
+        if not fields.get(ask.field)
     )
     if len(missing) == 1:
         raise UnacceptableError(
@@ -238,7 +246,7 @@ def _check_complete(asks: Sequence[Ask], fields: Fields) -> None:
         )
 
 
-def _named(ask: Ask, number: int) -> Message | int:
+def _question_label(ask: Ask, number: int) -> Message | int:
     """Return what an answer is called: its question's number, and the video it is about."""
     if ask.stimulus is None:
         return number

@@ -17,7 +17,7 @@ from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from studyapp.database.tables import Newcomer, StudySession, StudyVersion
 from studyapp.session.intake import NEWEST_MORE_PLACES, NEWEST_STATE, Intake, intake_of
-from studyapp.session.places import IS_ANY_STALE, has_open_place, silent_since
+from studyapp.session.places import HAS_STALE_PLACE, has_open_place, stale_before
 from studyapp.session.refusal import CrowdedAddressError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 
@@ -75,20 +75,22 @@ class Arrival:
         return self.recruiter_participant or self.visit or ""
 
 
-CAME_FROM_ADDRESS: Final = (
+NEWCOMERS_FROM_ADDRESS: Final = (
     select(func.count(Newcomer.id))
     .where(Newcomer.address == bindparam("address"), Newcomer.at > bindparam("since"))
     .scalar_subquery()
 )
-OLD: Final = select(Newcomer.id).where(Newcomer.at <= bindparam("since"))
-ARE_ANY_OLD: Final = exists(OLD)
+EXPIRED: Final = select(Newcomer.id).where(Newcomer.at <= bindparam("since"))
+HAS_EXPIRED: Final = exists(EXPIRED)
 
 # Those are passed over that somebody else forgets at this moment.
-FORGET: Final = delete(Newcomer).where(Newcomer.id.in_(OLD.with_for_update(skip_locked=True)))
-COUNT: Final = insert(Newcomer)
+DELETE_EXPIRED: Final = delete(Newcomer).where(
+    Newcomer.id.in_(EXPIRED.with_for_update(skip_locked=True))
+)
+INSERT_NEWCOMER: Final = insert(Newcomer)
 
 
-def require_uncrowded(came: int, most: int) -> None:
+def require_uncrowded_address(came: int, most: int) -> None:
     """Raise `CrowdedAddressError` if so many newcomers from one address are the most there may be.
 
     Parameters
@@ -105,7 +107,7 @@ def require_uncrowded(came: int, most: int) -> None:
         )
 
 
-def most_from_one_address(session: Session, now: datetime) -> int:
+def max_newcomers_from_one_address(session: Session, now: datetime) -> int:
     """Return how many newcomers came within an hour from the address from which most came."""
     counts = (
         select(func.count(Newcomer.id).label("came"))
@@ -118,25 +120,25 @@ def most_from_one_address(session: Session, now: datetime) -> int:
 
 def forget_newcomers(session: Session, now: datetime) -> None:
     """Forget who came longer than an hour ago."""
-    session.connection().execute(FORGET, {"since": now - WINDOW})
+    session.connection().execute(DELETE_EXPIRED, {"since": now - WINDOW})
 
 
-def count_newcomer(session: Session, address: str | None, now: datetime) -> None:
+def add_newcomer(session: Session, address: str | None, now: datetime) -> None:
     """Note that somebody from `address` got a place; None where nobody counts or knows it."""
     if address is not None:
-        session.connection().execute(COUNT, {"at": now, "address": address})
+        session.connection().execute(INSERT_NEWCOMER, {"at": now, "address": address})
 
 
-def require_room(
+def require_open_place(
     reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
 ) -> None:
     """Raise `StudyFullError` unless newcomers are let in and there is a place for one."""
-    require_let_in(served, intake)
+    require_open_intake(served, intake)
     if not has_open_place(reading, served, intake, now):
-        raise study_is_full()
+        raise full_study_error()
 
 
-def require_let_in(served: ServedStudy, intake: Intake) -> None:
+def require_open_intake(served: ServedStudy, intake: Intake) -> None:
     """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place."""
     state = intake.state
     if state == "closed":
@@ -156,7 +158,7 @@ def require_let_in(served: ServedStudy, intake: Intake) -> None:
         )
 
 
-def study_is_full() -> StudyFullError:
+def full_study_error() -> StudyFullError:
     """Return what newcomers are told while every place is held."""
     return StudyFullError(
         "The study has all the participants it needs at the moment.",
@@ -166,7 +168,7 @@ def study_is_full() -> StudyFullError:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standing:
+class Admission:
     """How things stand for somebody who arrives.
 
     Attributes
@@ -175,31 +177,31 @@ class Standing:
         The study session that they have already.
     intake : Intake
         What researchers have decided.
-    came_from_address : int
+    newcomers_from_address : int
         Newcomers from their network address within an hour.
     version_id : int or None
         The version that is served; None where it is not the database's any more.
-    is_any_stale, are_any_old : bool
+    has_stale_place, has_expired_newcomers : bool
         Whether a place is held by somebody who has been silent for too long, and newcomers are
         noted who came longer than an hour ago; False outside the allocation's turn.
     """
 
     study_session_id: int | None
     intake: Intake
-    came_from_address: int
+    newcomers_from_address: int
     version_id: int | None
-    is_any_stale: bool
-    are_any_old: bool
+    has_stale_place: bool
+    has_expired_newcomers: bool
 
 
-def standing_of(
+def read_admission(
     connection: Connection,
     served: ServedStudy,
     arrival: Arrival,
     now: datetime,
     *,
     in_turn: bool,
-) -> Standing:
+) -> Admission:
     """Return how things stand for who has this name, or where nobody has named them this visit.
 
     Parameters
@@ -208,41 +210,41 @@ def standing_of(
         Whether it is asked in the allocation's turn.
     """
     row = connection.execute(
-        STATEMENTS[arrival.recruiter_participant is not None, in_turn],
+        ADMISSION_QUERIES[arrival.recruiter_participant is not None, in_turn],
         {
             "who": arrival.name,
             "address": arrival.address,
             "since": now - WINDOW,
             "design": served.design,
-            "silent_since": silent_since(served, now),
+            "silent_since": stale_before(served, now),
         },
     ).one()
-    return Standing(
+    return Admission(
         study_session_id=row.study_session_id,
         intake=intake_of(row.state, row.more_places),
-        came_from_address=row.came,
+        newcomers_from_address=row.came,
         version_id=row.version_id,
-        is_any_stale=row.is_any_stale,
-        are_any_old=row.are_any_old,
+        has_stale_place=row.has_stale_place,
+        has_expired_newcomers=row.has_expired_newcomers,
     )
 
 
-def _standing(who: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:
+def _admission_query(who: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:
     known = select(StudySession.id).where(who == bindparam("who"))
     version = select(StudyVersion.id).where(StudyVersion.design == bindparam("design"))
     return select(
         known.scalar_subquery().label("study_session_id"),
         NEWEST_STATE.label("state"),
         NEWEST_MORE_PLACES.label("more_places"),
-        CAME_FROM_ADDRESS.label("came"),
+        NEWCOMERS_FROM_ADDRESS.label("came"),
         version.scalar_subquery().label("version_id"),
-        (IS_ANY_STALE if in_turn else false()).label("is_any_stale"),
-        (ARE_ANY_OLD if in_turn else false()).label("are_any_old"),
+        (HAS_STALE_PLACE if in_turn else false()).label("has_stale_place"),
+        (HAS_EXPIRED if in_turn else false()).label("has_expired_newcomers"),
     )
 
 
-STATEMENTS: Final = {
-    (named, in_turn): _standing(
+ADMISSION_QUERIES: Final = {
+    (named, in_turn): _admission_query(
         StudySession.recruiter_participant if named else StudySession.visit, in_turn=in_turn
     )
     for named in (False, True)

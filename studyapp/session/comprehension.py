@@ -14,16 +14,16 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.form_answers import form_answers, is_eligible
+from studyapp.session.form_answers import is_eligible, read_form_answers
 from studyapp.session.participation import sound_check_due
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.screening import screen_out
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find, form_due, state_of
+from studyapp.session.state import find_study_session, form_due, state_of
 from studyapp.study.settings.study import Study
 
 
-def begin(
+def start_trials(
     database: Database,
     served: ServedStudy,
     token: str,
@@ -47,12 +47,12 @@ def begin(
     """
     study, given = served.study, answers or {}
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         waiting = sound_check_due(study_session, served) or form_due(study_session, study)
         if state_of(study_session) != "instructed" or waiting:
             return
         now = clock.now()
-        first_try = form_answers(study, "comprehension", given, now)
+        first_try = read_form_answers(study, "comprehension", given, now)
         tried = any(answer.stage == "comprehension" for answer in study_session.form_answers)
         if not tried:
             study_session.form_answers.extend(first_try)

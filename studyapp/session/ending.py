@@ -22,7 +22,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.session.refusal import ConflictError
-from studyapp.session.state import current_trial, find, form_due, note, state_of
+from studyapp.session.state import current_trial, find_study_session, form_due, state_of, update_row
 from studyapp.study.settings.presentation import Page
 from studyapp.study.settings.recruitment import Channel, Outcome, Recruitment, draw_code
 from studyapp.study.settings.study import Study
@@ -47,7 +47,7 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
     The analysis finds the same from the answers, and applies all other rules besides; here it
     only decides about the place.
     """
-    failed = failures(study, study_session.trials)
+    failed = count_failures(study, study_session.trials)
     facts = ParticipantFacts(
         participant=str(study_session.id),
         failed_catch=failed["catch"],
@@ -57,14 +57,14 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
     return any(rule.judge(facts) for rule in rules)
 
 
-def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
+def count_failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
     """Return how many of `trials` were failed, by kind; to leave one out is to fail it."""
     judged = (trial for trial in trials if trial.settled and trial.kind in JUDGED)
-    failed = [trial.kind for trial in judged if is_failed(study, trial)]
+    failed = [trial.kind for trial in judged if has_failed(study, trial)]
     return {kind: failed.count(kind) for kind in JUDGED}
 
 
-def is_failed(study: Study, trial: Trial) -> bool:
+def has_failed(study: Study, trial: Trial) -> bool:
     """Tell whether a catch trial or attention check that somebody is done with was failed."""
     if trial.answered_at is None:
         return True
@@ -72,36 +72,36 @@ def is_failed(study: Study, trial: Trial) -> bool:
     return study.failed(trial, answers)
 
 
-FEWEST_LEFT_OUT: Final = 2
-ONE_LEFT_OUT_IN: Final = 10
+MIN_SKIPPED_TRIALS: Final = 2
+TRIALS_PER_SKIP: Final = 10
 
 
-def most_left_out(trials: int) -> int:
+def max_skipped_trials(trials: int) -> int:
     """Return how many of so many trials may be left out since a video does not play."""
-    return max(FEWEST_LEFT_OUT, trials // ONE_LEFT_OUT_IN)
+    return max(MIN_SKIPPED_TRIALS, trials // TRIALS_PER_SKIP)
 
 
-def end_unwatched(session: Session, study_session: StudySession, now: datetime) -> None:
+def end_as_unwatched(session: Session, study_session: StudySession, now: datetime) -> None:
     """End a study session in which too many videos did not play; its place is free again.
 
     There is no completion code: whether it is paid is for a person to decide.
     """
-    note(session, study_session, last_active_at=now, outcome="unwatched")
+    update_row(session, study_session, last_active_at=now, outcome="unwatched")
     study_session.place = None
 
 
-def move_on(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:
+def advance(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:
     """Note the activity; after the last answer of all, complete the study session.
 
     Where the study says so, who is excluded opens the place again for somebody else.
     """
-    note(session, study_session, last_active_at=now)
+    update_row(session, study_session, last_active_at=now)
     if study_session.started_at is None or current_trial(study_session) is not None:
         return
     if form_due(study_session, study) is None:
         study_session.completed_at = now
         study_session.completion_code = draw_code()
-        failed = failures(study, study_session.trials)["attention"]
+        failed = count_failures(study, study_session.trials)["attention"]
         study_session.outcome = study.recruitment.outcome(failed)
         if study.replace_excluded and is_excluded(study, study_session):
             study_session.place = None
@@ -111,7 +111,7 @@ Promise = Literal["deleted", "kept"]
 """What becomes of the answers of who withdraws."""
 
 
-def promise_made(database: Database, token: str) -> Promise:
+def withdrawal_promise(database: Database, token: str) -> Promise:
     """Return what becomes of the participant's answers on withdrawing.
 
     Raises
@@ -120,7 +120,7 @@ def promise_made(database: Database, token: str) -> Promise:
         If the study session is finished, or somebody unproven has gone on with it.
     """
     with database.reading() as session:
-        study_session = find(session, token, to_change=False)
+        study_session = find_study_session(session, token, to_change=False)
         _require_unfinished(study_session)
         return _promise(study_session)
 
@@ -137,13 +137,13 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
         somebody went on with it who could not show that they had begun it.
     """
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         _require_unfinished(study_session)
         if study_session.withdrawn_at is None:
-            take_back(session, study_session, clock.now())
+            end_withdrawn(session, study_session, clock.now())
 
 
-def take_back(session: Session, study_session: StudySession, now: datetime) -> None:
+def end_withdrawn(session: Session, study_session: StudySession, now: datetime) -> None:
     """End `study_session` as withdrawn.
 
     Where deletion was promised, all that is left is that somebody took part and withdrew: when,
@@ -207,7 +207,7 @@ MTURK_END: Final = "/mturk/externalSubmit"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Leaving:
+class Exit:
     """What the last page offers.
 
     Attributes
@@ -231,7 +231,7 @@ class Leaving:
     assignment: str = ""
 
 
-def leaving(recruitment: Recruitment, study_session: StudySession) -> Leaving | None:
+def exit_of(recruitment: Recruitment, study_session: StudySession) -> Exit | None:
     """Return how the participant of `study_session` leaves; None before the end is stored."""
     own = study_session.completion_code
     if own is None:
@@ -242,11 +242,14 @@ def leaving(recruitment: Recruitment, study_session: StudySession) -> Leaving | 
     if study_session.recruiter_participant is not None:
         if recruitment.channel == "prolific":
             code = recruitment.prolific.code(outcome)
-            return Leaving(
-                channel="prolific", outcome=outcome, code=code, address=prolific_end(code)
+            return Exit(
+                channel="prolific",
+                outcome=outcome,
+                code=code,
+                address=prolific_completion_url(code),
             )
         if recruitment.channel == "mturk" and study_session.submit_to in MTURK_SITES:
-            return Leaving(
+            return Exit(
                 channel="mturk",
                 outcome=outcome,
                 code=own,
@@ -254,18 +257,18 @@ def leaving(recruitment: Recruitment, study_session: StudySession) -> Leaving | 
                 assignment=study_session.recruiter_session,
             )
     channel: Channel = "invitations" if recruitment.channel == "invitations" else "link"
-    return Leaving(channel=channel, outcome=outcome, code=own)
+    return Exit(channel=channel, outcome=outcome, code=own)
 
 
-def leaving_at_once(recruitment: Recruitment) -> Leaving:
+def screened_out_exit(recruitment: Recruitment) -> Exit:
     """Return how somebody leaves who was screened out, which must be stored before."""
     if recruitment.channel != "prolific":
-        return Leaving(channel=recruitment.channel, outcome=None, code="")
+        return Exit(channel=recruitment.channel, outcome=None, code="")
     code = recruitment.prolific.screened_out
-    return Leaving(channel="prolific", outcome=None, code=code, address=prolific_end(code))
+    return Exit(channel="prolific", outcome=None, code=code, address=prolific_completion_url(code))
 
 
-def way_back(recruitment: Recruitment) -> str:
+def return_address(recruitment: Recruitment) -> str:
     """Return the address of where somebody came from who gets no code; empty if there is none.
 
     They return their place there. A code would pay them, and nothing of them is stored.
@@ -273,6 +276,6 @@ def way_back(recruitment: Recruitment) -> str:
     return PROLIFIC_SITE if recruitment.channel == "prolific" else ""
 
 
-def prolific_end(code: str) -> str:
+def prolific_completion_url(code: str) -> str:
     """Return the address that tells Prolific of `code`."""
     return f"{PROLIFIC_END}?{urlencode({'cc': code})}"

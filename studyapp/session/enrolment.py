@@ -13,38 +13,38 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
 from studyapp.session.arrivals import (
+    Admission,
     Arrival,
-    Standing,
-    count_newcomer,
+    add_newcomer,
     forget_newcomers,
-    require_let_in,
-    require_room,
-    require_uncrowded,
-    standing_of,
-    study_is_full,
+    full_study_error,
+    read_admission,
+    require_open_intake,
+    require_open_place,
+    require_uncrowded_address,
 )
-from studyapp.session.form_answers import entrance_answers
+from studyapp.session.form_answers import read_entrance_answers
 from studyapp.session.intake import (
     share_allocation_turn,
     take_allocation_turn,
     wanted_places,
 )
-from studyapp.session.participation import left_unheard
+from studyapp.session.participation import left_at_sound_check
 from studyapp.session.places import (
-    release_stale,
+    release_stale_places,
     take_open_place,
 )
 from studyapp.session.refusal import UnprovenError
-from studyapp.session.served_study import ServedStudy, study_has_changed
-from studyapp.session.trial_rows import new_token, store_trials, votes_so_far
+from studyapp.session.served_study import ServedStudy, changed_study_error
+from studyapp.session.trial_rows import count_votes, new_token, store_trials
 
-ARRIVALS: Final = threading.BoundedSemaphore(4)
+ARRIVAL_SLOTS: Final = threading.BoundedSemaphore(4)
 """Who waits for the allocation's turn keeps a connection to the database. A process whose arrivals
 all did would have none left for those who answer."""
 
 PLACES: Final = cast(Table, Place.__table__)
-NEWCOMER: Final = insert(cast(Table, StudySession.__table__)).returning(StudySession.id)
-HOLD: Final = (
+INSERT_STUDY_SESSION: Final = insert(cast(Table, StudySession.__table__)).returning(StudySession.id)
+HOLD_PLACE: Final = (
     update(PLACES)
     .where(PLACES.c.id == bindparam("place"))
     .values(study_session_id=bindparam("own"))
@@ -64,18 +64,18 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     UnacceptableError, IneligibleError
         If the answers under eligibility and consent do not let them take part.
     UnprovenError
-        If the study session of this name was begun elsewhere; see `enrolled`.
+        If the study session of this name was begun elsewhere; see `resume`.
     """
     while True:
         # Apart, since whoever shares the allocation's turn must wait for no study session.
-        token = _as_newcomer(database, served, arrival, clock) or enrolled(
+        token = _enrol_newcomer(database, served, arrival, clock) or resume(
             database, served, arrival, clock
         )
         if token is not None:
             return token
 
 
-def enrolled(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str | None:
+def resume(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str | None:
     """Return the token of the study session that the arriving participant comes back to, if any.
 
     Under which of the recruiter's submissions they come now is noted. A name alone shows nothing:
@@ -88,20 +88,20 @@ def enrolled(database: Database, served: ServedStudy, arrival: Arrival, clock: C
         If somebody else may have the study session, or it is over.
     """
     with database.reading() as session:
-        known = session.scalars(_known(arrival)).first()
-        if known is None or left_unheard(known):
+        known = session.scalars(_study_session_query(arrival)).first()
+        if known is None or left_at_sound_check(known):
             return None
-        if _is_proven(known, arrival) and not _comes_otherwise(known, arrival):
+        if _is_proven(known, arrival) and not _has_new_submission(known, arrival):
             return known.token
     with database.writing() as session:
         # Locked, so that nothing is noted of somebody who is being forgotten.
-        known = session.scalars(_known(arrival).with_for_update()).first()
-        if known is None or left_unheard(known):
+        known = session.scalars(_study_session_query(arrival).with_for_update()).first()
+        if known is None or left_at_sound_check(known):
             return None
         if not _is_proven(known, arrival):
-            _require_silent(known, served, clock.now())
+            _require_inactive(known, served, clock.now())
             known.unproven_at = clock.now()
-        if _comes_otherwise(known, arrival):
+        if _has_new_submission(known, arrival):
             known.recruiter_study = arrival.recruiter_study
             known.recruiter_session = arrival.recruiter_session
             known.submit_to = arrival.submit_to
@@ -124,7 +124,7 @@ def _is_proven(known: StudySession, arrival: Arrival) -> bool:
     )
 
 
-def _require_silent(known: StudySession, served: ServedStudy, now: datetime) -> None:
+def _require_inactive(known: StudySession, served: ServedStudy, now: datetime) -> None:
     if _is_over(known):
         raise UnprovenError(
             "Somebody with this participant name has already taken part.",
@@ -139,7 +139,7 @@ def _require_silent(known: StudySession, served: ServedStudy, now: datetime) -> 
         )
 
 
-def require_welcome(
+def require_admission(
     database: Database, served: ServedStudy, arrival: Arrival, clock: Clock
 ) -> None:
     """Turn newcomers away before they are asked anything, where enrolling would; nothing is stored.
@@ -153,68 +153,72 @@ def require_welcome(
     """
     now = clock.now()
     with database.looking_up() as connection:
-        standing = standing_of(connection, served, arrival, now, in_turn=False)
+        standing = read_admission(connection, served, arrival, now, in_turn=False)
         if standing.study_session_id is None:
-            _require_welcome(connection, served, standing, now)
+            _require_admission(connection, served, standing, now)
             return
     with database.reading() as session:
-        if not _goes_on(session, standing):
-            _require_welcome(session, served, standing, now)
+        if not _can_resume(session, standing):
+            _require_admission(session, served, standing, now)
 
 
-def _require_welcome(
-    reading: Session | Connection, served: ServedStudy, standing: Standing, now: datetime
+def _require_admission(
+    reading: Session | Connection, served: ServedStudy, standing: Admission, now: datetime
 ) -> None:
-    require_room(reading, served, standing.intake, now)
-    require_uncrowded(standing.came_from_address, served.study.recruitment.newcomers_per_address)
+    require_open_place(reading, served, standing.intake, now)
+    require_uncrowded_address(
+        standing.newcomers_from_address, served.study.recruitment.newcomers_per_address
+    )
 
 
-def _as_newcomer(
+def _enrol_newcomer(
     database: Database, served: ServedStudy, arrival: Arrival, clock: Clock
 ) -> str | None:
     """Return the token of a new study session; None for who has one to go on with."""
     now = clock.now()
-    with ARRIVALS:
+    with ARRIVAL_SLOTS:
         with database.writing() as session:
-            standing = _standing_in_turn(session, served, arrival, now)
-            if not standing.is_any_stale or _goes_on(session, standing):
+            standing = _read_admission_in_turn(session, served, arrival, now)
+            if not standing.has_stale_place or _can_resume(session, standing):
                 return _enrol(session, served, arrival, standing, now)
         with database.writing() as session:
             take_allocation_turn(session)
-            release_stale(session, served, now)
+            release_stale_places(session, served, now)
         with database.writing() as session:
-            standing = _standing_in_turn(session, served, arrival, now)
+            standing = _read_admission_in_turn(session, served, arrival, now)
             return _enrol(session, served, arrival, standing, now)
 
 
-def _standing_in_turn(
+def _read_admission_in_turn(
     session: Session, served: ServedStudy, arrival: Arrival, now: datetime
-) -> Standing:
+) -> Admission:
     share_allocation_turn(session, arrival.name)
-    return standing_of(session.connection(), served, arrival, now, in_turn=True)
+    return read_admission(session.connection(), served, arrival, now, in_turn=True)
 
 
 def _enrol(
-    session: Session, served: ServedStudy, arrival: Arrival, standing: Standing, now: datetime
+    session: Session, served: ServedStudy, arrival: Arrival, standing: Admission, now: datetime
 ) -> str | None:
-    if _goes_on(session, standing):
+    if _can_resume(session, standing):
         return None
-    require_let_in(served, standing.intake)
-    require_uncrowded(standing.came_from_address, served.study.recruitment.newcomers_per_address)
-    answers = entrance_answers(served.study, arrival.form, now)
+    require_open_intake(served, standing.intake)
+    require_uncrowded_address(
+        standing.newcomers_from_address, served.study.recruitment.newcomers_per_address
+    )
+    answers = read_entrance_answers(served.study, arrival.form, now)
     place = take_open_place(session, wanted_places(served, standing.intake))
     if place is None:
-        raise study_is_full()
+        raise full_study_error()
     if standing.version_id is None:
-        raise study_has_changed()
-    if (unheard := _begun(session, standing)) is not None:
+        raise changed_study_error()
+    if (unheard := _find_study_session(session, standing)) is not None:
         session.delete(unheard)
         session.flush()  # no two study sessions may have the same name
     arm = served.arms[place.arm, place.design]
     token = new_token()
     connection = session.connection()
     own = connection.execute(
-        NEWCOMER,
+        INSERT_STUDY_SESSION,
         {
             "token": token,
             "visit": arrival.visit,
@@ -231,33 +235,33 @@ def _enrol(
             "last_active_at": now,
         },
     ).scalar_one()
-    connection.execute(HOLD, {"place": place.id, "own": own})
-    if standing.are_any_old:
+    connection.execute(HOLD_PLACE, {"place": place.id, "own": own})
+    if standing.has_expired_newcomers:
         forget_newcomers(session, now)
-    count_newcomer(session, arrival.address, now)
+    add_newcomer(session, arrival.address, now)
     for answer in answers:
         answer.study_session_id = own
     session.add_all(answers)
-    votes = votes_so_far(session, served)
+    votes = count_votes(session, served)
     planned = served.study.plan(arm, place.number, served.segments, votes)
     store_trials(session, own, planned, served)
     return token
 
 
-def _begun(session: Session, standing: Standing) -> StudySession | None:
+def _find_study_session(session: Session, standing: Admission) -> StudySession | None:
     """Return the study session that who arrives has already."""
     if standing.study_session_id is None:
         return None
     return session.get(StudySession, standing.study_session_id)
 
 
-def _goes_on(session: Session, standing: Standing) -> bool:
+def _can_resume(session: Session, standing: Admission) -> bool:
     """Tell whether they have one that they come back to."""
-    known = _begun(session, standing)
-    return known is not None and not left_unheard(known)
+    known = _find_study_session(session, standing)
+    return known is not None and not left_at_sound_check(known)
 
 
-def _known(arrival: Arrival) -> Select[StudySession]:
+def _study_session_query(arrival: Arrival) -> Select[StudySession]:
     """Select the study session of who arrives."""
     if arrival.recruiter_participant is None:
         return select(StudySession).where(StudySession.visit == arrival.visit)
@@ -266,7 +270,7 @@ def _known(arrival: Arrival) -> Select[StudySession]:
     )
 
 
-def _comes_otherwise(known: StudySession, arrival: Arrival) -> bool:
+def _has_new_submission(known: StudySession, arrival: Arrival) -> bool:
     """Tell whether the recruiter sends them under another submission than is noted.
 
     What was finished under one is not finished again under another.

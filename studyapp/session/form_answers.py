@@ -9,12 +9,12 @@ from typing import Final
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer
-from studyapp.session.ending import move_on
+from studyapp.session.ending import advance
 from studyapp.session.participation import sound_check_due
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find, form_due
+from studyapp.session.state import find_study_session, form_due
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 
@@ -35,7 +35,9 @@ def check_eligibility(study: Study, fields: Mapping[str, str]) -> None:
     _require_eligible(study, "eligibility", fields)
 
 
-def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> list[FormAnswer]:
+def read_entrance_answers(
+    study: Study, fields: Mapping[str, str], now: datetime
+) -> list[FormAnswer]:
     """Return what was answered under eligibility and consent, to be stored with the enrolment.
 
     Raises
@@ -47,7 +49,7 @@ def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> 
     """
     answers = []
     for stage in BEFORE_ENROLMENT:
-        answers.extend(form_answers(study, stage, fields, now))
+        answers.extend(read_form_answers(study, stage, fields, now))
         _require_eligible(study, stage, fields)
     return answers
 
@@ -73,7 +75,7 @@ def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
     )
 
 
-def answer_form(
+def store_form_answers(
     database: Database,
     served: ServedStudy,
     token: str,
@@ -98,9 +100,9 @@ def answer_form(
     """
     study = served.study
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         now = clock.now()
-        answers = form_answers(study, stage, fields, now)
+        answers = read_form_answers(study, stage, fields, now)
         stored = {
             known.question: known.value
             for known in study_session.form_answers
@@ -122,10 +124,10 @@ def answer_form(
                 "The next page shows how to go on.",
             )
         study_session.form_answers.extend(answers)
-        move_on(session, study_session, study, now)
+        advance(session, study_session, study, now)
 
 
-def form_answers(
+def read_form_answers(
     study: Study, stage: Stage, fields: Mapping[str, str], now: datetime
 ) -> list[FormAnswer]:
     """Return an answer for each question of `stage`; one that was left open is empty.

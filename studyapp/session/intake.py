@@ -19,7 +19,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.postgresql import Turn, share_turn, take_turn
 from studyapp.database.tables import Event, IntakeChange, Place
-from studyapp.researchers.audit import WORDS, log_change, reason_given
+from studyapp.researchers.audit import EVENT_LABELS, log_change, read_reason
 from studyapp.session.served_study import ServedStudy
 
 IntakeState = Literal["open", "paused", "closed"]
@@ -39,7 +39,7 @@ NEWEST_STATE: Final = NEWEST.with_only_columns(IntakeChange.state).scalar_subque
 NEWEST_MORE_PLACES: Final = NEWEST.with_only_columns(IntakeChange.more_places).scalar_subquery()
 
 
-def present_intake(session: Session) -> Intake:
+def current_intake(session: Session) -> Intake:
     """Return what holds now."""
     return intake_of(*session.execute(select(NEWEST_STATE, NEWEST_MORE_PLACES)).one())
 
@@ -58,7 +58,7 @@ def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str
 
 def open_places(session: Session, served: ServedStudy) -> None:
     """Add the places that the study asks for and the database does not have yet."""
-    for (name, design), wanted in wanted_places(served, present_intake(session)).items():
+    for (name, design), wanted in wanted_places(served, current_intake(session)).items():
         present = set(
             session.scalars(select(Place.number).where(Place.arm == name, Place.design == design))
         )
@@ -87,7 +87,7 @@ def share_allocation_turn(session: Session, newcomer: str) -> None:
     share_turn(session.connection(), Turn.ALLOCATION, newcomer)
 
 
-MOST_MORE: Final = 1000
+MAX_ADDED_PLACES: Final = 1000
 
 EVENTS: Final[dict[IntakeState, Event]] = {
     "open": Event.NEWCOMERS_LET_IN,
@@ -96,14 +96,14 @@ EVENTS: Final[dict[IntakeState, Event]] = {
 }
 
 
-def decided(database: Database) -> Sequence[IntakeChange]:
+def intake_changes(database: Database) -> Sequence[IntakeChange]:
     """Return what has been decided about newcomers, the newest first."""
     query = select(IntakeChange).order_by(IntakeChange.id.desc())
     with database.reading() as session:
         return session.scalars(query).all()
 
 
-def steer(
+def change_intake(
     database: Database,
     served: ServedStudy,
     clock: Clock,
@@ -121,17 +121,17 @@ def steer(
     """
     with database.writing() as session:
         take_allocation_turn(session)
-        before = present_intake(session)
+        before = current_intake(session)
         if before.state == state:
             raise InputError(
-                f"it is so already: {WORDS[EVENTS[state]]}",
+                f"it is so already: {EVENT_LABELS[EVENTS[state]]}",
                 remedy="Somebody else may have decided it",
             )
         after = Intake(state=state, more_places=before.more_places)
-        _note(session, served, clock.now(), after, EVENTS[state], by=by, reason=reason)
+        _store_change(session, served, clock.now(), after, EVENTS[state], by=by, reason=reason)
 
 
-def extend(
+def add_places(
     database: Database, served: ServedStudy, clock: Clock, more: int, *, by: str, reason: str
 ) -> None:
     """Open `more` places in every arm, beyond those that there are.
@@ -143,20 +143,20 @@ def extend(
     """
     with database.writing() as session:
         take_allocation_turn(session)
-        before = present_intake(session)
-        if not 1 <= more <= MOST_MORE - before.more_places:
+        before = current_intake(session)
+        if not 1 <= more <= MAX_ADDED_PLACES - before.more_places:
             raise InputError(
                 f"{more} is no number of places to add",
-                remedy=f"Give one from 1 to {max(1, MOST_MORE - before.more_places)}",
+                remedy=f"Give one from 1 to {max(1, MAX_ADDED_PLACES - before.more_places)}",
             )
         after = Intake(state=before.state, more_places=before.more_places + more)
         detail = f"by {more} {'place' if more == 1 else 'places'} an arm"
-        _note(
+        _store_change(
             session, served, clock.now(), after, Event.EXTENDED, by=by, reason=reason, detail=detail
         )
 
 
-def _note(
+def _store_change(
     session: Session,
     served: ServedStudy,
     now: datetime,
@@ -167,7 +167,7 @@ def _note(
     reason: str,
     detail: str = "",
 ) -> None:
-    reason = reason_given(reason)
+    reason = read_reason(reason)
     session.add(
         IntakeChange(
             at=now,

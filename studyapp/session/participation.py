@@ -16,14 +16,14 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.ending import Leaving, leaving, take_back
+from studyapp.session.ending import Exit, end_withdrawn, exit_of
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import (
     ShownTrial,
     expected_seconds,
-    following,
+    following_trials,
     minutes_left,
     shown_trial,
 )
@@ -31,11 +31,11 @@ from studyapp.session.state import (
     State,
     current_trial,
     durations_of,
-    find,
+    find_study_session,
     form_due,
     load_videos,
-    note,
     state_of,
+    update_row,
 )
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -72,13 +72,13 @@ class Situation:
         How often other digits were typed; None where the sound check is not due.
     form : {'demographics', 'closing'} or None
         Questions about the participant that are to be answered before anything else.
-    rest : Break or None
+    offered_break : Break or None
         A break that is offered now.
-    leaving : Leaving or None
+    exit : Exit or None
         The completion code and the way back; None before the end is stored.
     trial : ShownTrial or None
         What is to be judged now.
-    left_unheard : bool
+    left_at_sound_check : bool
         Whether they withdrew since they could not hear the sound.
     """
 
@@ -87,37 +87,37 @@ class Situation:
     practice: int
     sound_tries: int | None = None
     form: Stage | None = None
-    rest: Break | None = None
-    leaving: Leaving | None = None
+    offered_break: Break | None = None
+    exit: Exit | None = None
     trial: ShownTrial | None = None
-    left_unheard: bool = False
+    left_at_sound_check: bool = False
 
     @property
     def completion_code(self) -> str | None:
         """The completion code; None before the end is stored."""
-        return None if self.leaving is None else self.leaving.code
+        return None if self.exit is None else self.exit.code
 
 
-def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
+def load_situation(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
     """Return where the participant stands, and mark the present trial as shown.
 
     A participant who lost the place to a long pause gets it back, if nobody else has it now.
     """
     # Nothing that is loaded here depends on what is changed here.
     with database.writing() as session, session.no_autoflush:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         regain_place(session, served, study_session)
         situation = Situation(
             state=state_of(study_session),
             presentations=len(study_session.trials),
             practice=sum(planned.kind == "practice" for planned in study_session.trials),
-            leaving=leaving(served.study.recruitment, study_session),
-            left_unheard=left_unheard(study_session),
+            exit=exit_of(served.study.recruitment, study_session),
+            left_at_sound_check=left_at_sound_check(study_session),
         )
         if situation.state not in ("instructed", "started"):
             return situation
         now = clock.now()
-        note(session, study_session, last_active_at=now)
+        update_row(session, study_session, last_active_at=now)
         if sound_check_due(study_session, served):
             draw_digits(study_session)
             return replace(situation, sound_tries=study_session.sound_tries)
@@ -127,11 +127,11 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
             return replace(situation, form=form)
         minutes = _minutes_left(session, study_session, served.study)
         if (position := break_due(study_session, served.study)) is not None:
-            rest = Break(position=position, done=position - 1, minutes_left=minutes)
-            return replace(situation, rest=rest)
-        load_videos(session, [trial, *following(study_session, trial)[:1]])
+            offered_break = Break(position=position, done=position - 1, minutes_left=minutes)
+            return replace(situation, offered_break=offered_break)
+        load_videos(session, [trial, *following_trials(study_session, trial)[:1]])
         if trial.shown_at is None:
-            note(session, trial, shown_at=now)
+            update_row(session, trial, shown_at=now)
         return replace(situation, trial=shown_trial(study_session, trial, served.study, minutes))
 
 
@@ -147,7 +147,7 @@ def _minutes_left(session: Session, study_session: StudySession, study: Study) -
     )
 
 
-SPOKEN: Final = 3
+SPOKEN_DIGITS: Final = 3
 """How many digits are spoken."""
 
 TRIES_BEFORE_LEAVING: Final = 3
@@ -167,7 +167,9 @@ def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
 def draw_digits(study_session: StudySession) -> None:
     """Draw what is spoken to this participant, once."""
     if not study_session.sound_digits:
-        study_session.sound_digits = "".join(secrets.choice("0123456789") for _ in range(SPOKEN))
+        study_session.sound_digits = "".join(
+            secrets.choice("0123456789") for _ in range(SPOKEN_DIGITS)
+        )
 
 
 def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
@@ -179,7 +181,7 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
         If the participant is not at the sound check.
     """
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         if not sound_check_due(study_session, served):
             raise ConflictError("The sound check is over.", "The next page shows how to go on.")
         draw_digits(study_session)
@@ -207,7 +209,7 @@ def check_sound(
         if letter.isdigit()
     )
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         regain_place(session, served, study_session)
         if not sound_check_due(study_session, served):
             return True
@@ -223,19 +225,19 @@ def check_sound(
         return False
 
 
-def leave_unheard(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
+def leave_sound_check(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
     """End the study session of somebody who cannot hear the sound, as if withdrawn.
 
     It changes nothing before `TRIES_BEFORE_LEAVING` tries, and after the check.
     """
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         tried = study_session.sound_tries >= TRIES_BEFORE_LEAVING
         if tried and sound_check_due(study_session, served):
-            take_back(session, study_session, clock.now())
+            end_withdrawn(session, study_session, clock.now())
 
 
-def left_unheard(study_session: StudySession) -> bool:
+def left_at_sound_check(study_session: StudySession) -> bool:
     """Tell whether the participant withdrew at the sound check, after trying."""
     return (
         study_session.withdrawn_at is not None
@@ -263,7 +265,7 @@ def leave_break(
 ) -> None:
     """End the break before the trial at `position`; any other than the present one is over."""
     with database.writing() as session:
-        study_session = find(session, token)
+        study_session = find_study_session(session, token)
         regain_place(session, served, study_session)
         if break_due(study_session, served.study) == position:
             study_session.rested_at_position = position

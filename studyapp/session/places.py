@@ -28,7 +28,7 @@ from sqlalchemy.orm import Session
 from studyapp.database.tables import Place, StudySession
 from studyapp.session.intake import (
     Intake,
-    present_intake,
+    current_intake,
     take_allocation_turn,
     wanted_places,
 )
@@ -37,9 +37,9 @@ from studyapp.session.served_study import ServedStudy
 ArmKey = tuple[str, str]
 """An arm's name, and the digest of what its participants are asked."""
 
-CHANCE: Final = random.SystemRandom()
+RANDOM: Final = random.SystemRandom()
 
-MOST_AT_ONCE: Final = 16
+CANDIDATE_PLACES: Final = 16
 """Open places that are looked at together: about as many newcomers are placed at once."""
 
 STALE: Final = StudySession.completed_at.is_(None) & (
@@ -47,19 +47,19 @@ STALE: Final = StudySession.completed_at.is_(None) & (
 )
 """That a study session is unfinished and was silent for too long."""
 
-IS_ANY_STALE: Final = exists(select(Place.id).join(Place.study_session).where(STALE))
+HAS_STALE_PLACE: Final = exists(select(Place.id).join(Place.study_session).where(STALE))
 
-HELD: Final = (
+HELD_PLACES: Final = (
     select(Place.arm, Place.design, func.count(Place.study_session_id))
     .where(Place.study_session_id.is_not(None))
     .group_by(Place.arm, Place.design)
 )
-HELD_BY_ACTIVE: Final = HELD.where(
+HELD_BY_ACTIVE_SESSIONS: Final = HELD_PLACES.where(
     Place.study_session_id.in_(select(StudySession.id).where(not_(STALE)))
 )
 
 
-def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
+def release_stale_places(session: Session, served: ServedStudy, now: datetime) -> None:
     """Give back the places of unfinished study sessions that have been silent for too long.
 
     Those are passed over that another transaction is at work on: they are silent no longer. To be
@@ -70,7 +70,7 @@ def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
         .join(StudySession.place)
         .where(STALE)
         .with_for_update(of=StudySession, skip_locked=True),
-        {"silent_since": silent_since(served, now)},
+        {"silent_since": stale_before(served, now)},
     ).all()
     session.execute(
         update(Place).where(Place.study_session_id.in_(stale)).values(study_session_id=None)
@@ -97,10 +97,10 @@ def take_open_place(
         With `id`, `arm`, `design` and `number`.
     """
     arms: dict[str, str | int] = {}
-    for index, (arm, design) in enumerate(CHANCE.sample(list(wanted), len(wanted))):
+    for index, (arm, design) in enumerate(RANDOM.sample(list(wanted), len(wanted))):
         most = wanted[arm, design]
         arms |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": most}
-    connection, looks = session.connection(), _looks_for_place(len(wanted))
+    connection, looks = session.connection(), _place_queries(len(wanted))
     while True:
         # What others are about to get is passed over. They may fail: only a look that waits for
         # them shows that it is gone.
@@ -113,7 +113,7 @@ def take_open_place(
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Looks:
+class _PlaceQueries:
     """Three looks at the open places that the next newcomers get.
 
     Attributes
@@ -130,7 +130,7 @@ class _Looks:
 
 
 @cache
-def _looks_for_place(arms: int) -> _Looks:
+def _place_queries(arms: int) -> _PlaceQueries:
     """Return how open places of so many arms are looked for.
 
     The order is that in which newcomers would get the places one after the other: by how many of
@@ -145,7 +145,7 @@ def _looks_for_place(arms: int) -> _Looks:
         held = select(func.count(Place.study_session_id)).where(of_arm).scalar_subquery()
         is_open = Place.study_session_id.is_(None)
         head = select(Place.id, Place.number).where(of_arm, is_open)
-        first = head.order_by(Place.number).limit(MOST_AT_ONCE).subquery()
+        first = head.order_by(Place.number).limit(CANDIDATE_PLACES).subquery()
         turn = held + func.row_number().over(order_by=first.c.number)
         heads.append(
             select(
@@ -158,7 +158,10 @@ def _looks_for_place(arms: int) -> _Looks:
     every = union_all(*heads).subquery()
     in_order = (every.c.turn, every.c.chance)
     open_ones = (
-        select(every).where(every.c.turn <= every.c.wanted).order_by(*in_order).limit(MOST_AT_ONCE)
+        select(every)
+        .where(every.c.turn <= every.c.wanted)
+        .order_by(*in_order)
+        .limit(CANDIDATE_PLACES)
     )
     order = open_ones.subquery()
     foremost = (
@@ -168,7 +171,7 @@ def _looks_for_place(arms: int) -> _Looks:
         .order_by(order.c.turn, order.c.chance)
         .limit(1)
     )
-    return _Looks(
+    return _PlaceQueries(
         open_ones=open_ones,
         skipping=foremost.with_for_update(of=Place, skip_locked=True),
         waiting=foremost.with_for_update(of=Place),
@@ -187,9 +190,9 @@ def has_open_place(
     def has_room(held: Mapping[ArmKey, int]) -> bool:
         return any(held.get(key, 0) < most for key, most in wanted.items())
 
-    since = silent_since(served, now)
-    return has_room(_held(reading)) or has_room(
-        _held(reading, HELD_BY_ACTIVE, {"silent_since": since})
+    since = stale_before(served, now)
+    return has_room(_count_held(reading)) or has_room(
+        _count_held(reading, HELD_BY_ACTIVE_SESSIONS, {"silent_since": since})
     )
 
 
@@ -205,7 +208,7 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
     if over or study_session.place is not None or key not in served.arms:
         return
     take_allocation_turn(session)
-    if _held(session).get(key, 0) < wanted_places(served, present_intake(session))[key]:
+    if _count_held(session).get(key, 0) < wanted_places(served, current_intake(session))[key]:
         own = select(Place).where(
             Place.arm == study_session.arm,
             Place.design == study_session.arm_design,
@@ -216,14 +219,14 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
         session.flush()
 
 
-def silent_since(served: ServedStudy, now: datetime) -> datetime:
+def stale_before(served: ServedStudy, now: datetime) -> datetime:
     """Return since when somebody unfinished must have been silent to lose the place."""
     return now - timedelta(minutes=served.study.lease_minutes)
 
 
-def _held(
+def _count_held(
     reading: Session | Connection,
-    holders: Select[str, str, int] = HELD,
+    holders: Select[str, str, int] = HELD_PLACES,
     values: Mapping[str, datetime] | None = None,
 ) -> dict[ArmKey, int]:
     """Return how many places of each arm are held, by whoever has finished or is active."""

@@ -88,13 +88,13 @@ class TooMuchWatchedError(UnacceptableError):
     """More was reported as played than can have been."""
 
 
-MOST_OF_ONE: Final = 100
+MAX_LOGGED: Final = 100
 """Refusals noted of one study session; more of them tell nothing new."""
 
-MOST_OF_NOBODY: Final = 500
+MAX_LOGGED_OF_UNKNOWN: Final = 500
 """Refusals noted of addresses that belong to nobody: mostly mistyped, some of them guessed."""
 
-LONGEST: Final = 300
+MAX_DETAIL_LENGTH: Final = 300
 
 KINDS: Final[Mapping[type[RefusalError], str]] = {
     UnknownAddressError: "unknown-address",
@@ -109,12 +109,12 @@ that anybody did wrong, nor does a report go wrong that crosses with *Next*."""
 LOG: Final = logging.getLogger(__name__)
 
 
-def note_refusal(
+def log_refusal(
     database: Database, token: str, asked: str, refusal: RefusalError, clock: Clock
 ) -> None:
     """Store what was refused, in a transaction of its own; that it fails changes nothing.
 
-    At most `MOST_OF_ONE` of a study session are stored, a few more where requests come at once.
+    At most `MAX_LOGGED` of a study session are stored, a few more where requests come at once.
 
     Parameters
     ----------
@@ -132,9 +132,9 @@ def note_refusal(
             whose = RefusalLine.study_session_id
             same: ColumnElement[bool] = whose.is_(None) if number is None else whose == number
             noted = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
-        if noted >= (MOST_OF_NOBODY if number is None else MOST_OF_ONE):
+        if noted >= (MAX_LOGGED_OF_UNKNOWN if number is None else MAX_LOGGED):
             return
-        detail = f"{asked}: {refusal.what}"[:LONGEST]
+        detail = f"{asked}: {refusal.what}"[:MAX_DETAIL_LENGTH]
         line = RefusalLine(at=clock.now(), study_session_id=number, kind=kind, detail=detail)
         with database.writing() as session:
             session.add(line)

@@ -56,7 +56,7 @@ class ServedStudy:
             found = media.find(content)
             if found is None:
                 raise InputError(
-                    f"there is no video of {described(content)}",
+                    f"there is no video of {describe_content(content)}",
                     where=folder.stimuli,
                     remedy="Run 'motionjury render'",
                 )
@@ -151,7 +151,7 @@ class VideoRecord:
             self._changed = self._differs()
             self._read = written
         if self._changed:
-            raise study_has_changed()
+            raise changed_study_error()
 
     def _differs(self) -> bool:
         media = Media.of(self._folder, self._served.study)
@@ -162,7 +162,7 @@ class VideoRecord:
         return False
 
 
-def study_has_changed() -> ConflictError:
+def changed_study_error() -> ConflictError:
     """Return what those are told who come while another study takes the place of this one."""
     return ConflictError(
         "The study has just been changed, and this page belongs to its earlier version.",
@@ -170,7 +170,7 @@ def study_has_changed() -> ConflictError:
     )
 
 
-def described(content: Content) -> str:
+def describe_content(content: Content) -> str:
     """Return what a video shows, in words for the researcher."""
     conditions = " beside ".join(repr(stimulus.condition) for stimulus in content)
     segments = listed(list(dict.fromkeys(stimulus.segment for stimulus in content)))

@@ -14,7 +14,7 @@ from typing import Final
 
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.watch_evidence import Watched, watched_so_far
+from studyapp.session.watch_evidence import Watched, measure_watched
 from studyapp.study.design.trial import Ask, PlannedTrial
 from studyapp.study.settings.study import Study
 
@@ -124,7 +124,7 @@ def minutes_left(answered: Sequence[tuple[float, float]], remaining: Sequence[fl
     return max(1, math.ceil(pace * sum(remaining) / 60))
 
 
-TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
+PREVIEW_TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
 """Stands where a participant's own would."""
 
 
@@ -132,8 +132,8 @@ def shown_trial(
     study_session: StudySession, trial: Trial, study: Study, minutes: int
 ) -> ShownTrial:
     """Return the present trial of a participant, whose videos are loaded."""
-    later = following(study_session, trial)
-    return _shown(
+    later = following_trials(study_session, trial)
+    return _make_shown_trial(
         study_session.trials,
         trial,
         study,
@@ -145,7 +145,7 @@ def shown_trial(
     )
 
 
-def _shown(
+def _make_shown_trial(
     trials: Sequence[Trial] | Sequence[PlannedTrial],
     trial: Trial | PlannedTrial,
     study: Study,
@@ -175,7 +175,7 @@ def _shown(
     )
 
 
-def following(study_session: StudySession, trial: Trial) -> list[Trial]:
+def following_trials(study_session: StudySession, trial: Trial) -> list[Trial]:
     """Return the trials that come after `trial`."""
     return [later for later in study_session.trials if later.position > trial.position]
 
@@ -186,7 +186,7 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
         shows=tuple(stimulus.number for stimulus in video.stimuli),
         duration=video.duration,
         muted=video.soundless,
-        watched=watched_so_far(video, coverage),
+        watched=measure_watched(video, coverage),
     )
 
 
@@ -202,13 +202,13 @@ def previewed_trial(
         expected_seconds(_durations(served, trial), len(study.asks(trial)))
         for trial in trials[position - 1 :]
     ]
-    return _shown(
+    return _make_shown_trial(
         trials,
         planned,
         study,
         minutes_left((), remaining),
-        token=TOKEN,
-        videos=_videos(served, planned),
+        token=PREVIEW_TOKEN,
+        videos=_previewed_videos(served, planned),
         next_videos=(),
         emotion=planned.segment.emotion,
     )
@@ -218,7 +218,7 @@ def _durations(served: ServedStudy, planned: PlannedTrial) -> list[float]:
     return [served.videos[content].duration for content in planned.players.values()]
 
 
-def _videos(served: ServedStudy, planned: PlannedTrial) -> tuple[ShownVideo, ...]:
+def _previewed_videos(served: ServedStudy, planned: PlannedTrial) -> tuple[ShownVideo, ...]:
     shown, judged = [], count(1)
     for number, content in planned.players.items():
         duration = served.videos[content].duration

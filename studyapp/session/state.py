@@ -24,7 +24,7 @@ from studyapp.study.settings.study import Study
 
 State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]
 
-NOT_AT_A_TRIAL: Final[Mapping[State, Message]] = MappingProxyType(
+NO_TRIAL_MESSAGES: Final[Mapping[State, Message]] = MappingProxyType(
     {
         "instructed": Message("You have not begun yet."),
         "completed": Message("You have already finished: all your answers are stored."),
@@ -36,7 +36,7 @@ NOT_AT_A_TRIAL: Final[Mapping[State, Message]] = MappingProxyType(
 """Why somebody who has not started, or no longer takes part, has no trial."""
 
 
-def find(session: Session, token: str, *, to_change: bool = True) -> StudySession:
+def find_study_session(session: Session, token: str, *, to_change: bool = True) -> StudySession:
     """Return the study session with this token, by default kept from other writers until stored.
 
     What belongs to it must be loaded after it, not with it: whoever waited for another writer
@@ -58,7 +58,7 @@ def find(session: Session, token: str, *, to_change: bool = True) -> StudySessio
     return found
 
 
-class Stands(Protocol):
+class SessionFacts(Protocol):
     """What must be known of a study session to tell where it stands; each may be None."""
 
     @property
@@ -82,7 +82,7 @@ class Stands(Protocol):
         """When they saw the first trial."""
 
 
-def state_of(study_session: Stands) -> State:
+def state_of(study_session: SessionFacts) -> State:
     """Return where `study_session` stands.
 
     ``instructed`` has agreed but not yet begun, ``unwatched`` was ended since too many videos did
@@ -117,7 +117,7 @@ def form_due(study_session: StudySession, study: Study) -> Stage | None:
     return stage if asked - answered else None
 
 
-def require_present(study_session: StudySession, trial: Trial) -> datetime:
+def require_current_trial(study_session: StudySession, trial: Trial) -> datetime:
     """Return when `trial` was first shown, if it is what `study_session` stands at.
 
     Raises
@@ -130,7 +130,7 @@ def require_present(study_session: StudySession, trial: Trial) -> datetime:
         raise ConflictError(
             "{problem}",
             "The next page shows how to go on.",
-            problem=NOT_AT_A_TRIAL[state],
+            problem=NO_TRIAL_MESSAGES[state],
         )
     if trial is not current_trial(study_session) or trial.shown_at is None:
         raise ConflictError(
@@ -140,7 +140,7 @@ def require_present(study_session: StudySession, trial: Trial) -> datetime:
     return trial.shown_at
 
 
-def trial_of(study_session: StudySession, trial_token: str) -> Trial:
+def find_trial(study_session: StudySession, trial_token: str) -> Trial:
     """Return the trial that `trial_token` names.
 
     Raises
@@ -151,10 +151,10 @@ def trial_of(study_session: StudySession, trial_token: str) -> Trial:
     for trial in study_session.trials:
         if trial.token == trial_token:
             return trial
-    raise _not_theirs()
+    raise _not_theirs_error()
 
 
-def video_of(session: Session, study_session: StudySession, video_token: str) -> Video:
+def find_video(session: Session, study_session: StudySession, video_token: str) -> Video:
     """Return the video that `video_token` names.
 
     Raises
@@ -164,11 +164,11 @@ def video_of(session: Session, study_session: StudySession, video_token: str) ->
     """
     found = _load_video(session, study_session, video_token)
     if found is None:
-        raise _not_theirs()
+        raise _not_theirs_error()
     return found
 
 
-def _not_theirs() -> NotTheirsError:
+def _not_theirs_error() -> NotTheirsError:
     return NotTheirsError(
         "This page does not belong to you.",
         "Go on with your own; nothing you answered is lost.",
@@ -245,7 +245,7 @@ def _attach(trial: Trial, videos: Sequence[Video]) -> None:
 ROW = "the_row"
 
 
-def note(session: Session, row: StudySession | Trial, **values: object) -> None:
+def update_row(session: Session, row: StudySession | Trial, **values: object) -> None:
     """Store `values` in the columns of the stored `row`; `row` has them afterwards."""
     table = cast(Table, type(row).__table__)
     session.connection().execute(_update_of(table, tuple(values)), {ROW: row.id, **values})

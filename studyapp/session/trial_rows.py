@@ -34,7 +34,7 @@ from sqlalchemy.types import TypeEngine
 
 from analysis.answers.table import ANALYSED_KINDS
 from studyapp.database.tables import Base, Response, StudySession, Trial, TrialStimulus, Video
-from studyapp.researchers.exclusion_decisions import standing_exclusions
+from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.trial import NO_VOTES, PlannedTrial, Tally
 
@@ -61,23 +61,23 @@ def _on_postgresql(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
     return f"jsonb_array_elements(CAST({compiler.process(rows.clauses, **given)} AS jsonb))"
 
 
-GIVEN: Final = json_rows(bindparam("rows", type_=Text)).table_valued(column("value"), name="given")
+ROWS: Final = json_rows(bindparam("rows", type_=Text)).table_valued(column("value"), name="given")
 
 
-def _given(name: str, kind: TypeEngine[Any]) -> ColumnElement[Any]:
+def _field(name: str, kind: TypeEngine[Any]) -> ColumnElement[Any]:
     """Return the field `name` of a row that was given."""
-    text = GIVEN.c.value.op("->>", return_type=String())(literal_column(f"'{name}'"))
+    text = ROWS.c.value.op("->>", return_type=String())(literal_column(f"'{name}'"))
     return text if isinstance(kind, String) else cast(text, kind)
 
 
-def _inserted(into: type[Base], given: Sequence[str], found: dict[str, Any]) -> Insert:
+def _insert_rows(into: type[Base], given: Sequence[str], found: dict[str, Any]) -> Insert:
     """Insert a row for each one given, with the fields `given` and what is `found` elsewhere."""
     table = into.__table__
-    values = {name: _given(name, table.c[name].type) for name in given} | found
-    return insert(into).from_select(list(values), select(*values.values()).select_from(GIVEN))
+    values = {name: _field(name, table.c[name].type) for name in given} | found
+    return insert(into).from_select(list(values), select(*values.values()).select_from(ROWS))
 
 
-TRIALS: Final = _inserted(
+INSERT_TRIALS: Final = _insert_rows(
     Trial,
     [
         "token",
@@ -93,10 +93,10 @@ TRIALS: Final = _inserted(
     ],
     {"study_session_id": bindparam("study_session_id", type_=Trial.id.type)},
 ).returning(Trial.position, Trial.id)
-VIDEOS: Final = _inserted(
+INSERT_VIDEOS: Final = _insert_rows(
     Video, ["trial_id", "number", "token", "duration", "made_from"], {}
 ).returning(Video.trial_id, Video.number, Video.id)
-STIMULI: Final = _inserted(
+INSERT_STIMULI: Final = _insert_rows(
     TrialStimulus, ["trial_id", "video_id", "number", "condition", "segment", "speech"], {}
 )
 
@@ -106,7 +106,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
-def new_tokens(count: int) -> Iterator[str]:
+def draw_tokens(count: int) -> Iterator[str]:
     """Yield `count` random names, drawn at once."""
     drawn = secrets.token_urlsafe(TOKEN_BYTES * count)
     for start in range(0, len(drawn), TOKEN_LENGTH):
@@ -118,14 +118,16 @@ def store_trials(
 ) -> None:
     """Store `planned`, the videos that show them and what these present."""
     connection = session.connection()
-    tokens = new_tokens(
+    tokens = draw_tokens(
         sum(1 + len(trial.videos) + (trial.reference is not None) for trial in planned)
     )
 
     def rows(given: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
         return {"study_session_id": study_session_id, "rows": json.dumps(list(given))}
 
-    stored = connection.execute(TRIALS, rows(_trial(trial, next(tokens)) for trial in planned))
+    stored = connection.execute(
+        INSERT_TRIALS, rows(_trial(trial, next(tokens)) for trial in planned)
+    )
     trials: dict[int, int] = dict(stored.all())
     shown = [
         {
@@ -140,7 +142,7 @@ def store_trials(
     ]
     videos = {
         (trial_id, number): video_id
-        for trial_id, number, video_id in connection.execute(VIDEOS, rows(shown))
+        for trial_id, number, video_id in connection.execute(INSERT_VIDEOS, rows(shown))
     }
     stimuli = (
         {"trial_id": trials[trial.position], **stimulus}
@@ -148,7 +150,7 @@ def store_trials(
         for stimulus in _stimuli(trial)
     )
     connection.execute(
-        STIMULI,
+        INSERT_STIMULI,
         rows(
             {"video_id": videos[stimulus["trial_id"], stimulus.pop("player")], **stimulus}
             for stimulus in stimuli
@@ -185,7 +187,7 @@ def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
             }
 
 
-def votes_so_far(session: Session, served: ServedStudy) -> Tally:
+def count_votes(session: Session, served: ServedStudy) -> Tally:
     """Return how often each condition was preferred on the study's first question.
 
     Empty for studies that do not look at it. Whoever withdrew, is excluded by hand, or was asked by
@@ -206,7 +208,7 @@ def votes_so_far(session: Session, served: ServedStudy) -> Tally:
             Response.question == served.study.questions[0].name,
             StudySession.withdrawn_at.is_(None),
             tuple_(StudySession.arm, StudySession.arm_design).in_(list(served.arms)),
-            StudySession.id.not_in(select(standing_exclusions().subquery().c.study_session_id)),
+            StudySession.id.not_in(select(current_exclusions().subquery().c.study_session_id)),
         )
     )
     votes: defaultdict[tuple[str, str], float] = defaultdict(float)

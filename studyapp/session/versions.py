@@ -12,7 +12,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Event, Place, StudySession, StudyVersion
 from studyapp.session.intake import open_places, take_allocation_turn
-from studyapp.session.places import STALE, regain_place, silent_since
+from studyapp.session.places import STALE, regain_place, stale_before
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.versioning import operation_changes, operation_part
 
@@ -38,21 +38,21 @@ def open_study(
         _open(session, served, clock.now(), new_version=new_version)
 
 
-def must_be_new_version(database: Database, design: str) -> bool:
+def needs_new_version(database: Database, design: str) -> bool:
     """Tell whether `design` can only be served as a new version: people came to another one."""
     with database.reading() as session:
-        return _leaves_participants(session, design)
+        return _abandons_participants(session, design)
 
 
 def definition_in_use(database: Database) -> str | None:
     """Return the study file as it is for those who take part; None where nobody has come."""
     with database.reading() as session:
         version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
-        return version.definition if version and _was_seen(session, version) else None
+        return version.definition if version and _has_participants(session, version) else None
 
 
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
-    if _leaves_participants(session, served.design) and not new_version:
+    if _abandons_participants(session, served.design) and not new_version:
         raise InputError(
             "the study's design has changed, and people have taken part in the one before",
             where="study.toml",
@@ -61,24 +61,26 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
             "participants of what has changed cannot go on",
         )
     wanted = select(StudyVersion).where(StudyVersion.design == served.design)
-    version = session.scalars(wanted).first() or _note(session, served, now)
-    if not _was_seen(session, version):
+    version = session.scalars(wanted).first() or _create_version(session, served, now)
+    if not _has_participants(session, version):
         # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
         version.definition = served.definition
     session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
-    _note_operation(session, served, version, now)
-    release_outdated(session, served)
+    _log_operation_changes(session, served, version, now)
+    release_outdated_places(session, served)
     open_places(session, served)
     restore_places(session, served, now)
 
 
-def _leaves_participants(session: Session, design: str) -> bool:
+def _abandons_participants(session: Session, design: str) -> bool:
     """Tell whether the design in force is another one, and somebody has enrolled in it."""
     in_force = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
-    return in_force is not None and in_force.design != design and _was_seen(session, in_force)
+    return (
+        in_force is not None and in_force.design != design and _has_participants(session, in_force)
+    )
 
 
-def _note(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
+def _create_version(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
     """Return a version for a design that is not known yet; it replaces those that nobody saw."""
     seen = select(StudySession.version_id)
     session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(seen)))
@@ -97,13 +99,13 @@ def _note(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
     return made
 
 
-def _was_seen(session: Session, version: StudyVersion) -> bool:
+def _has_participants(session: Session, version: StudyVersion) -> bool:
     """Tell whether anybody has enrolled in `version`."""
     seen = select(StudySession.id).where(StudySession.version_id == version.id).limit(1)
     return session.scalars(seen).first() is not None
 
 
-def _note_operation(
+def _log_operation_changes(
     session: Session, served: ServedStudy, version: StudyVersion, now: datetime
 ) -> None:
     operation = operation_part(served.study)
@@ -114,7 +116,7 @@ def _note_operation(
         session.flush()
 
 
-def release_outdated(session: Session, served: ServedStudy) -> None:
+def release_outdated_places(session: Session, served: ServedStudy) -> None:
     """Give back the places of unfinished study sessions of arms that are no longer the same."""
     unfinished = select(StudySession.id).where(StudySession.completed_at.is_(None))
     held = select(Place.arm, Place.design).where(Place.study_session_id.is_not(None)).distinct()
@@ -143,7 +145,7 @@ def restore_places(session: Session, served: ServedStudy, now: datetime) -> None
             not_(STALE),
         )
         .with_for_update(of=StudySession, skip_locked=True),
-        {"silent_since": silent_since(served, now)},
+        {"silent_since": stale_before(served, now)},
     )
     for study_session in placeless.all():
         regain_place(session, served, study_session)

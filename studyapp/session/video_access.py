@@ -20,7 +20,7 @@ _Other = aliased(Trial)
 Shown = Row[str, str, str | None, datetime | None]
 """A stimulus, and when its video was first sent."""
 
-PRESENT_POSITION: Final = (
+CURRENT_POSITION: Final = (
     select(func.min(_Other.position))
     .where(
         _Other.study_session_id == Trial.study_session_id,
@@ -40,7 +40,7 @@ RUNNING: Final = (
 )
 """Who has trials to take, if the place is still theirs (see `studyapp.session.state.state_of`)."""
 
-SHOWN: Final = (
+SHOWN_STIMULI: Final = (
     select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech, Video.sent_at)
     .join(TrialStimulus.video)
     .join(Video.trial)
@@ -49,13 +49,13 @@ SHOWN: Final = (
     .where(
         Video.token == bindparam("token"),
         *RUNNING,
-        (Trial.position - PRESENT_POSITION).in_((0, 1)),
+        (Trial.position - CURRENT_POSITION).in_((0, 1)),
     )
     .order_by(TrialStimulus.number)
 )
 
 
-FIRST_SENT: Final = (
+MARK_SENT: Final = (
     update(Video)
     .where(Video.token == bindparam("named"), Video.sent_at.is_(None))
     .values(sent_at=bindparam("now"))
@@ -69,7 +69,7 @@ def content_of(database: Database, video_token: str) -> Content | None:
     ones are settled, later ones nobody has been told of. Videos are what is asked for most, so
     this is one statement.
     """
-    return _content(_shown(database, video_token))
+    return _content(_find_stimuli(database, video_token))
 
 
 def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
@@ -77,16 +77,16 @@ def content_to_send(database: Database, video_token: str, clock: Clock) -> Conte
 
     What was never sent cannot have been watched. Only the first request for a video writes.
     """
-    shown = _shown(database, video_token)
+    shown = _find_stimuli(database, video_token)
     if shown and shown[0].sent_at is None:
         with database.writing() as session:
-            session.connection().execute(FIRST_SENT, {"named": video_token, "now": clock.now()})
+            session.connection().execute(MARK_SENT, {"named": video_token, "now": clock.now()})
     return _content(shown)
 
 
-def _shown(database: Database, video_token: str) -> Sequence[Shown]:
+def _find_stimuli(database: Database, video_token: str) -> Sequence[Shown]:
     with database.looking_up() as connection:
-        return connection.execute(SHOWN, {"token": video_token}).all()
+        return connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
 
 
 def _content(shown: Sequence[Shown]) -> Content | None:
@@ -99,7 +99,7 @@ def _content(shown: Sequence[Shown]) -> Content | None:
 _Asked = aliased(Video)
 _AskedTrial = aliased(Trial)
 
-ALL: Final = (
+ALL_VIDEOS: Final = (
     select(Video.token, TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
     .join(TrialStimulus.video)
     .join(Video.trial)
@@ -117,7 +117,7 @@ ALL: Final = (
 def earlier_contents(database: Database, video_token: str) -> list[Content]:
     """Return what each video shows that comes before this one in its study session."""
     with database.looking_up() as connection:
-        rows = connection.execute(ALL, {"token": video_token}).all()
+        rows = connection.execute(ALL_VIDEOS, {"token": video_token}).all()
     found: list[Content] = []
     for token, shown in groupby(rows, key=lambda row: row.token):
         if token == video_token:

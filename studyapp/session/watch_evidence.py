@@ -21,13 +21,13 @@ from studyapp.database.tables import Trial, Video
 
 Interval = tuple[float, float]
 
-FASTEST: Final = 1.05
+MAX_RATE: Final = 1.05
 """Playback rate up to which a video counts as played as it was recorded."""
 
-MOST_REPORTS: Final = 1000
+MAX_REPORTS: Final = 1000
 """Reports of one video that are taken: half an hour of playing it."""
 
-MOST_INTERVALS: Final = 200
+MAX_INTERVALS: Final = 200
 """Parts that a report may tell of, and that the watched ones of a video may be in."""
 
 MEDIA_ERRORS: Final = ("2", "3", "4")
@@ -36,7 +36,7 @@ MEDIA_ERRORS: Final = ("2", "3", "4")
 LONG_STALL: Final = 4.0
 """Seconds without data after which a video counts as stalled; its page says so after five."""
 
-REMEMBERED: Final = 32
+REMEMBERED_REPORTS: Final = 32
 """Reports by which one that is sent again is known; each is sent until it is acknowledged."""
 
 
@@ -94,8 +94,8 @@ class Report(Playback):
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
-    batch: Annotated[int, Field(ge=0, lt=MOST_REPORTS, strict=True)]
-    intervals: Annotated[tuple[PlayedInterval, ...], Field(max_length=MOST_INTERVALS)]
+    batch: Annotated[int, Field(ge=0, lt=MAX_REPORTS, strict=True)]
+    intervals: Annotated[tuple[PlayedInterval, ...], Field(max_length=MAX_INTERVALS)]
 
     @property
     def checksum(self) -> int:
@@ -105,7 +105,7 @@ class Report(Playback):
     @property
     def played_seconds(self) -> float:
         """Seconds of all its parts together."""
-        return length(self.intervals)
+        return total_seconds(self.intervals)
 
 
 REPORT: Final = TypeAdapter(Report)
@@ -185,7 +185,7 @@ class Watched:
     stored: bool = True
 
 
-def merged(intervals: Iterable[Sequence[float]]) -> tuple[Interval, ...]:
+def merge_intervals(intervals: Iterable[Sequence[float]]) -> tuple[Interval, ...]:
     """Return the union of `intervals` as disjoint ones in order."""
     union: list[Interval] = []
     for start, end in sorted((start, end) for start, end in intervals):
@@ -196,15 +196,15 @@ def merged(intervals: Iterable[Sequence[float]]) -> tuple[Interval, ...]:
     return tuple(union)
 
 
-def length(intervals: Iterable[Sequence[float]]) -> float:
+def total_seconds(intervals: Iterable[Sequence[float]]) -> float:
     """Return the seconds of all `intervals` together, what is in two of them twice."""
     return sum(end - start for start, end in intervals)
 
 
-def counts(played: Playback, *, soundless: bool) -> bool:
+def counts_as_watched(played: Playback, *, soundless: bool) -> bool:
     """Tell whether what was `played` like this was watched."""
     return (
-        played.rate <= FASTEST
+        played.rate <= MAX_RATE
         and played.hidden_seconds == 0
         and (played.silent_seconds == 0 or soundless)
     )
@@ -221,33 +221,33 @@ def is_stored(record: Recorded, report: Report) -> bool | None:
     for number, checksum in record.latest:
         if number == report.batch:
             return checksum == report.checksum
-    full = len(record.latest) == REMEMBERED
+    full = len(record.latest) == REMEMBERED_REPORTS
     return False if full and report.batch < record.latest[0][0] else None
 
 
-def add(record: Record, report: Report, *, soundless: bool) -> Record:
+def add_report(record: Record, report: Report, *, soundless: bool) -> Record:
     """Return `record` with one more report in it."""
-    watched = report.intervals if counts(report, soundless=soundless) else ()
+    watched = report.intervals if counts_as_watched(report, soundless=soundless) else ()
     latest = sorted([*record.latest, (report.batch, report.checksum)], key=itemgetter(0))
     return Record(
-        intervals=merged([*record.intervals, *watched]),
+        intervals=merge_intervals([*record.intervals, *watched]),
         played_seconds=record.played_seconds + report.played_seconds,
-        latest=latest[-REMEMBERED:],
+        latest=latest[-REMEMBERED_REPORTS:],
         rate=max(record.rate, report.rate),
         hidden_seconds=record.hidden_seconds + report.hidden_seconds,
         silent_seconds=record.silent_seconds + report.silent_seconds,
         stalls=record.stalls + report.stalls,
         stalled_seconds=record.stalled_seconds + report.stalled_seconds,
-        frames=_together(record.frames, report.frames),
-        dropped_frames=_together(record.dropped_frames, report.dropped_frames),
+        frames=_add_counts(record.frames, report.frames),
+        dropped_frames=_add_counts(record.dropped_frames, report.dropped_frames),
     )
 
 
-def _together(so_far: int | None, more: int | None) -> int | None:
+def _add_counts(so_far: int | None, more: int | None) -> int | None:
     return so_far if more is None else (so_far or 0) + more
 
 
-def watched_so_far(video: Played, coverage: float) -> Watched:
+def measure_watched(video: Played, coverage: float) -> Watched:
     """Return what has been watched of `video`; nothing where it was never sent.
 
     Parameters
@@ -258,7 +258,7 @@ def watched_so_far(video: Played, coverage: float) -> Watched:
     record = video.watch_record or NOTHING_PLAYED
     proven = record.intervals if video.sent_at is not None else ()
     intervals = tuple((start, end) for start, end in proven)
-    missing = max(0.0, coverage * video.duration - length(intervals))
+    missing = max(0.0, coverage * video.duration - total_seconds(intervals))
     return Watched(
         intervals=intervals,
         missing=0.0 if missing < 1e-3 else missing,
@@ -278,11 +278,11 @@ def failed_to_play(video: Video, media_error: str) -> bool:
 
 def missing_seconds(trial: Trial, coverage: float) -> float:
     """Return the seconds that must still be watched of all videos of `trial` together."""
-    return sum(watched_so_far(video, coverage).missing for video in trial.videos)
+    return sum(measure_watched(video, coverage).missing for video in trial.videos)
 
 
 def watched_share(videos: Sequence[Played]) -> float:
     """Return the share of all `videos` together that was watched, in [0, 1]; nan of none."""
     total = sum(video.duration for video in videos)
-    played = sum(length(watched_so_far(video, 0.0).intervals) for video in videos)
+    played = sum(total_seconds(measure_watched(video, 0.0).intervals) for video in videos)
     return min(1.0, played / total) if total else math.nan

@@ -21,19 +21,19 @@ from studyapp.database.tables import Place, StudySession, Trial, TrialStimulus, 
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import LateReportError, TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find, require_present, video_of
-from studyapp.session.video_access import PRESENT_POSITION, RUNNING
+from studyapp.session.state import find_study_session, find_video, require_current_trial
+from studyapp.session.video_access import CURRENT_POSITION, RUNNING
 from studyapp.session.watch_evidence import (
-    MOST_INTERVALS,
+    MAX_INTERVALS,
     NOTHING_PLAYED,
     Record,
     Report,
     Watched,
-    add,
+    add_report,
     is_stored,
-    length,
-    merged,
-    watched_so_far,
+    measure_watched,
+    merge_intervals,
+    total_seconds,
 )
 
 _Asked = aliased(Video)
@@ -41,13 +41,13 @@ _SESSIONS: Final = cast(Table, StudySession.__table__)
 _RECORDS: Final = cast(Table, WatchRecord.__table__)
 _RECORDED: Final = tuple(field.name for field in fields(Record))
 
-ACTIVE: Final = (
+MARK_ACTIVE: Final = (
     update(_SESSIONS)
     .where(_SESSIONS.c.token == bindparam("theirs"), *RUNNING)
     .values(last_active_at=bindparam("now"))
     .returning(_SESSIONS.c.id)
 )
-PLAYING: Final = (
+PLAYING_QUERY: Final = (
     select(
         Video.id,
         Video.token,
@@ -68,12 +68,12 @@ PLAYING: Final = (
     .where(
         _Asked.token == bindparam("token"),
         Trial.study_session_id == bindparam("id"),
-        Trial.position == PRESENT_POSITION,
+        Trial.position == CURRENT_POSITION,
         Trial.shown_at.is_not(None),
     )
 )
-FIRST: Final = insert(_RECORDS).inline()
-CHANGED: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("video"))
+INSERT_RECORD: Final = insert(_RECORDS).inline()
+UPDATE_RECORD: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("video"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,13 +128,13 @@ def load_playing(session: Session, token: str, video_token: str, now: datetime) 
         None where they are at no trial, at another one, or have no place any more.
     """
     connection = session.connection()
-    own = connection.execute(ACTIVE, {"theirs": token, "now": now}).scalar()
+    own = connection.execute(MARK_ACTIVE, {"theirs": token, "now": now}).scalar()
     if own is None:
         return None
     videos: dict[str, PlayedVideo] = {}
     shown_at = now
     for number, name, duration, sent_at, soundless, shown_at, record, *values in connection.execute(  # noqa: B007
-        PLAYING, {"token": video_token, "id": own}
+        PLAYING_QUERY, {"token": video_token, "id": own}
     ):
         known = None if record is None else Record(**dict(zip(_RECORDED, values, strict=True)))
         videos[name] = PlayedVideo(
@@ -155,9 +155,9 @@ def store_record(session: Session, video: PlayedVideo, record: Record, now: date
     """Store `record` in place of what is known of `video`."""
     values = {**vars(record), "reported_at": now}
     if video.watch_record is None:
-        session.connection().execute(FIRST, {"video_id": video.id, **values})
+        session.connection().execute(INSERT_RECORD, {"video_id": video.id, **values})
     else:
-        session.connection().execute(CHANGED, {"video": video.id, **values})
+        session.connection().execute(UPDATE_RECORD, {"video": video.id, **values})
 
 
 ON_ITS_WAY: Final = 60.0
@@ -199,25 +199,28 @@ def record_watched(
         now = clock.now()
         playing = load_playing(session, token, video_token, now)
         if playing is None:
-            _bring_back(session, served, token, video_token, clock)
+            _restore_place(session, served, token, video_token, clock)
             playing = load_playing(session, token, video_token, now)
         if playing is None:
             raise RuntimeError("what is playing in SQL is not what is playing in Python")
         video, coverage = playing.video, served.study.watching.coverage
-        report = _within(video, report)
+        report = _clip_report(video, report)
         record = video.watch_record or NOTHING_PLAYED
         stored = is_stored(record, report)
         if stored is not None:
-            return replace(watched_so_far(video, coverage), stored=stored)
-        record = add(record, report, soundless=video.soundless)
-        watched = watched_so_far(replace(video, watch_record=record), coverage)
+            return replace(measure_watched(video, coverage), stored=stored)
+        record = add_report(record, report, soundless=video.soundless)
+        watched = measure_watched(replace(video, watch_record=record), coverage)
         passed = clock.seconds_since(playing.shown_at)
-        if passed is not None and _claimed(report, record, playing.others) > passed + TOLERANCE:
+        if (
+            passed is not None
+            and _claimed_seconds(report, record, playing.others) > passed + TOLERANCE
+        ):
             raise TooMuchWatchedError(
                 "More of the video was reported as played than there was time for.",
                 "Please play it again.",
             )
-        if len(record.intervals) > MOST_INTERVALS:
+        if len(record.intervals) > MAX_INTERVALS:
             raise UnacceptableError(
                 "The video was played in too many small parts.", "Please play it from its start."
             )
@@ -225,19 +228,19 @@ def record_watched(
         return watched
 
 
-def _bring_back(
+def _restore_place(
     session: Session, served: ServedStudy, token: str, video_token: str, clock: Clock
 ) -> None:
     """Give a place back that was lost to a pause; refuse everybody else who is not at the video."""
-    study_session = find(session, token)
-    trial = video_of(session, study_session, video_token).trial
+    study_session = find_study_session(session, token)
+    trial = find_video(session, study_session, video_token).trial
     ends = (trial.answered_at, trial.unplayable_at, study_session.withdrawn_at)
     if any(end is not None and _is_just_past(end, clock) for end in ends):
         raise LateReportError(
             "This is not the page you are on.", "The next page shows how to go on."
         )
     regain_place(session, served, study_session)
-    require_present(study_session, trial)
+    require_current_trial(study_session, trial)
 
 
 def _is_just_past(moment: datetime, clock: Clock) -> bool:
@@ -245,7 +248,7 @@ def _is_just_past(moment: datetime, clock: Clock) -> bool:
     return seconds is None or seconds < ON_ITS_WAY
 
 
-def _within(video: PlayedVideo, report: Report) -> Report:
+def _clip_report(video: PlayedVideo, report: Report) -> Report:
     """Return `report` of what was played of the video itself."""
     inside = tuple(
         (max(0.0, start), min(video.duration, end))
@@ -255,7 +258,7 @@ def _within(video: PlayedVideo, report: Report) -> Report:
     return replace(report, intervals=inside)
 
 
-def _claimed(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:
+def _claimed_seconds(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:
     """Return the seconds that must have passed if `report` is true, which makes it `record`.
 
     Videos that were not sent yet are included: what is reported of them counts once they are.
@@ -265,6 +268,6 @@ def _claimed(report: Report, record: Record, others: Sequence[PlayedVideo]) -> f
         report.hidden_seconds,
         report.silent_seconds,
         report.stalled_seconds,
-        length(merged(report.intervals)) / max(1.0, report.rate),
-        sum(length(merged(each.intervals)) for each in records),
+        total_seconds(merge_intervals(report.intervals)) / max(1.0, report.rate),
+        sum(total_seconds(merge_intervals(each.intervals)) for each in records),
     )

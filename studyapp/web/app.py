@@ -206,7 +206,7 @@ class Health:
 def _try_writing(attempt: Future[bool], database: Database, log: logging.Logger) -> None:
     succeeded = False
     try:
-        database.try_writing()
+        database.check_writable()
         succeeded = True
     except (SQLAlchemyError, InputError, OSError) as error:
         cause = getattr(error, "orig", None) or error

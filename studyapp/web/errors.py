@@ -11,7 +11,7 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from werkzeug.datastructures import MultiDict
 from werkzeug.exceptions import HTTPException
 
-from studyapp.database.sqlite import LineHeldError
+from studyapp.database.sqlite import WriterLockError
 from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
@@ -25,7 +25,7 @@ from studyapp.session.refusal import (
     UninvitedError,
     UnknownAddressError,
     UnprovenError,
-    note_refusal,
+    log_refusal,
 )
 from studyapp.study.settings.presentation import Message
 from studyapp.web.language import _, say
@@ -102,8 +102,8 @@ def register_error_pages(app: Flask) -> None:
 
     @app.errorhandler(OperationalError)
     @app.errorhandler(PoolTimeoutError)
-    @app.errorhandler(LineHeldError)
-    def ask_for_patience(error: SQLAlchemyError | LineHeldError) -> ResponseReturnValue:
+    @app.errorhandler(WriterLockError)
+    def ask_for_patience(error: SQLAlchemyError | WriterLockError) -> ResponseReturnValue:
         cause = error.orig if isinstance(error, OperationalError) else error
         first_line = (str(cause).splitlines() or [""])[0]
         app.logger.error("The database cannot be used: %s (%s)", first_line, type(cause).__name__)
@@ -125,7 +125,7 @@ def note_and_explain(refusal: RefusalError) -> str:
     token = (request.view_args or {}).get("token")
     if token is not None and request.endpoint is not None:
         site, page = study_site(), request.endpoint.rpartition(".")[2]
-        note_refusal(site.database, token, page, refusal, site.clock)
+        log_refusal(site.database, token, page, refusal, site.clock)
     return _joined(refusal.messages)
 
 

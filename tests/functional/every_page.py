@@ -14,10 +14,10 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
 from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import begin
-from studyapp.session.ending import move_on
+from studyapp.session.comprehension import start_trials
+from studyapp.session.ending import advance
 from studyapp.session.enrolment import enrol
-from studyapp.session.state import current_trial, find, note
+from studyapp.session.state import current_trial, find_study_session, update_row
 from studyapp.web.app import create_app
 from studyapp.web.site import study_site
 from tests.functional.browsing import follow
@@ -54,7 +54,7 @@ def first_trial(page: Page, address: str, app: Flask) -> None:
     with app.app_context():
         site = study_site()
         token = enrol(site.database, site.served, Arrival(visit=token_hex(16)), site.clock)
-        begin(site.database, site.served, token, site.clock)
+        start_trials(site.database, site.served, token, site.clock)
     page.goto(f"{address}/take/{token}")
     expect(page.locator(".play").first).to_be_visible()
     expect_videos(page)
@@ -116,11 +116,11 @@ def leave_trial(page: Page, app: Flask) -> None:
     with app.app_context():
         site = study_site()
         with site.database.writing() as session:
-            study_session = find(session, token)
+            study_session = find_study_session(session, token)
             trial = current_trial(study_session)
             assert trial is not None
-            note(session, trial, unplayable_at=site.clock.now())
-            move_on(session, study_session, site.study, site.clock.now())
+            update_row(session, trial, unplayable_at=site.clock.now())
+            advance(session, study_session, site.study, site.clock.now())
     page.reload()
     expect(page.locator(f"#answers [name=trial][value='{trial.token}']")).to_have_count(0)
 

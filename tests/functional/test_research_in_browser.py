@@ -15,9 +15,9 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import begin
+from studyapp.session.comprehension import start_trials
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import look
+from studyapp.session.participation import load_situation
 from studyapp.session.served_study import ServedStudy
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
@@ -44,8 +44,8 @@ def come(database: Database, study: Path, name: str) -> None:
     """Let a participant come as far as the first trial."""
     served, clock = ServedStudy.read(study), Clock()
     token = enrol(database, served, Arrival(visit=name), clock)
-    begin(database, served, token, clock)
-    look(database, served, token, clock)
+    start_trials(database, served, token, clock)
+    load_situation(database, served, token, clock)
 
 
 def join_as_owner(page: Page, address: str, database: Database) -> None:

@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.researchers.audit import looks
+from studyapp.researchers.audit import latest_looks
 from studyapp.web.site import attach, study_site
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
@@ -60,7 +60,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
             page.reload()
         expect(agreement).to_contain_text("rhythm")
         examine(page, "overview-with-agreement")
-        [look] = looks(stored)
+        [look] = latest_looks(stored)
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
         closed = replace(site.served, study=site.study.model_copy(update={"open": False}))
         attach(app, replace(site, figures=figures, served=closed))

@@ -6,7 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.errors import InputError
-from studyapp.researchers.interim_figures import SECONDS, FigureProcess, NoFiguresError, What
+from studyapp.researchers.interim_figures import (
+    TIMEOUT_SECONDS,
+    FigureKind,
+    FigureProcess,
+    NoFiguresError,
+)
 from studyapp.results.looks import DOCUMENTS
 from studyapp.study.folder import StudyFolder
 
@@ -25,7 +30,7 @@ class FiguresAtHand(FigureProcess):
             self.begun.pop(0)()
         return count
 
-    def compute(self, what: What, *, seconds: float = SECONDS) -> str:
+    def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
         del seconds
         try:
             return DOCUMENTS[what](StudyFolder(self.folder)).model_dump_json()

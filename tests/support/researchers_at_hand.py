@@ -5,7 +5,7 @@ from __future__ import annotations
 from studyapp.database.engine import Database
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
-from studyapp.researchers.logins import log_in, logged_in
+from studyapp.researchers.logins import find_account_by_login, log_in
 from tests.support.studies.taking_part_steps import SetClock
 
 PASSWORD = "correct horse battery"  # noqa: S105 - it opens nothing but tests
@@ -21,7 +21,7 @@ def joined(database: Database, clock: SetClock, name: str, role: Role = "owner")
 
 
 def number_of(database: Database, clock: SetClock, login: str) -> int:
-    account = logged_in(database, login, clock.now(), by_hand=False)
+    account = find_account_by_login(database, login, clock.now(), by_hand=False)
     assert account is not None
     return account.id
 

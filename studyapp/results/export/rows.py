@@ -16,7 +16,7 @@ from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Tria
 from studyapp.results.answer_table import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.results.stored_answers import StoredAnswers, whose_answers
-from studyapp.session.watch_evidence import NOTHING_PLAYED, length, watched_so_far
+from studyapp.session.watch_evidence import NOTHING_PLAYED, measure_watched, total_seconds
 
 
 def answers_table(stored: StoredAnswers) -> pd.DataFrame:
@@ -166,7 +166,7 @@ def watching_table(session: Session) -> pd.DataFrame:
 
 def _of_video(video: Video) -> dict[str, object]:
     record = video.watch_record or NOTHING_PLAYED
-    watched = length(watched_so_far(video, 0.0).intervals)
+    watched = total_seconds(measure_watched(video, 0.0).intervals)
     frames, dropped = record.frames, record.dropped_frames
     return {
         "video": video.number,

@@ -17,7 +17,7 @@ from motion.segment import Segment
 from studyapp.researchers.pseudonyms import FOLDER
 from studyapp.results.export.codebook import as_json, column_labels, written_page
 from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns, as_text, bids_column
-from studyapp.session.served_study import described
+from studyapp.session.served_study import describe_content
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
 from studyapp.study.settings.study import Study
@@ -108,13 +108,13 @@ def _described(
 ) -> dict[str, Any]:
     missing = f" {MISSING} where {column.missing}." if column.missing else ""
     free = " Free text." if column.free_text else ""
-    described: dict[str, Any] = {"Description": f"{column.meaning}{missing}{free}"}
+    details: dict[str, Any] = {"Description": f"{column.meaning}{missing}{free}"}
     if column.unit:
-        described["Units"] = column.unit
+        details["Units"] = column.unit
     values = labels.get(column.name) or column_labels(study, column.name)
     if values:
-        described["Levels"] = dict(values)
-    return described
+        details["Levels"] = dict(values)
+    return details
 
 
 def environment() -> dict[str, Any]:
@@ -234,7 +234,7 @@ def write_stimuli_list(
     rows = [
         (
             video.file.relative_to(folder.root).as_posix(),
-            described(content),
+            describe_content(content),
             " ".join(stimulus.condition for stimulus in content),
             content[0].segment,
             content[0].speech or "n/a",

@@ -14,7 +14,7 @@ from analysis.answers.exclusion_rules import BY_HAND, RuleOutcome
 from analysis.answers.table import ANALYSED_KINDS
 from motion.errors import InputError
 from studyapp.database.tables import AuditLine, StudySession
-from studyapp.researchers.audit import told_detail
+from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answer_table import PARTS_OF
@@ -155,7 +155,7 @@ def _with_watching(answers: pd.DataFrame, watching: pd.DataFrame) -> pd.DataFram
 def _log(session: Session) -> pd.DataFrame:
     lines = session.scalars(select(AuditLine).order_by(AuditLine.id))
     rows = [
-        (line.at.isoformat(), line.event, told_detail(line), line.researcher, line.reason)
+        (line.at.isoformat(), line.event, detail_label(line), line.researcher, line.reason)
         for line in lines
     ]
     return pd.DataFrame(rows, columns=list(LOG.names))

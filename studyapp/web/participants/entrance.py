@@ -16,8 +16,8 @@ from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import way_back
-from studyapp.session.enrolment import enrol, enrolled, require_welcome
+from studyapp.session.ending import return_address
+from studyapp.session.enrolment import enrol, require_admission, resume
 from studyapp.session.form_answers import check_eligibility, ineligible_stage
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
 from studyapp.session.screening import note_screen_out, was_screened_out
@@ -123,7 +123,7 @@ def consent() -> ResponseReturnValue:
     """
     entrant = _entrant()
     site = study_site()
-    token = enrolled(site.database, site.served, entrant.arrival, site.clock)
+    token = resume(site.database, site.served, entrant.arrival, site.clock)
     if token is not None:
         return _redirect(token)
     if _was_screened_out(entrant):
@@ -168,7 +168,7 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
         what=say(what),
         remedy=say(remedy),
         invited=recruitment.channel == "invitations",
-        back=way_back(recruitment),
+        back=return_address(recruitment),
         # Without names, only the window knows whether it was here before.
         may_have_begun=recruitment.channel == "link"
         and request.method != "POST"
@@ -187,7 +187,7 @@ def _redirect(token: str) -> Response:
 def _require_welcome(entrant: Entrant) -> None:
     site = study_site()
     site.record.require_unchanged()
-    require_welcome(site.database, site.served, entrant.arrival, site.clock)
+    require_admission(site.database, site.served, entrant.arrival, site.clock)
 
 
 def _was_screened_out(entrant: Entrant) -> bool:

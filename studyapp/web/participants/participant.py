@@ -9,11 +9,11 @@ from flask import Blueprint, jsonify, redirect, render_template, request, url_fo
 from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
-from studyapp.session.answers import Fields, answer, skip_unplayable
-from studyapp.session.comprehension import begin
-from studyapp.session.ending import leaving_at_once, promise_made, withdraw
-from studyapp.session.form_answers import answer_form
-from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, look
+from studyapp.session.answers import Fields, skip_unplayable, store_answers
+from studyapp.session.comprehension import start_trials
+from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_promise
+from studyapp.session.form_answers import store_form_answers
+from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, load_situation
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
@@ -41,7 +41,7 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
     site = study_site()
     form_answers = form_fields()
     try:
-        answer_form(site.database, site.served, token, stage, form_answers, site.clock)
+        store_form_answers(site.database, site.served, token, stage, form_answers, site.clock)
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
         return form_page(token, stage, problem=problem, form_answers=form_answers), 422
@@ -54,7 +54,7 @@ def begin_trials(token: str) -> ResponseReturnValue:
     site = study_site()
     comprehension = form_fields()
     try:
-        begin(site.database, site.served, token, site.clock, answers=comprehension)
+        start_trials(site.database, site.served, token, site.clock, answers=comprehension)
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
         return current_page(token, problem=problem, comprehension=comprehension), 422
@@ -83,7 +83,9 @@ def answers(token: str) -> ResponseReturnValue:
     site = study_site()
     fields = {name: values for name, values in request.form.lists() if name != "trial"}
     try:
-        answer(site.database, site.served, token, request.form.get("trial", ""), fields, site.clock)
+        store_answers(
+            site.database, site.served, token, request.form.get("trial", ""), fields, site.clock
+        )
     except UnacceptableError as refusal:
         if wants_json():
             raise
@@ -136,7 +138,7 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
 def ask_to_withdraw(token: str) -> ResponseReturnValue:
     """Ask whether the participant wants to stop, and say what happens to the answers."""
     site = study_site()
-    promise = promise_made(site.database, token)
+    promise = withdrawal_promise(site.database, token)
     return render_template("withdraw.html", study=site.study, token=token, promise=promise)
 
 
@@ -175,7 +177,7 @@ def current_page(
         The submitted answers to the questions under the instructions.
     """
     site = study_site()
-    situation = look(site.database, site.served, token, site.clock)
+    situation = load_situation(site.database, site.served, token, site.clock)
     if situation.form is not None:
         return form_page(token, situation.form)
     if situation.trial is not None:
@@ -183,7 +185,7 @@ def current_page(
     if situation.sound_tries is not None:
         page = "sound_check"
     else:
-        page = "break" if situation.rest is not None else situation.state
+        page = "break" if situation.offered_break is not None else situation.state
     return render_template(
         f"{page}.html",
         study=site.study,
@@ -194,7 +196,7 @@ def current_page(
         presentations=situation.presentations,
         practice=situation.practice,
         frozen=frozen_words(site.study),
-        leaving=situation.leaving,
+        leaving=situation.exit,
         questions=site.study.form.comprehension,
         answers=comprehension or {},
         problems={} if comprehension is None else problems_of("comprehension", comprehension),
@@ -220,7 +222,7 @@ def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -
         named=named,
         was_sent=was_sent,
         has_tried=has_tried,
-        leaving=leaving_at_once(study.recruitment),
+        leaving=screened_out_exit(study.recruitment),
     )
 
 

@@ -11,7 +11,7 @@ from typing import Final
 from flask import Blueprint, request, send_file
 from flask.typing import ResponseReturnValue
 
-from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
+from studyapp.session.participation import check_sound, digits_to_speak, leave_sound_check
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Language
 from studyapp.web.errors import note_and_explain
@@ -98,5 +98,5 @@ def check(token: str) -> ResponseReturnValue:
 def unheard(token: str) -> ResponseReturnValue:
     """Leave the study without having heard anything."""
     site = study_site()
-    leave_unheard(site.database, site.served, token, site.clock)
+    leave_sound_check(site.database, site.served, token, site.clock)
     return redirect_to_current_page(token)

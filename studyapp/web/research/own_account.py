@@ -12,16 +12,16 @@ from markupsafe import Markup
 from motion.errors import InputError
 from studyapp.researchers.attempts import TooManyAttemptsError
 from studyapp.researchers.credentials import (
-    address_for_device,
+    disable_second_factor,
+    enable_second_factor,
     new_secret,
-    turn_off,
-    turn_on,
+    provisioning_uri,
 )
 from studyapp.researchers.links import (
     UnusableLinkError,
     choose_password,
+    find_link,
     join,
-    link_of,
 )
 from studyapp.researchers.logins import WrongLoginError, change_password, end_login, log_in
 from studyapp.web.research.page import (
@@ -87,7 +87,7 @@ def link(token: str) -> ResponseReturnValue:
     if site.desk is not None:
         return redirect(f"{site.desk.address}join/{token}", 303)
     try:
-        usable_link = link_of(site.database, token, site.clock.now())
+        usable_link = find_link(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
     return page("link", link=usable_link, token=token, name="", problem=None)
@@ -101,7 +101,7 @@ def use_link(token: str) -> ResponseReturnValue:
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
     login_token: str | None
     try:
-        usable_link = link_of(site.database, token, site.clock.now())
+        usable_link = find_link(site.database, token, site.clock.now())
     except UnusableLinkError as error:
         return refusal_page(error, 404)
     try:
@@ -161,7 +161,7 @@ def turn_on_second_factor() -> ResponseReturnValue:
     site = current_site()
     secret, code, password = (request.form.get(key, "") for key in ("secret", "code", "password"))
     try:
-        codes = turn_on(
+        codes = enable_second_factor(
             site.database,
             site.clock,
             researcher().id,
@@ -180,7 +180,7 @@ def turn_off_second_factor() -> ResponseReturnValue:
     site = current_site()
     password = request.form.get("password", "")
     try:
-        turn_off(
+        disable_second_factor(
             site.database,
             site.clock,
             researcher().id,
@@ -193,6 +193,6 @@ def turn_off_second_factor() -> ResponseReturnValue:
 
 
 def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
-    address = address_for_device(secret, researcher=researcher().name, study=current_site().name)
+    address = provisioning_uri(secret, researcher=researcher().name, study=current_site().name)
     picture = Markup(segno.make(address).svg_inline(scale=4))  # noqa: S704 - made here of squares
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)

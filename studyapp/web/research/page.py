@@ -22,7 +22,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.account import Account, Right
 from studyapp.researchers.credentials import new_token
-from studyapp.researchers.logins import logged_in
+from studyapp.researchers.logins import find_account_by_login
 from studyapp.study.folder import StudyFolder
 from studyapp.web.site import TokenCookie, current_site, study_site
 
@@ -68,8 +68,10 @@ def recognise() -> None:
     if token is not None:
         by_hand = REFRESHED not in request.args
         now = site.clock.now()
-        if site.desk is None or logged_in(site.desk.database, token, now, by_hand=by_hand):
-            g.research_account = logged_in(site.database, token, now, by_hand=by_hand)
+        if site.desk is None or find_account_by_login(
+            site.desk.database, token, now, by_hand=by_hand
+        ):
+            g.research_account = find_account_by_login(site.database, token, now, by_hand=by_hand)
 
 
 def visitor() -> Account | None:

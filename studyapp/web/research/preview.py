@@ -14,7 +14,7 @@ from studyapp.recruitment.invitations import (
     erase_test_participations,
     make_test_participation,
 )
-from studyapp.session.shown_trials import TOKEN, previewed_trial
+from studyapp.session.shown_trials import PREVIEW_TOKEN, previewed_trial
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.media import VideoFile
 from studyapp.web.errors import wants_json
@@ -78,7 +78,7 @@ def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:
         return render_template(
             "research/previewed_trial.html",
             study=site.study,
-            token=TOKEN,
+            token=PREVIEW_TOKEN,
             trial=trial,
             page=trial_page(site.study, trial),
             problem="",

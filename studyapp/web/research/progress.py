@@ -22,17 +22,23 @@ from studyapp.monitoring.study_sessions import (
     rows_on_page,
 )
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
+from studyapp.researchers.audit import MAX_LINES, MAX_REASON_LENGTH, latest_changes
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.researchers.interim_figures import Document, Kept, kept_figures
+from studyapp.researchers.interim_figures import Document, StoredFigures, stored_figures
 from studyapp.researchers.pseudonyms import (
     PseudonymKey,
-    number_called,
-    number_recruited,
+    find_number_by_name,
+    find_number_by_recruiter,
     pseudonyms_of,
 )
 from studyapp.session.ending import JUDGED
-from studyapp.session.intake import MOST_MORE, STATES, decided, extend, steer
+from studyapp.session.intake import (
+    MAX_ADDED_PLACES,
+    STATES,
+    add_places,
+    change_intake,
+    intake_changes,
+)
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media import send_video
 from studyapp.web.research.motion_scenes import (
@@ -85,7 +91,7 @@ LARGEST_NUMBER: Final = 2**31 - 1
 class AgreementSoFar:
     """The agreement of raters, as the overview shows it; no document before the first result."""
 
-    figures: Kept
+    figures: StoredFigures
     document: Document | None
 
 
@@ -106,7 +112,7 @@ def overview(data: Data) -> ResponseReturnValue:
 
 def _agreement() -> AgreementSoFar:
     site = study_site()
-    figures = kept_figures(site.database, site.clock, "agreement", site.figures)
+    figures = stored_figures(site.database, site.clock, "agreement", site.figures)
     return AgreementSoFar(figures=figures, document=Document.read(figures.document))
 
 
@@ -117,9 +123,9 @@ def study_sessions(data: Data) -> ResponseReturnValue:
     number = _number("page") or 1
     with open_data(data) as database:
         with database.reading() as session:
-            match = number_called(session, names.key, called) if called else None
+            match = find_number_by_name(session, names.key, called) if called else None
             if match is None and called and researcher().may(Right.NAME):
-                match = number_recruited(session, called)
+                match = find_number_by_recruiter(session, called)
         if match is not None:
             return redirect(url_for("research.study_session", data=data, number=match), 303)
         listed = list_study_sessions(database, site.served, selection, site.clock.now())
@@ -161,7 +167,7 @@ def study_session(
         rules=[rule.to_rule().description for rule in site.study.settled_exclusions],
         problem=problem,
         reason=reason,
-        longest=LONGEST_REASON,
+        longest=MAX_REASON_LENGTH,
     )
 
 
@@ -206,8 +212,8 @@ def _scenes(data: Data, number: int, position: int) -> list[Scene]:
 
 def changes() -> ResponseReturnValue:
     """Show who changed what, when and why, newest first."""
-    lines = logged_changes(study_site().database, before=_number("before"))
-    older = lines[-1].id if len(lines) == LINES else None
+    lines = latest_changes(study_site().database, before=_number("before"))
+    older = lines[-1].id if len(lines) == MAX_LINES else None
     return page("changes", lines=lines, older=older)
 
 
@@ -267,14 +273,14 @@ def decide_about(number: int) -> ResponseReturnValue:
 def newcomers(problem: InputError | None = None, reason: str = "") -> str:
     """Show whether newcomers are admitted, who decided so, and the forms to decide otherwise."""
     site = study_site()
-    decisions = decided(site.database)
+    decisions = intake_changes(site.database)
     return page(
         "newcomers",
         decisions=decisions,
         state=decisions[0].state if decisions else "open",
         problem=problem,
         reason=reason,
-        most=MOST_MORE,
+        most=MAX_ADDED_PLACES,
         link=site.study.recruitment.link(site.origin + url_for("entrance.arrive")),
     )
 
@@ -287,7 +293,7 @@ def steer_newcomers() -> ResponseReturnValue:
         if state is None:
             raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(STATES)}")
         by = researcher().name
-        steer(site.database, site.served, site.clock, state, by=by, reason=reason)
+        change_intake(site.database, site.served, site.clock, state, by=by, reason=reason)
     except InputError as error:
         return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)
@@ -298,7 +304,7 @@ def want_more() -> ResponseReturnValue:
     site, reason = study_site(), request.form.get("reason", "")
     try:
         more, by = _read_number(request.form.get("more", "")) or 0, researcher().name
-        extend(site.database, site.served, site.clock, more, by=by, reason=reason)
+        add_places(site.database, site.served, site.clock, more, by=by, reason=reason)
     except InputError as error:
         return newcomers(error, reason), 422
     return redirect(url_for("research.newcomers"), 303)

@@ -12,16 +12,16 @@ from studyapp.researchers.account import (
     RIGHTS,
     ROLES,
     Role,
-    accounts,
     change_role,
-    let_in_again,
-    shut_out,
+    list_accounts,
+    remove_access,
+    restore_access,
 )
 from studyapp.researchers.links import (
     invite,
+    list_usable_links,
     offer_new_password,
-    take_back_link,
-    usable_links,
+    revoke_link,
 )
 from studyapp.web.research.page import page, researcher
 from studyapp.web.site import current_site
@@ -32,8 +32,8 @@ def researchers(problem: InputError | None = None, new_link: str = "", for_name:
     site = current_site()
     return page(
         "researchers",
-        accounts=accounts(site.database),
-        links=usable_links(site.database, site.clock.now()),
+        accounts=list_accounts(site.database),
+        links=list_usable_links(site.database, site.clock.now()),
         roles=ROLES,
         rights=RIGHTS,
         problem=problem,
@@ -55,7 +55,7 @@ def invite_researcher() -> ResponseReturnValue:
 def offer_password(researcher_id: int) -> ResponseReturnValue:
     """Make a link for a new password, and show it this once."""
     site = current_site()
-    names = {account.id: account.name for account in accounts(site.database)}
+    names = {account.id: account.name for account in list_accounts(site.database)}
     try:
         name, by = names.get(researcher_id, ""), researcher().name
         token = offer_new_password(site.database, site.clock, name=name, by=by)
@@ -67,7 +67,7 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
 def take_link_back(link_id: int) -> ResponseReturnValue:
     """Make a link unusable."""
     site = current_site()
-    take_back_link(site.database, site.clock, link_id, by=researcher().name)
+    revoke_link(site.database, site.clock, link_id, by=researcher().name)
     return redirect(url_for("research.researchers"), 303)
 
 
@@ -82,13 +82,13 @@ def give_role(researcher_id: int) -> ResponseReturnValue:
 def shut_researcher_out(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in no more."""
     site, by = current_site(), researcher().name
-    return _done(lambda: shut_out(site.database, site.clock, researcher_id, by=by))
+    return _done(lambda: remove_access(site.database, site.clock, researcher_id, by=by))
 
 
 def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
     site, by = current_site(), researcher().name
-    return _done(lambda: let_in_again(site.database, site.clock, researcher_id, by=by))
+    return _done(lambda: restore_access(site.database, site.clock, researcher_id, by=by))
 
 
 def _link(token: str) -> str:

@@ -15,10 +15,10 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import places_so_far
-from studyapp.researchers.audit import looks, note_look
-from studyapp.researchers.interim_figures import Document, kept_figures
-from studyapp.researchers.logins import HOLDS, unblind, unblinded_because
-from studyapp.session.intake import present_intake
+from studyapp.researchers.audit import latest_looks, log_look
+from studyapp.researchers.interim_figures import Document, stored_figures
+from studyapp.researchers.logins import UNBLINDED_FOR, unblind, unblinding_reason
+from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.site import study_site
@@ -35,15 +35,15 @@ def results() -> ResponseReturnValue:
     """Show the results, and log the look; before the end, ask for a reason first."""
     site, token = study_site(), visitor_cookie()
     over = over_because(site.database, site.served, site.clock.now())
-    reason = over or unblinded_because(site.database, token or "", site.clock.now())
+    reason = over or unblinding_reason(site.database, token or "", site.clock.now())
     if not reason:
         return _reason_page()
-    figures = kept_figures(site.database, site.clock, "results", site.figures)
-    awaited = figures.is_awaited and not figures.is_current
+    figures = stored_figures(site.database, site.clock, "results", site.figures)
+    awaited = figures.is_computing and not figures.is_current
     document = None if awaited else Document.read(figures.document)
     if document is not None:
         with site.database.writing() as session:
-            note_look(
+            log_look(
                 session,
                 site.clock.now(),
                 document.basis.state,
@@ -56,7 +56,7 @@ def results() -> ResponseReturnValue:
         figures=figures,
         awaited=awaited,
         document=document,
-        looks=looks(site.database),
+        looks=latest_looks(site.database),
         reason=reason,
         is_final=bool(over),
     )
@@ -68,7 +68,7 @@ def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
     if not places.remaining:
         return EVERYBODY
     with database.reading() as session:
-        closed = not served.study.open or present_intake(session).state == "closed"
+        closed = not served.study.open or current_intake(session).state == "closed"
     return CLOSED if closed and not places.active else ""
 
 
@@ -86,7 +86,7 @@ def ask_for_results() -> ResponseReturnValue:
 
 def _reason_page(problem: InputError | None = None, reason: str = "") -> str:
     site = study_site()
-    earlier_looks = looks(site.database)
+    earlier_looks = latest_looks(site.database)
     places = places_so_far(site.database, site.served, site.clock.now())
     return page(
         "unblind",
@@ -98,7 +98,7 @@ def _reason_page(problem: InputError | None = None, reason: str = "") -> str:
         rates=[(count, equally_spaced(count)) for count in TABLED],
         without=_rate(earlier_looks, places, looking=False),
         looking=_rate(earlier_looks, places, looking=True),
-        minutes=round(HOLDS.total_seconds() / 60),
+        minutes=round(UNBLINDED_FOR.total_seconds() / 60),
     )
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from analysis.answers.participants import LeftOut
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import analysed_tasks
 from studyapp.results.answers import read_answers
@@ -20,7 +20,7 @@ from studyapp.results.export.tables import pseudonyms
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.intake import extend
+from studyapp.session.intake import add_places
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import run
@@ -84,7 +84,7 @@ def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
         back = exclude(folder, name, "--reinstate", reason="that was somebody else")
         assert reasons(database) == ["asleep", "", "", ""]
         assert "rules of the study file hold as before" in back
-        assert [(line.researcher, line.event) for line in logged_changes(database)[:2]] == [
+        assert [(line.researcher, line.event) for line in latest_changes(database)[:2]] == [
             ("", "participant reinstated"),
             ("", "participant excluded"),
         ]
@@ -110,7 +110,7 @@ def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand
     for name in ("2", "4"):
         exclude(folder, name)
     database = Database.open(sqlite_url(folder.responses))
-    extend(database, ServedStudy.read(folder.root), SetClock(), 3, by="Ada", reason="more")
+    add_places(database, ServedStudy.read(folder.root), SetClock(), 3, by="Ada", reason="more")
     database.close()
     places = sum(arm.places for arm in folder.study().arms)
 

@@ -8,7 +8,7 @@ import pytest
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event
-from studyapp.researchers.audit import LINES, log_change
+from studyapp.researchers.audit import MAX_LINES, log_change
 from studyapp.session.arrivals import Arrival
 from tests.support.command_line import run
 from tests.support.read_once import read_once
@@ -75,7 +75,7 @@ def test_erasing_again_clears_the_files_however_much_has_happened_since(
     monkeypatch.setattr("studyapp.cli.exclude_command.leave_nothing", cleared.append)
     run("forget", study, PERSON, "--yes")
     with writing(study / "responses.db") as session:
-        for _ in range(LINES):
+        for _ in range(MAX_LINES):
             log_change(session, SetClock().now(), Event.LOGGED_IN, by="ada")
 
     assert "Nobody in this study" in run("forget", study, PERSON, "--yes")

@@ -7,8 +7,8 @@ import pytest
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.researchers.account import accounts
-from studyapp.researchers.credentials import new_secret, turn_on
+from studyapp.researchers.account import list_accounts
+from studyapp.researchers.credentials import enable_second_factor, new_secret
 from studyapp.researchers.links import choose_password, first_owner_link, join
 from studyapp.researchers.logins import log_in
 from tests.support.command_line import run
@@ -47,9 +47,11 @@ def test_who_lost_the_device_logs_in_without_a_code_again(tiny_study: Path) -> N
     token = token_of(researchers(tiny_study, "invite", "--role", "owner"))
     database = Database.open(database_url_of(tiny_study))
     join(database, Clock(), token, name="Ada", password=PASSWORD)
-    secret, (ada,) = new_secret(), accounts(database)
+    secret, (ada,) = new_secret(), list_accounts(database)
     code = pyotp.TOTP(secret).now()
-    turn_on(database, Clock(), ada.id, secret=secret, code=code, password=PASSWORD, address="")
+    enable_second_factor(
+        database, Clock(), ada.id, secret=secret, code=code, password=PASSWORD, address=""
+    )
     assert "(owner, second factor)" in researchers(tiny_study, "list")
 
     assert "password alone" in researchers(tiny_study, "reset-second-factor", "ada")
@@ -76,7 +78,7 @@ def test_serving_prints_a_link_until_there_is_an_owner(
     token = line.partition("/research/join/")[2].split()[0]
     database = Database.open(database_url_of(tiny_study))
     join(database, Clock(), token, name="Ada", password=PASSWORD)
-    assert [account.role for account in accounts(database)] == ["owner"]
+    assert [account.role for account in list_accounts(database)] == ["owner"]
     assert first_owner_link(database, Clock()) is None
     database.close()
     assert "Watch how it goes at http://127.0.0.1:8000/research/." in run("serve", tiny_study)

@@ -12,14 +12,14 @@ from studyapp.custody import forgetting
 from studyapp.custody.forgetting import forget, remembered
 from studyapp.database import scrubbing
 from studyapp.database.engine import Database
-from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.scrubbing import scrub
 from studyapp.database.tables import Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
-from studyapp.researchers.audit import StudyState, log_change, logged_changes, note_look
+from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
-from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
+from studyapp.session.refusal import ConflictError, UnknownAddressError, log_refusal
 from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -60,7 +60,7 @@ def arrive(participant: Participant, name: str, study: str = "one") -> Participa
     )
     participant.arrive(arrival).begin().take_trial()
     refusal = ConflictError("Wrong page.", "Go on.")
-    note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
+    log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
     return participant
 
 
@@ -135,7 +135,7 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
             session, person.clock.now(), Event.UNBLINDED, by="ada", reason=f"{PERSON} wrote to us"
         )
         state = StudyState(finished=0, planned=4, answers=2)
-        note_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
+        log_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
         session.add(InterimFigures(what="results", document="{}", state="", problem=""))
 
     forgotten(person)
@@ -147,7 +147,7 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
     with person.database.reading() as session:
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
         assert session.scalars(select(InterimFigures)).all() == []
-    lines = list(reversed(logged_changes(person.database)))
+    lines = list(reversed(latest_changes(person.database)))
     assert lines[-1].event == "participant forgotten"
     assert lines[-1].detail == "study session 1, arm rule_based-mismatched, was started"
     assert (lines[-3].researcher, lines[-3].reason) == ("ada", "(erased) wrote to us")
@@ -254,7 +254,7 @@ def test_nothing_of_them_is_left_in_the_databases_files(
     serving = Database.open(database.engine.url.render_as_string(hide_password=False))
     kept.database = serving
     kept.look()
-    leave_nothing(database)
+    scrub(database)
     kept.take_trial()
 
     left = files_of(database, request)
@@ -276,8 +276,8 @@ def test_who_reads_an_earlier_state_is_said_to_be_in_the_way(
         if person.database.engine.dialect.name == "sqlite":
             impatient(person.database)
         with pytest.raises(InputError, match=re.compile("deleted is deleted.*again", re.DOTALL)):
-            leave_nothing(person.database)
-    leave_nothing(person.database)
+            scrub(person.database)
+    scrub(person.database)
 
 
 def impatient(database: Database) -> None:

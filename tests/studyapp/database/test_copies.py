@@ -11,10 +11,10 @@ from sqlalchemy import create_engine, select, text
 
 from motion.errors import InputError
 from studyapp.database.copies import (
+    count_rows,
     fill_from_copy,
-    flaws_of_copy,
+    find_flaws,
     require_empty,
-    rows_of_copy,
     write_copy,
 )
 from studyapp.database.engine import Database, sqlite_url
@@ -70,8 +70,8 @@ def test_a_copy_holds_every_row_as_it_was(
     write_copy(database_url, tmp_path / "copy.db")
 
     assert rows_at(sqlite_url(tmp_path / "copy.db")) == rows_of(answered.database)
-    assert flaws_of_copy(tmp_path / "copy.db") == []
-    assert rows_of_copy(tmp_path / "copy.db")["responses"] == 2
+    assert find_flaws(tmp_path / "copy.db") == []
+    assert count_rows(tmp_path / "copy.db")["responses"] == 2
 
 
 @SQLITE
@@ -168,7 +168,7 @@ def test_a_damaged_copy_is_found(answered: Participant, database_url: str, tmp_p
     with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
         copy.execute("DELETE FROM trials WHERE id = 1")
         copy.commit()
-    assert "rows belong to rows that are not there" in flaws_of_copy(tmp_path / "copy.db")[0]
+    assert "rows belong to rows that are not there" in find_flaws(tmp_path / "copy.db")[0]
 
     (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
-    assert flaws_of_copy(tmp_path / "copy.db")
+    assert find_flaws(tmp_path / "copy.db")

@@ -22,8 +22,8 @@ from studyapp.database.engine import (
     sqlite_file,
     sqlite_url,
 )
-from studyapp.database.postgresql import Turn, take_turn, taking_time
-from studyapp.database.sqlite import keeper_of
+from studyapp.database.postgresql import Turn, take_turn, without_timeout
+from studyapp.database.sqlite import lock_waiter
 from studyapp.database.tables import Place
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
@@ -229,7 +229,7 @@ def test_reading_brings_an_older_schema_to_nothing_newer(
     path = tmp_path / "older.db"
     Database.open(sqlite_url(path)).close()
     before = files(tmp_path)
-    monkeypatch.setattr("studyapp.database.engine._head", lambda: "9999")
+    monkeypatch.setattr("studyapp.database.engine._newest_schema", lambda: "9999")
 
     with pytest.raises(InputError, match=r"older\.db.*schema \w+\).*motionjury serve"):
         Database.open_for_reading(sqlite_url(path))
@@ -321,7 +321,7 @@ def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
         waiting = []
         for number in range(2):
             waiting.append(pool.submit(write, number))
-            while len(keeper_of(f"{tmp_path / 'line.db-line'}", os.getpid()).waiting) <= number:
+            while len(lock_waiter(f"{tmp_path / 'line.db-line'}", os.getpid()).waiting) <= number:
                 assert not first.done()
         held.set()
         for done in (first, *waiting):
@@ -335,7 +335,7 @@ def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
 def test_a_frozen_server_is_given_up_and_its_connection_replaced(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studyapp.database.postgresql.REST_SECONDS", 0.0)
+    monkeypatch.setattr("studyapp.database.postgresql.IDLE_SECONDS", 0.0)
     monkeypatch.setattr("studyapp.database.postgresql.ALIVE_SECONDS", 0.2)
     ask = text("SELECT pg_backend_pid()")
     with database.looking_up() as connection:
@@ -365,7 +365,7 @@ def test_every_statement_has_an_end_unless_it_takes_time(database: Database) -> 
     limit = text("SHOW statement_timeout")
     with database.writing() as session:
         assert session.scalar(limit) == "30s"
-        with taking_time(session.connection()):
+        with without_timeout(session.connection()):
             assert session.scalar(limit) == "0"
     with database.looking_up() as connection:
         assert connection.scalar(limit) == "30s"
@@ -410,12 +410,12 @@ def test_whoever_holds_the_line_without_end_keeps_others_waiting_for_a_while_onl
     database = Database.open(sqlite_url(tmp_path / "responses.db"))
     with (tmp_path / "responses.db-line").open("w") as held:
         fcntl.flock(held, fcntl.LOCK_EX)
-        monkeypatch.setattr("studyapp.database.sqlite.LINE_SECONDS", 0.1)
+        monkeypatch.setattr("studyapp.database.sqlite.WRITER_LOCK_SECONDS", 0.1)
         for _ in range(2):
             with pytest.raises(InputError, match="db-line: another process keeps"):
-                database.try_writing()
+                database.check_writable()
     # Who gave up left nothing locked behind.
     monkeypatch.undo()
     for _ in range(3):
-        database.try_writing()
+        database.check_writable()
     database.close()

@@ -7,7 +7,7 @@ from pathlib import Path
 from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.jobs import Job
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.audit import logged_changes, looks
+from studyapp.researchers.audit import latest_changes, latest_looks
 from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -24,7 +24,7 @@ def downloaded(browser: ResearchBrowser, address: str) -> bytes:
 
 
 def changes(tiny: LabStudy) -> list[tuple[str, str, str]]:
-    return [(each.researcher, each.event, each.detail) for each in logged_changes(tiny.database)]
+    return [(each.researcher, each.event, each.detail) for each in latest_changes(tiny.database)]
 
 
 def made_before(tiny: LabStudy) -> None:
@@ -162,7 +162,7 @@ def test_answers_before_the_end_are_for_whoever_has_said_why(
     assert ("Ada", "downloaded", "Tables of answers") in changes(tiny)
     assert ada.post(f"{JOBS}tables").status_code == 303
     assert wait_until_ended(tiny.folder.jobs, "tables").state == "done"
-    newest = looks(tiny.database)[0]
+    newest = latest_looks(tiny.database)[0]
     assert (newest.way, newest.researcher, newest.reason) == (
         "export",
         "Ada",

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from studyapp.cli.main import group
 from studyapp.desk.lab import Lab
-from studyapp.researchers.account import accounts
+from studyapp.researchers.account import list_accounts
 from studyapp.study.interview import TEMPLATE_DESCRIPTIONS
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import read_study
@@ -58,7 +58,7 @@ def test_the_form_as_it_comes_makes_what_init_makes(
     CliRunner().invoke(group, ["init", str(tmp_path / "made"), *options], catch_exceptions=False)
     made, expected = (read_study(root / "made" / "study.toml") for root in (lab.folder, tmp_path))
     assert made == expected
-    (owner,) = accounts(lab.study("made").database)  # type: ignore[union-attr]
+    (owner,) = list_accounts(lab.study("made").database)  # type: ignore[union-attr]
     assert (owner.name, owner.role) == ("Grace", "owner")
     assert "made" in grace.get("/research/").text
 

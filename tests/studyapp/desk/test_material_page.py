@@ -11,7 +11,7 @@ import pytest
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.audit import latest_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
 from tests.studyapp.desk.conftest import Joined
@@ -147,7 +147,7 @@ def test_a_file_is_removed_for_good_once_somebody_says_so(
     assert path.is_file()
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove", sure="on").status_code == 303
     assert not path.exists()
-    newest = logged_changes(tiny.database)[0]
+    newest = latest_changes(tiny.database)[0]
     assert (newest.event, newest.detail) == (
         "file removed",
         "motion/mismatched/take-1.npz",

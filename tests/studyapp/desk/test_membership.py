@@ -8,7 +8,7 @@ from flask import Flask
 
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.account import accounts, shut_out
+from studyapp.researchers.account import list_accounts, remove_access
 from studyapp.researchers.links import invite, join
 from tests.studyapp.desk.conftest import Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -30,7 +30,7 @@ def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk
     assert researcher("Ada").post(f"{TINY}take-over").status_code == 303
     grace = researcher("Grace")
     assert grace.post(f"{TINY}take-over").status_code == 409
-    assert [each.name for each in accounts(tiny.database)] == ["Ada"]
+    assert [each.name for each in list_accounts(tiny.database)] == ["Ada"]
 
 
 def test_who_belongs_to_a_study_opens_it_without_another_password(ada: ResearchBrowser) -> None:
@@ -95,8 +95,8 @@ def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
 ) -> None:
     ada.post(f"{TINY}open")
     researcher("Grace", "owner")
-    (number,) = (each.id for each in accounts(lab.database) if each.name == "Ada")
-    shut_out(lab.database, lab.clock, number, by="Grace")
+    (number,) = (each.id for each in list_accounts(lab.database) if each.name == "Ada")
+    remove_access(lab.database, lab.clock, number, by="Grace")
     assert ada.client.get(INSIDE).status_code == 303
     assert ada.client.get("/research/").status_code == 303
 
@@ -107,8 +107,8 @@ def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
     mary = researcher("Mary", "viewer")
     mary.post(f"{TINY}join/{invited(lab, tiny)}", name="Mary")
     mary.post(f"{TINY}open")
-    (number,) = (each.id for each in accounts(tiny.database) if each.name == "Mary")
-    shut_out(tiny.database, lab.clock, number, by="Ada")
+    (number,) = (each.id for each in list_accounts(tiny.database) if each.name == "Mary")
+    remove_access(tiny.database, lab.clock, number, by="Ada")
     assert mary.client.get(INSIDE).status_code == 303
     mary.get(TINY, 404)
 

@@ -8,7 +8,7 @@ import pytest
 
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
-from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.audit import latest_changes
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -32,7 +32,7 @@ def test_what_is_saved_is_what_was_typed(tiny: LabStudy, ada: ResearchBrowser, f
     assert answer.status_code == 303
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
-    newest = logged_changes(tiny.database)[0]
+    newest = latest_changes(tiny.database)[0]
     assert (newest.researcher, newest.event, newest.detail) == (
         "Ada",
         "study file edited",

@@ -17,7 +17,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import Alarm
 from studyapp.monitoring.alarms import SMTP, WEBHOOK, AlarmChannels, raise_alarms
-from studyapp.session.arrivals import count_newcomer
+from studyapp.session.arrivals import add_newcomer
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Alarms
 from tests.support.servers.local_server import listening
@@ -51,7 +51,7 @@ class Outbox:
     def come(self, address: str, how_many: int) -> None:
         with self.database.writing() as session:
             for _ in range(how_many):
-                count_newcomer(session, address, self.clock.now())
+                add_newcomer(session, address, self.clock.now())
 
 
 @pytest.fixture

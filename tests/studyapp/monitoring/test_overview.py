@@ -13,7 +13,7 @@ from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import Overview, overview
 from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
-from studyapp.session.ending import FEWEST_LEFT_OUT, withdraw
+from studyapp.session.ending import MIN_SKIPPED_TRIALS, withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.watch_evidence import Playback
@@ -160,7 +160,7 @@ def test_who_left_out_too_many_videos_is_named_with_how_many(
 
     assert (found.unwatched, found.lapsed, found.places.active) == (1, 0, 1)
     assert [(each.id, each.standing, each.left_out) for each in found.leaving_out] == [
-        (1, "unwatched", FEWEST_LEFT_OUT + 1),
+        (1, "unwatched", MIN_SKIPPED_TRIALS + 1),
         (2, "active", 1),
     ]
 

@@ -10,7 +10,7 @@ from studyapp.recruitment.invitations import (
     make_invitations,
 )
 from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol, enrolled
+from studyapp.session.enrolment import enrol, resume
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -34,12 +34,12 @@ def test_an_invitation_is_one_study_session_however_often_it_is_used(
 ) -> None:
     token, _other = make_invitations(opened, 2, clock)
     holder = Arrival(visit=invited(opened, token))
-    assert enrolled(opened, served, holder, clock) is None
+    assert resume(opened, served, holder, clock) is None
 
     first = enrol(opened, served, holder, clock)
 
     assert enrol(opened, served, holder, clock) == first
-    assert enrolled(opened, served, holder, clock) == first
+    assert resume(opened, served, holder, clock) == first
     found = invitation_counts(opened)
     assert (found.made, found.begun, found.completed) == (2, 1, 0)
     Participant(opened, served, clock, first).begin().take_all()

@@ -8,8 +8,8 @@ import pytest
 
 from studyapp.database.engine import Database
 from studyapp.researchers.account import Account, Role
-from studyapp.researchers.links import choose_password, invite, join, link_of, offer_new_password
-from studyapp.researchers.logins import WrongLoginError, log_in, logged_in
+from studyapp.researchers.links import choose_password, find_link, invite, join, offer_new_password
+from studyapp.researchers.logins import WrongLoginError, find_account_by_login, log_in
 from tests.support.researchers_at_hand import HERE, PASSWORD, joined
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -45,7 +45,7 @@ class Door:
         return str(refused.value)
 
     def who(self, login: str, *, by_hand: bool = True) -> Account | None:
-        return logged_in(self.database, login, self.clock.now(), by_hand=by_hand)
+        return find_account_by_login(self.database, login, self.clock.now(), by_hand=by_hand)
 
     def invite(self, role: Role = "viewer") -> str:
         return invite(self.database, self.clock, role=role, by="Ada")
@@ -60,7 +60,7 @@ class Door:
         return choose_password(self.database, self.clock, token, password=NEW)
 
     def purpose(self, token: str) -> str:
-        return link_of(self.database, token, self.clock.now()).purpose
+        return find_link(self.database, token, self.clock.now()).purpose
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studyapp.database.engine import Database
-from studyapp.researchers.audit import StudyState, logged_changes, looks, note_look
+from studyapp.researchers.audit import StudyState, latest_changes, latest_looks, log_look
 from studyapp.results.stored_answers import stored_answers
 from tests.support.read_once import read_once
 from tests.support.servers.both_databases import BOTH
@@ -18,7 +18,7 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered_for_others(
 ) -> None:
     for by, reason in (("Ada", "a video broke"), ("", ""), ("Grace", "curious"), ("Ada", "again")):
         with opened.writing() as session:
-            note_look(
+            log_look(
                 session,
                 clock.now(),
                 STATE,
@@ -27,10 +27,10 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered_for_others(
                 reason=reason,
             )
 
-    found = looks(opened)
+    found = latest_looks(opened)
     assert [look.researcher for look in found] == ["Ada", "Grace", "", "Ada"]
     assert {(look.finished, look.planned, look.answers) for look in found} == {(12, 25, 300)}
-    newest = logged_changes(opened)[0]
+    newest = latest_changes(opened)[0]
     assert (newest.event, newest.researcher) == ("results looked at", "Ada")
     assert newest.detail == "12 of 25 participants had finished"
     passed_on = read_once(opened, stored_answers).looks

@@ -9,8 +9,8 @@ from typing import TypeVar
 import pytest
 
 from motion.errors import InputError
-from studyapp.researchers.account import accounts, let_in_again, shut_out
-from studyapp.researchers.attempts import MOST_OF_NAME, TooManyAttemptsError
+from studyapp.researchers.account import list_accounts, remove_access, restore_access
+from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.links import UnusableLinkError
 from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door
@@ -40,20 +40,20 @@ def test_an_account_lives_from_the_link_to_the_end(door: Door) -> None:
     assert door.who(login) is not None
     door.choose(door.offer("Charles"))
     assert door.who(login) is None
-    shut_out(door.database, door.clock, number, by="Ada")
-    let_in_again(door.database, door.clock, number, by="Ada")
+    remove_access(door.database, door.clock, number, by="Ada")
+    restore_access(door.database, door.clock, number, by="Ada")
 
     door.enter("Charles", NEW)
 
-    assert [account.disabled_at for account in accounts(door.database)] == [None, None]
+    assert [account.disabled_at for account in list_accounts(door.database)] == [None, None]
     with pytest.raises(InputError, match="already"):
         door.use(door.invite(), "ada")
 
 
 def test_attempts_at_the_same_moment_get_no_further(door: Door) -> None:
-    raised = at_once(lambda _: door.enter(password="wrong"), range(MOST_OF_NAME + 6))  # noqa: S106
+    raised = at_once(lambda _: door.enter(password="wrong"), range(MAX_ATTEMPTS_PER_NAME + 6))  # noqa: S106
 
-    assert raised.count(WrongLoginError) == MOST_OF_NAME
+    assert raised.count(WrongLoginError) == MAX_ATTEMPTS_PER_NAME
     assert raised.count(TooManyAttemptsError) == 6
 
 
@@ -63,13 +63,13 @@ def test_a_link_used_by_two_at_once_makes_one_account(door: Door) -> None:
     raised = at_once(lambda name: door.use(token, name), ["Bea", "Charles", "Mary", "George"])
 
     assert raised == [UnusableLinkError] * 3
-    assert len(accounts(door.database)) == 2
+    assert len(list_accounts(door.database)) == 2
 
 
 def test_owners_who_shut_each_other_out_at_once_leave_one(door: Door) -> None:
     owners = [door.ada, *(door.join(name, "owner") for name in ("Charles", "Mary"))]
 
-    raised = at_once(lambda one: shut_out(door.database, door.clock, one, by=""), owners)
+    raised = at_once(lambda one: remove_access(door.database, door.clock, one, by=""), owners)
 
     assert raised == [InputError]
-    assert sum(account.disabled_at is None for account in accounts(door.database)) == 1
+    assert sum(account.disabled_at is None for account in list_accounts(door.database)) == 1

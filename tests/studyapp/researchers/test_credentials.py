@@ -10,15 +10,15 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.tables import Researcher
-from studyapp.researchers.attempts import MOST_OF_NAME, TooManyAttemptsError
+from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.credentials import (
-    LONGEST,
+    MAX_PASSWORD_LENGTH,
     check_password,
-    hashed,
-    is_right,
+    disable_second_factor,
+    enable_second_factor,
+    hash_password,
     new_secret,
-    turn_off,
-    turn_on,
+    verify_password,
 )
 from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door
@@ -45,14 +45,14 @@ def test_what_everybody_tries_first_is_refused(
             check_password(password, name="Ada Lovelace")
 
 
-@pytest.mark.parametrize("length", [0, 11, LONGEST + 1])
+@pytest.mark.parametrize("length", [0, 11, MAX_PASSWORD_LENGTH + 1])
 def test_a_password_of_another_length_is_refused_with_both_limits(length: int) -> None:
     with pytest.raises(InputError, match=rf"12 to 256 characters, this one has {length}"):
         check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada")
 
 
 def test_a_password_is_the_same_however_its_letters_are_encoded() -> None:
-    assert is_right(hashed("gru\u0308ne Wiesen im Mai"), "gr\u00fcne Wiesen im Mai")
+    assert verify_password(hash_password("gru\u0308ne Wiesen im Mai"), "gr\u00fcne Wiesen im Mai")
 
 
 class Device(NamedTuple):
@@ -74,7 +74,7 @@ def code_of(door: Door, secret: str, seconds: float = 0) -> str:
 def device(door: Door) -> Device:
     secret = new_secret()
     given = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
-    recovery = turn_on(door.database, door.clock, door.ada, **given, address=HERE)
+    recovery = enable_second_factor(door.database, door.clock, door.ada, **given, address=HERE)
     door.clock.advance(seconds=30)
     return Device(door, secret, recovery)
 
@@ -109,19 +109,19 @@ def test_turning_it_on_or_off_needs_the_password_and_a_code_that_fits(door: Door
     right = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
     for wrong in ({"password": "wrong"}, {"code": "000000"}, {"secret": "short"}):
         with pytest.raises(InputError):
-            turn_on(door.database, door.clock, door.ada, **right | wrong, address=HERE)
+            enable_second_factor(door.database, door.clock, door.ada, **right | wrong, address=HERE)
     door.enter()
-    turn_on(door.database, door.clock, door.ada, **right, address=HERE)
+    enable_second_factor(door.database, door.clock, door.ada, **right, address=HERE)
 
     with pytest.raises(InputError):
-        turn_off(door.database, door.clock, door.ada, password="wrong", address=HERE)  # noqa: S106
+        disable_second_factor(door.database, door.clock, door.ada, password="wrong", address=HERE)  # noqa: S106
     door.turns_away()
-    turn_off(door.database, door.clock, door.ada, password=PASSWORD, address=HERE)
+    disable_second_factor(door.database, door.clock, door.ada, password=PASSWORD, address=HERE)
     door.enter()
 
 
 def test_codes_cannot_be_guessed_on_and_on(door: Door, device: Device) -> None:
-    for number in range(MOST_OF_NAME):
+    for number in range(MAX_ATTEMPTS_PER_NAME):
         with suppress(WrongLoginError):
             door.enter(code=f"{number:06}")
 

@@ -11,16 +11,16 @@ from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, ExclusionDecision
-from studyapp.researchers.audit import ERASED, StudyState, logged_changes, note_look
+from studyapp.researchers.audit import ERASED, StudyState, latest_changes, log_look
 from studyapp.researchers.exclusion_decisions import (
+    current_exclusions,
     decide_exclusion,
     exclusion_decisions,
-    standing_exclusions,
 )
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find
+from studyapp.session.state import find_study_session
 from tests.support.read_once import read_once
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -41,7 +41,7 @@ def decided(database: Database, number: int) -> Sequence[ExclusionDecision]:
 
 def excluded(database: Database) -> dict[int, str]:
     with database.reading() as session:
-        return {number: reason for number, reason, _ in session.execute(standing_exclusions())}
+        return {number: reason for number, reason, _ in session.execute(current_exclusions())}
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetC
         (False, "Charles", "awake"),
         (True, "Ada", "first"),
     ]
-    lines = [(line.event, line.detail, line.reason) for line in logged_changes(opened)]
+    lines = [(line.event, line.detail, line.reason) for line in latest_changes(opened)]
     assert lines[0] == ("participant excluded", "study session 3", "second")
     assert lines[1] == ("participant reinstated", "study session 3", "awake")
     assert len(lines) == 6
@@ -85,7 +85,7 @@ def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
     clock.advance(seconds=1)
     with opened.writing() as session:
         state = StudyState(finished=0, planned=4, answers=0)
-        note_look(session, clock.now(), state, way="page", by="Ada", reason="curious")
+        log_look(session, clock.now(), state, way="page", by="Ada", reason="curious")
     clock.advance(seconds=1)
     exclude(opened, clock, 3)
 
@@ -99,7 +99,7 @@ def test_what_cannot_be_decided_changes_nothing(
     database = participant.database
     gone = Participant(database, served, clock).enrol("gone").begin()
     withdraw(database, gone.token, clock)
-    before = logged_changes(database)
+    before = latest_changes(database)
 
     for reason in ("", " \n", "x" * 501, "a\0b", "a\udc80b"):
         with pytest.raises(InputError, match="reason of 1 to 500"):
@@ -112,7 +112,7 @@ def test_what_cannot_be_decided_changes_nothing(
         exclude(database, clock, 2)
 
     assert excluded(database) == {}
-    assert logged_changes(database) == before
+    assert latest_changes(database) == before
     exclude(database, clock, 1)
     with pytest.raises(InputError, match="1 is excluded already"):
         exclude(database, clock, 1)
@@ -134,7 +134,7 @@ def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
         withdraw(database, participant.token, clock)
     else:
         with database.writing() as session:
-            erase(session, find(session, participant.token), None, clock.now())
+            erase(session, find_study_session(session, participant.token), None, clock.now())
 
     assert excluded(database) == {2: "plays at double speed"}
     with database.reading() as session:

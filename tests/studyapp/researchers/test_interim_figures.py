@@ -13,15 +13,15 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import InterimFigures
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim_figures import (
-    GIVEN_UP_AFTER,
-    RESTS,
-    SECONDS,
+    ABANDONED_AFTER,
+    MIN_INTERVALS,
+    TIMEOUT_SECONDS,
     Document,
+    FigureKind,
     FigureProcess,
-    Kept,
     NoFiguresError,
-    What,
-    kept_figures,
+    StoredFigures,
+    stored_figures,
 )
 from studyapp.results.looks import agreement_so_far
 from studyapp.session.served_study import ServedStudy
@@ -31,18 +31,18 @@ from tests.support.servers.both_databases import BOTH
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
-REST = RESTS["results"].total_seconds()
-Ask = Callable[[], Kept]
+REST = MIN_INTERVALS["results"].total_seconds()
+Ask = Callable[[], StoredFigures]
 
 
 @dataclass(frozen=True)
 class CountedFigures(FiguresAtHand):
     """Figures that say how often they were computed, when a test has them computed."""
 
-    computed: list[What] = field(default_factory=list)
+    computed: list[FigureKind] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
-    def compute(self, what: What, *, seconds: float = SECONDS) -> str:
+    def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
         if self.problems:
             raise NoFiguresError(self.problems.pop())
         self.computed.append(what)
@@ -64,7 +64,7 @@ def comer(opened: Database, served: ServedStudy, clock: SetClock) -> Participant
 
 @pytest.fixture
 def ask(opened: Database, clock: SetClock, comer: Participant, figures: CountedFigures) -> Ask:
-    return lambda: kept_figures(opened, clock, "results", figures)
+    return lambda: stored_figures(opened, clock, "results", figures)
 
 
 @BOTH
@@ -72,20 +72,24 @@ def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_ove
     clock: SetClock, comer: Participant, figures: CountedFigures, ask: Ask
 ) -> None:
     first, second = ask(), ask()
-    assert (first.document, first.is_awaited, second.is_awaited) == ("", True, True)
+    assert (first.document, first.is_computing, second.is_computing) == ("", True, True)
     assert figures.work() == 1
-    assert (ask().document, ask().is_current, ask().is_awaited) == ("results 1", True, False)
+    assert (ask().document, ask().is_current, ask().is_computing) == ("results 1", True, False)
     clock.advance(seconds=REST + 1)
     assert ask().is_current and figures.work() == 0
 
     comer.take_trial()
     changed = ask()
-    assert (changed.document, changed.is_current, changed.is_awaited) == ("results 1", False, True)
+    assert (changed.document, changed.is_current, changed.is_computing) == (
+        "results 1",
+        False,
+        True,
+    )
     figures.work()
     comer.take_trial()
     assert (ask().document, ask().is_current, figures.work()) == ("results 2", False, 0)
     clock.advance(seconds=REST + 1)
-    assert (ask().is_awaited, figures.work(), ask().document) == (True, 1, "results 3")
+    assert (ask().is_computing, figures.work(), ask().document) == (True, 1, "results 3")
 
 
 def test_excluding_somebody_makes_figures_old(
@@ -107,7 +111,7 @@ def test_a_process_that_went_away_is_replaced_after_a_while(
     ask()
     assert figures.begun == []
 
-    clock.advance(seconds=GIVEN_UP_AFTER.total_seconds() + 1)
+    clock.advance(seconds=ABANDONED_AFTER.total_seconds() + 1)
     ask()
 
     assert (figures.work(), ask().document) == (1, "results 1")

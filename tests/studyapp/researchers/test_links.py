@@ -4,15 +4,15 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.researchers.account import shut_out
-from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.account import remove_access
+from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.links import (
     LIFETIME,
     UnusableLinkError,
+    find_link,
     first_owner_link,
-    link_of,
-    take_back_link,
-    usable_links,
+    list_usable_links,
+    revoke_link,
 )
 from tests.studyapp.researchers.conftest import NEW, Door
 from tests.support.studies.taking_part_steps import SetClock
@@ -24,8 +24,8 @@ def test_a_newer_link_for_the_first_owner_replaces_the_older(
     older, newer = (first_owner_link(database, clock) or "" for _ in range(2))
 
     with pytest.raises(UnusableLinkError):
-        link_of(database, older, clock.now())
-    assert link_of(database, newer, clock.now()).role == "owner"
+        find_link(database, older, clock.now())
+    assert find_link(database, newer, clock.now()).role == "owner"
 
 
 @pytest.mark.parametrize("purpose", ["invitation", "new_password"])
@@ -39,13 +39,13 @@ def test_a_link_expires(door: Door, purpose: str) -> None:
     for use in (door.purpose, door.choose, door.use):
         with pytest.raises(UnusableLinkError):
             use(token)
-    assert usable_links(door.database, door.clock.now()) == []
+    assert list_usable_links(door.database, door.clock.now()) == []
 
 
 def test_a_name_is_given_once_and_a_refused_one_leaves_the_link_usable(door: Door) -> None:
     token = door.invite("analyst")
 
-    for name, problem in (("ADA", "already"), ("A", "2 to 100"), ("A\x00da", "seen")):
+    for name, problem in (("ADA", "already"), ("A", "2 to 100"), ("A\x00da", "visible")):
         with pytest.raises(InputError, match=problem):
             door.use(token, name)
     door.use(token, "Ada Byron")
@@ -67,7 +67,7 @@ def test_a_link_for_a_new_password_replaces_it_and_ends_all_logins(door: Door) -
 def test_who_is_shut_out_gets_no_new_password(door: Door) -> None:
     out = door.join("Charles", "analyst")
     before = door.offer("Charles")
-    shut_out(door.database, door.clock, out, by="Ada")
+    remove_access(door.database, door.clock, out, by="Ada")
 
     with pytest.raises(InputError, match="no access"):
         door.offer("Charles")
@@ -79,12 +79,12 @@ def test_who_is_shut_out_gets_no_new_password(door: Door) -> None:
 
 def test_a_link_that_was_taken_back_cannot_be_used(door: Door) -> None:
     token = door.invite("owner")
-    (link,) = usable_links(door.database, door.clock.now())
+    (link,) = list_usable_links(door.database, door.clock.now())
 
     for _ in range(2):
-        take_back_link(door.database, door.clock, link.id, by="Ada")
+        revoke_link(door.database, door.clock, link.id, by="Ada")
 
     with pytest.raises(UnusableLinkError):
         door.purpose(token)
-    lines = [(line.researcher, line.event) for line in logged_changes(door.database)]
+    lines = [(line.researcher, line.event) for line in latest_changes(door.database)]
     assert lines[:2] == [("Ada", "link taken back"), ("Ada", "invited")]

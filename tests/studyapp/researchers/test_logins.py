@@ -9,14 +9,14 @@ from sqlalchemy import func, select
 from motion.errors import InputError
 from studyapp.database.tables import LoginAttempt, Researcher, ResearcherLink, ResearcherLogin
 from studyapp.researchers import credentials
-from studyapp.researchers.account import shut_out
+from studyapp.researchers.account import remove_access
 from studyapp.researchers.attempts import (
-    MOST_OF_ADDRESS,
-    MOST_OF_NAME,
+    MAX_ATTEMPTS_PER_ADDRESS,
+    MAX_ATTEMPTS_PER_NAME,
     WINDOW,
     TooManyAttemptsError,
 )
-from studyapp.researchers.logins import IDLE, LONGEST, change_password
+from studyapp.researchers.logins import MAX_DURATION, MAX_IDLE, change_password
 from tests.studyapp.researchers.conftest import Door
 from tests.support.researchers_at_hand import HERE, PASSWORD
 
@@ -26,9 +26,9 @@ ELSEWHERE = "192.0.2.9"
 @pytest.mark.parametrize(
     ("by_hand", "step", "lasts"),
     [
-        (True, IDLE.total_seconds(), 0),
-        (True, IDLE.total_seconds() - 1, int(LONGEST / IDLE)),
-        (False, IDLE.total_seconds() / 3, 2),
+        (True, MAX_IDLE.total_seconds(), 0),
+        (True, MAX_IDLE.total_seconds() - 1, int(MAX_DURATION / MAX_IDLE)),
+        (False, MAX_IDLE.total_seconds() / 3, 2),
     ],
     ids=["idle", "for ever", "a page that refreshes itself"],
 )
@@ -57,7 +57,7 @@ class Counting(PasswordHasher):
 def test_every_refusal_says_the_same_after_the_same_work(
     door: Door, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shut_out(door.database, door.clock, door.join("Charles"), by="Ada")
+    remove_access(door.database, door.clock, door.join("Charles"), by="Ada")
     counting = Counting(time_cost=1, memory_cost=8, parallelism=1)
     counting.verified = []
     monkeypatch.setattr(credentials, "HASHER", counting)
@@ -81,7 +81,7 @@ def test_a_password_is_hashed_anew_when_the_parameters_have_changed(
 
 
 def test_after_too_many_attempts_not_even_the_right_password_helps_for_a_while(door: Door) -> None:
-    for _ in range(MOST_OF_NAME):
+    for _ in range(MAX_ATTEMPTS_PER_NAME):
         door.clock.advance(seconds=1)
         door.turns_away("ada", "wrong")
 
@@ -96,7 +96,7 @@ def test_after_too_many_attempts_not_even_the_right_password_helps_for_a_while(d
 
 
 def test_after_the_clock_went_back_an_hour_nobody_is_locked_out_for_longer(door: Door) -> None:
-    for _ in range(MOST_OF_NAME):
+    for _ in range(MAX_ATTEMPTS_PER_NAME):
         door.turns_away("ada", "wrong")
     door.clock.advance(hours=-1)
 
@@ -104,7 +104,7 @@ def test_after_the_clock_went_back_an_hour_nobody_is_locked_out_for_longer(door:
 
 
 def test_one_address_cannot_try_many_names(door: Door) -> None:
-    for number in range(MOST_OF_ADDRESS):
+    for number in range(MAX_ATTEMPTS_PER_ADDRESS):
         door.turns_away(f"name {number}", "wrong")
 
     with pytest.raises(TooManyAttemptsError):
@@ -114,7 +114,7 @@ def test_one_address_cannot_try_many_names(door: Door) -> None:
 
 def test_the_right_password_forgives_wrong_ones_and_old_attempts_are_not_kept(door: Door) -> None:
     for _ in range(2):
-        for _ in range(MOST_OF_NAME - 1):
+        for _ in range(MAX_ATTEMPTS_PER_NAME - 1):
             door.turns_away(password="wrong")  # noqa: S106
         door.enter()
     door.turns_away("Other")
@@ -130,7 +130,7 @@ def test_guessing_the_old_password_is_counted_like_logging_in(door: Door) -> Non
         given = {"old": old, "new": "x", "address": HERE}
         change_password(door.database, door.clock, researcher_id=door.ada, **given)
 
-    for _ in range(MOST_OF_NAME):
+    for _ in range(MAX_ATTEMPTS_PER_NAME):
         with suppress(InputError):
             change("wrong")
 

@@ -13,7 +13,7 @@ from sqlalchemy import update
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.stats.multiple_testing import equally_spaced, false_positive_rate
 from studyapp.database.tables import StudySession
-from studyapp.researchers.audit import StudyState, looks, note_look
+from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
@@ -33,7 +33,9 @@ def folder(answered: Answered) -> StudyFolder:
 
 def stored_looks(folder: StudyFolder) -> list[tuple[str, str, str, int]]:
     with opened(folder.responses) as database:
-        return [(one.way, one.researcher, one.reason, one.finished) for one in looks(database)]
+        return [
+            (one.way, one.researcher, one.reason, one.finished) for one in latest_looks(database)
+        ]
 
 
 def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: int = 1) -> None:
@@ -41,7 +43,7 @@ def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: i
     with writing(folder.responses) as session:
         for _ in range(times):
             state = StudyState(finished=finished, planned=25, answers=10 * finished)
-            note_look(session, NOON, state, way="page", by=by, reason=reason)
+            log_look(session, NOON, state, way="page", by=by, reason=reason)
 
 
 def complete(folder: StudyFolder) -> None:

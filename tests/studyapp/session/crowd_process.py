@@ -16,12 +16,12 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
-from studyapp.session.answers import answer
+from studyapp.session.answers import store_answers
 from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import begin
+from studyapp.session.comprehension import start_trials
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import look
+from studyapp.session.participation import load_situation
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
 from tests.studyapp.session.ledger import good_value
 from tests.support.studies.taking_part_steps import SetClock
@@ -98,13 +98,15 @@ class Server:
                 return replace(done, outcome="withdrawn")
             return done
         if step.deed == "look":
-            going_on = look(self.database, self.served, token, self.clock).state == "started"
+            going_on = (
+                load_situation(self.database, self.served, token, self.clock).state == "started"
+            )
             return replace(done, outcome="going on" if going_on else "ended")
         return self.take_trial(done)
 
     def take_trial(self, done: Done) -> Done:
-        begin(self.database, self.served, done.token, self.clock)
-        shown = look(self.database, self.served, done.token, self.clock).trial
+        start_trials(self.database, self.served, done.token, self.clock)
+        shown = load_situation(self.database, self.served, done.token, self.clock).trial
         if shown is None:
             return replace(done, outcome="ended")
         with self.database.reading() as session:
@@ -112,7 +114,7 @@ class Server:
             value = good_value(trial.expected or 2)
         fields = {"rhythm": [str(value)], "emotion": [str(value)]}
         try:
-            answer(self.database, self.served, done.token, shown.token, fields, self.clock)
+            store_answers(self.database, self.served, done.token, shown.token, fields, self.clock)
         except RefusalError:
             return done
         return replace(done, outcome="answered", trial=shown.token, value=value)

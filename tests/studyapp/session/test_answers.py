@@ -7,7 +7,7 @@ from sqlalchemy import select, update
 
 from studyapp.database.tables import Response, StudySession, Video
 from studyapp.session.answers import skip_unplayable
-from studyapp.session.ending import FEWEST_LEFT_OUT
+from studyapp.session.ending import MIN_SKIPPED_TRIALS
 from studyapp.session.refusal import (
     ConflictError,
     UnacceptableError,
@@ -137,7 +137,7 @@ def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
 def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
     participant: Participant,
 ) -> None:
-    for _ in range(FEWEST_LEFT_OUT):
+    for _ in range(MIN_SKIPPED_TRIALS):
         participant.leave_out()
         assert participant.look().state == "started"
     participant.leave_out()
@@ -148,7 +148,7 @@ def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
         (known,) = session.scalars(select(StudySession))
         assert known.outcome == "unwatched"
         assert known.place is None
-        last = known.trials[FEWEST_LEFT_OUT]
+        last = known.trials[MIN_SKIPPED_TRIALS]
         assert not last.settled
     assert participant.look().state == "unwatched"
     with pytest.raises(ConflictError, match="Too many videos"):

@@ -19,10 +19,10 @@ def resting(open_changed: Open) -> Participant:
 def test_breaks_come_between_trials_and_never_right_before_the_end(resting: Participant) -> None:
     breaks = []
     while (situation := resting.look()).state != "completed":
-        if situation.rest is not None:
-            breaks.append((situation.rest.done, situation.rest.position))
+        if situation.offered_break is not None:
+            breaks.append((situation.offered_break.done, situation.offered_break.position))
             assert situation.trial is None
-            resting.do(leave_break, situation.rest.position)
+            resting.do(leave_break, situation.offered_break.position)
         else:
             resting.take_trial()
 
@@ -35,7 +35,7 @@ def test_a_break_waits_until_it_is_left(resting: Participant) -> None:
 
     for stale in (1, 2, 5):
         resting.do(leave_break, stale)
-        assert resting.look().rest is not None
+        assert resting.look().offered_break is not None
 
     resting.do(leave_break, 3)
     resting.do(leave_break, 3)
@@ -45,7 +45,7 @@ def test_a_break_waits_until_it_is_left(resting: Participant) -> None:
 def test_a_break_takes_no_time_from_the_trial_after_it(resting: Participant) -> None:
     for _ in range(2):
         resting.take_trial()
-    left = resting.look().rest
+    left = resting.look().offered_break
     assert left is not None
 
     resting.clock.advance(minutes=30)

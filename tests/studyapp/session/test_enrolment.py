@@ -13,7 +13,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Newcomer, Place
 from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol, require_welcome
+from studyapp.session.enrolment import enrol, require_admission
 from studyapp.session.intake import take_allocation_turn
 from studyapp.session.places import take_open_place
 from studyapp.session.refusal import (
@@ -105,7 +105,7 @@ def test_one_network_address_takes_so_many_places_an_hour(
     tokens = [arrive(number, "192.0.2.1") for number in range(2)]
     late = Arrival(visit="visit 2", address="192.0.2.1")
     with pytest.raises(CrowdedAddressError):
-        require_welcome(opened, limited, late, clock)
+        require_admission(opened, limited, late, clock)
     with pytest.raises(CrowdedAddressError):
         arrive(2, "192.0.2.1")
     assert arrive(1, "192.0.2.1") == tokens[1]

@@ -6,7 +6,7 @@ from sqlalchemy import select
 from studyapp.database.tables import FormAnswer
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
-from studyapp.session.form_answers import answer_form
+from studyapp.session.form_answers import store_form_answers
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
@@ -35,13 +35,13 @@ def test_questions_come_before_the_trials_and_after_them(asking: Participant) ->
     assert asking.look().form == "demographics"
     assert asking.begin().look().state == "instructed"
 
-    asking.do(answer_form, "demographics", ABOUT)
+    asking.do(store_form_answers, "demographics", ABOUT)
     assert asking.begin().look().form is None
     while asking.look().trial is not None:
         asking.take_trial()
 
     assert (asking.look().form, asking.look().completion_code) == ("closing", None)
-    asking.do(answer_form, "closing", {"comment": "Good."})
+    asking.do(store_form_answers, "closing", {"comment": "Good."})
     assert asking.look().completion_code
     table = read_once(asking.database, form_answers_table)
     assert table["question"].tolist() == ["adult", "age", "work", "comment"]
@@ -57,24 +57,24 @@ def test_the_same_answers_twice_are_stored_once_and_others_are_refused(
     asking: Participant,
 ) -> None:
     come(asking, **ADULT)
-    asking.do(answer_form, "demographics", ABOUT)
-    asking.do(answer_form, "demographics", ABOUT)
+    asking.do(store_form_answers, "demographics", ABOUT)
+    asking.do(store_form_answers, "demographics", ABOUT)
 
     with pytest.raises(ConflictError, match="already answered"):
-        asking.do(answer_form, "demographics", {"age": "32"})
+        asking.do(store_form_answers, "demographics", {"age": "32"})
     assert len(stored(asking)) == 3
 
 
 def test_every_question_that_needs_another_answer_is_named(asking: Participant) -> None:
     come(asking, **ADULT)
     with pytest.raises(UnacceptableError, match="Question 1 needs a whole number from 18 to 120"):
-        asking.do(answer_form, "demographics", {"age": "17"})
+        asking.do(store_form_answers, "demographics", {"age": "17"})
     too_long = "x" * 2001
 
     with pytest.raises(UnacceptableError, match="Questions 1 and 2 have no answer yet, or one"):
-        asking.do(answer_form, "demographics", {"age": "", "work": too_long})
+        asking.do(store_form_answers, "demographics", {"age": "", "work": too_long})
     with pytest.raises(UnacceptableError, match="to question 2 is longer than 2000 characters"):
-        asking.do(answer_form, "demographics", {"age": "31", "work": too_long})
+        asking.do(store_form_answers, "demographics", {"age": "31", "work": too_long})
     assert asking.look().form == "demographics"
 
 
@@ -82,4 +82,4 @@ def test_closing_questions_cannot_be_answered_before_the_trials(asking: Particip
     come(asking, **ADULT)
 
     with pytest.raises(ConflictError, match="not the questions you are on"):
-        asking.do(answer_form, "closing", {"comment": "Early."})
+        asking.do(store_form_answers, "closing", {"comment": "Early."})

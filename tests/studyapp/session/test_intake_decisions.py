@@ -9,14 +9,14 @@ from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place
 from studyapp.monitoring.overview import overview
-from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.audit import latest_changes
 from studyapp.session.intake import (
-    MOST_MORE,
+    MAX_ADDED_PLACES,
     Intake,
-    decided,
-    extend,
-    present_intake,
-    steer,
+    add_places,
+    change_intake,
+    current_intake,
+    intake_changes,
 )
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
@@ -32,7 +32,7 @@ def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
 ) -> None:
     there = Participant(opened, served, clock).enrol("there").begin()
 
-    steer(opened, served, clock, "paused", by="Ada", reason="the server moves")
+    change_intake(opened, served, clock, "paused", by="Ada", reason="the server moves")
 
     with pytest.raises(StudyFullError, match=r"paused at the moment\..*come back later"):
         Participant(opened, served, clock).enrol("new")
@@ -40,9 +40,9 @@ def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
     again = Participant(opened, served, clock).enrol("there")
     assert again.token == there.token
     assert again.take_all()
-    steer(opened, served, clock, "open", by="Ada", reason="it has moved")
+    change_intake(opened, served, clock, "open", by="Ada", reason="it has moved")
     Participant(opened, served, clock).enrol("new").begin()
-    assert [(line.researcher, line.reason) for line in logged_changes(opened)] == [
+    assert [(line.researcher, line.reason) for line in latest_changes(opened)] == [
         ("Ada", "it has moved"),
         ("Ada", "the server moves"),
     ]
@@ -56,12 +56,12 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
     with pytest.raises(StudyFullError):
         Participant(opened, served, clock).enrol("late")
 
-    extend(opened, served, clock, 1, by="Ada", reason="two were ill")
-    extend(opened, served, clock, 1, by="Ada", reason="one more")
-    steer(opened, served, clock, "closed", by="Ada", reason="for a moment")
+    add_places(opened, served, clock, 1, by="Ada", reason="two were ill")
+    add_places(opened, served, clock, 1, by="Ada", reason="one more")
+    change_intake(opened, served, clock, "closed", by="Ada", reason="for a moment")
     with pytest.raises(StudyFullError, match="The study is over"):
         Participant(opened, served, clock).enrol("late")
-    steer(opened, served, clock, "open", by="Ada", reason="go on")
+    change_intake(opened, served, clock, "open", by="Ada", reason="go on")
     open_study(opened, served, clock)
 
     for number in range(2):
@@ -78,13 +78,13 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
 def test_pausing_keeps_what_was_extended_and_the_other_way_round(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
-    extend(opened, served, clock, 3, by="Ada", reason="more")
-    steer(opened, served, clock, "paused", by="Charles", reason="lunch")
-    extend(opened, served, clock, 2, by="Ada", reason="and more")
+    add_places(opened, served, clock, 3, by="Ada", reason="more")
+    change_intake(opened, served, clock, "paused", by="Charles", reason="lunch")
+    add_places(opened, served, clock, 2, by="Ada", reason="and more")
 
     with opened.reading() as session:
-        assert present_intake(session) == Intake(state="paused", more_places=5)
-    assert [(each.state, each.more_places, each.researcher) for each in decided(opened)] == [
+        assert current_intake(session) == Intake(state="paused", more_places=5)
+    assert [(each.state, each.more_places, each.researcher) for each in intake_changes(opened)] == [
         ("paused", 5, "Ada"),
         ("paused", 3, "Charles"),
         ("open", 3, "Ada"),
@@ -99,12 +99,12 @@ def test_what_cannot_be_decided_changes_nothing(
 ) -> None:
     for reason in ("", "  ", "x" * 501, "a\0b"):
         with pytest.raises(InputError, match="reason of 1 to 500"):
-            steer(opened, served, clock, "paused", by="Ada", reason=reason)
+            change_intake(opened, served, clock, "paused", by="Ada", reason=reason)
     with pytest.raises(InputError, match="so already"):
-        steer(opened, served, clock, "open", by="Ada", reason="why not")
-    for more in (0, -1, MOST_MORE + 1):
+        change_intake(opened, served, clock, "open", by="Ada", reason="why not")
+    for more in (0, -1, MAX_ADDED_PLACES + 1):
         with pytest.raises(InputError, match="no number of places"):
-            extend(opened, served, clock, more, by="Ada", reason="why not")
+            add_places(opened, served, clock, more, by="Ada", reason="why not")
 
-    assert decided(opened) == []
-    assert logged_changes(opened) == []
+    assert intake_changes(opened) == []
+    assert latest_changes(opened) == []

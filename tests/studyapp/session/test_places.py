@@ -9,9 +9,9 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
-from studyapp.session.places import release_stale
+from studyapp.session.places import release_stale_places
 from studyapp.session.refusal import StudyFullError
-from studyapp.session.state import find
+from studyapp.session.state import find_study_session
 from studyapp.session.versions import open_study
 from tests.support.studies.taking_part_steps import Participant, SetClock
 from tests.support.studies.three_arms import three_arms
@@ -58,7 +58,7 @@ def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
     participant.fetch(token)
     participant.clock.advance(minutes=46)
     with participant.database.writing() as session:
-        release_stale(session, participant.served, participant.clock.now())
+        release_stale_places(session, participant.served, participant.clock.now())
     assert not held(participant.database)
 
     known = participant.report(token, (0.0, 1.0))
@@ -77,7 +77,7 @@ def test_who_is_answering_at_this_moment_does_not_lose_the_place(
     clock.advance(minutes=46)
 
     with database.writing() as at_work:
-        find(at_work, silent.token)
+        find_study_session(at_work, silent.token)
         with pytest.raises(StudyFullError):
             arrive(database, clock, 1, 1)
 

@@ -13,14 +13,14 @@ from studyapp.session.refusal import (
     RefusalError,
     StudyFullError,
     UnknownAddressError,
-    note_refusal,
+    log_refusal,
 )
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 def note(participant: Participant, refusal: RefusalError, token: str | None = None) -> None:
     whose = participant.token if token is None else token
-    note_refusal(participant.database, whose, "answers", refusal, participant.clock)
+    log_refusal(participant.database, whose, "answers", refusal, participant.clock)
 
 
 def noted(participant: Participant) -> list[tuple[int | None, str, str]]:
@@ -44,8 +44,8 @@ def test_an_address_that_belongs_to_nobody_is_not_noted_itself(participant: Part
 def test_no_more_than_so_many_are_noted_of_one(
     participant: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(refusal, "MOST_OF_ONE", 3)
-    monkeypatch.setattr(refusal, "MOST_OF_NOBODY", 2)
+    monkeypatch.setattr(refusal, "MAX_LOGGED", 3)
+    monkeypatch.setattr(refusal, "MAX_LOGGED_OF_UNKNOWN", 2)
 
     for _ in range(5):
         note(participant, ConflictError("No.", "Try again."))
@@ -62,7 +62,7 @@ def test_a_refusal_that_cannot_be_noted_is_still_only_a_refusal(
     without_tables = Database(create_engine("sqlite://", hide_parameters=True))
 
     with caplog.at_level(logging.ERROR):
-        note_refusal(without_tables, "s3cret", "answers", ConflictError("No.", "Try."), clock)
+        log_refusal(without_tables, "s3cret", "answers", ConflictError("No.", "Try."), clock)
     without_tables.close()
 
     assert "could not be noted" in caplog.text

@@ -17,12 +17,12 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.answers import answer
+from studyapp.session.answers import store_answers
 from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import begin
+from studyapp.session.comprehension import start_trials
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import look
+from studyapp.session.participation import load_situation
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -104,7 +104,7 @@ class Schedule(RuleBasedStateMachine):
 
     def look(self, person: Person) -> bool:
         """Look at where `person` stands, and tell whether they may go on."""
-        situation = look(self.database, self.served, person.token, self.clock)
+        situation = load_situation(self.database, self.served, person.token, self.clock)
         if person.withdrawn:
             assert situation.state == "withdrawn"
         elif person.over:
@@ -140,7 +140,7 @@ class Schedule(RuleBasedStateMachine):
         if not self.look(person):
             return
         if not person.begun:
-            begin(self.database, self.served, person.token, self.clock)
+            start_trials(self.database, self.served, person.token, self.clock)
             person.begun = True
             self.look(person)
         self.send_answer(person, careless=careless)
@@ -165,7 +165,7 @@ class Schedule(RuleBasedStateMachine):
         person.answers.append(-value if careless else value)
         person.last_active = self.clock.now()
         if person.over:
-            situation = look(self.database, self.served, person.token, self.clock)
+            situation = load_situation(self.database, self.served, person.token, self.clock)
             person.code = situation.completion_code
             assert person.code
             if person.excluded:
@@ -174,7 +174,7 @@ class Schedule(RuleBasedStateMachine):
     def send(self, person: Person, trial: int, value: int) -> None:
         fields = {"rhythm": [str(value)], "emotion": [str(value)]}
         token = person.trials[trial]
-        answer(self.database, self.served, person.token, token, fields, self.clock)
+        store_answers(self.database, self.served, person.token, token, fields, self.clock)
 
     @precondition(lambda self: self.people)
     @rule(who=WHO, changed=st.booleans())

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrolled
-from studyapp.session.form_answers import answer_form
-from studyapp.session.participation import check_sound, digits_to_speak, leave_unheard
+from studyapp.session.enrolment import resume
+from studyapp.session.form_answers import store_form_answers
+from studyapp.session.participation import check_sound, digits_to_speak, leave_sound_check
 from studyapp.session.refusal import (
     ConflictError,
     StudyFullError,
@@ -42,7 +42,7 @@ def hear(participant: Participant, typed: str) -> bool:
 def leave_after_three_tries(participant: Participant) -> None:
     for _ in range(3):
         hear(participant, wrong(digits(participant)))
-    participant.do(leave_unheard)
+    participant.do(leave_sound_check)
 
 
 def wrong(spoken: str) -> str:
@@ -87,18 +87,18 @@ def test_other_digits_are_counted_and_exclude_nobody(listener: Participant) -> N
 def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
     spoken = digits(listener)
     for _ in range(3):
-        listener.do(leave_unheard)
+        listener.do(leave_sound_check)
         assert listener.look().state == "instructed"
         hear(listener, wrong(spoken))
-    listener.do(leave_unheard)
+    listener.do(leave_sound_check)
     assert listener.look().state == "withdrawn"
-    assert listener.look().left_unheard
+    assert listener.look().left_at_sound_check
     assert listener.stored().sound_tries == 3
     for number in range(4):
         listener.another().enrol(f"visit {number}")
     with pytest.raises(StudyFullError):
         listener.another().enrol("visit")
-    assert listener.look().left_unheard
+    assert listener.look().left_at_sound_check
 
 
 RECRUITED = Arrival(
@@ -113,11 +113,11 @@ def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
     left = listener.arrive(arrival).token
     known_before = len(read_once(listener.database, study_sessions_table))
     leave_after_three_tries(listener)
-    assert enrolled(listener.database, listener.served, arrival, listener.clock) is None
+    assert resume(listener.database, listener.served, arrival, listener.clock) is None
     listener.arrive(arrival)
     assert listener.token != left
     assert listener.look().sound_tries == 0
-    assert enrolled(listener.database, listener.served, arrival, listener.clock) == listener.token
+    assert resume(listener.database, listener.served, arrival, listener.clock) == listener.token
     assert len(read_once(listener.database, study_sessions_table)) == known_before
     with pytest.raises(UnknownAddressError):
         replace(listener, token=left).look()
@@ -132,7 +132,7 @@ def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
     if tries == 3:
         hear(listener, digits(listener))
     listener.withdraw()
-    assert not listener.look().left_unheard
+    assert not listener.look().left_at_sound_check
     left = listener.token
     assert listener.enrol().token == left
 
@@ -142,7 +142,7 @@ def test_questions_wait_for_the_sound_check(open_changed: Open) -> None:
     listener.arrive(Arrival(visit="visit", form=ADULT))
     assert listener.look().form is None
     with pytest.raises(ConflictError, match="not the questions you are on"):
-        listener.do(answer_form, "demographics", ABOUT)
+        listener.do(store_form_answers, "demographics", ABOUT)
     hear(listener, digits(listener))
     assert listener.look().form == "demographics"
 

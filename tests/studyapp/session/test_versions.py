@@ -16,7 +16,7 @@ from studyapp.results.export.rows import watching_table
 from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import must_be_new_version, open_study
+from studyapp.session.versions import needs_new_version, open_study
 from tests.support.read_once import read_once
 from tests.support.studies.added_condition import add_condition, make_videos_anew
 from tests.support.studies.redefining import redefine
@@ -132,7 +132,7 @@ def test_who_is_unfinished_goes_on_where_a_mistaken_new_version_is_undone(
     assert participant.trial().position == 2
 
     another = change("rhythm of the speech", "pulse of the speech")
-    assert must_be_new_version(participant.database, another.design)
+    assert needs_new_version(participant.database, another.design)
     with pytest.raises(InputError, match=r"design has changed.*--new-version"):
         participant.in_study(another)
     assert participant.look().state == "started"
@@ -145,7 +145,7 @@ def test_going_back_is_asked_about_once_somebody_has_come_to_the_new_version(
     second = change("rhythm of the speech", "beat of the speech")
     later = participant.in_study(second, new_version=True).another().enrol("later")
     first = change("beat of the speech", "rhythm of the speech")
-    assert must_be_new_version(database, first.design)
+    assert needs_new_version(database, first.design)
     with pytest.raises(InputError, match=r"design has changed.*--new-version"):
         participant.in_study(first)
     assert later.look().state == "instructed"

@@ -7,13 +7,13 @@ from sqlalchemy import select
 from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.trial_rows import votes_so_far
+from studyapp.session.trial_rows import count_votes
 from tests.support.studies.taking_part_steps import Participant
 
 
 def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str], float]:
     with participant.database.reading() as session:
-        return dict(votes_so_far(session, served))
+        return dict(count_votes(session, served))
 
 
 def adaptive(participant: Participant) -> ServedStudy:

@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.session.watch_evidence import NOTHING_PLAYED, Report, add, length, merged
+from studyapp.session.watch_evidence import (
+    NOTHING_PLAYED,
+    Report,
+    add_report,
+    merge_intervals,
+    total_seconds,
+)
 
 INTERVALS = st.lists(
     st.tuples(st.integers(0, 40), st.integers(0, 40)).map(lambda pair: (min(pair), max(pair)))
@@ -19,10 +25,10 @@ def test_merging_covers_exactly_what_the_intervals_cover(
 ) -> None:
     covered = {second for start, end in intervals for second in range(start, end)}
 
-    union = merged(intervals)
+    union = merge_intervals(intervals)
 
     assert {second for start, end in union for second in range(int(start), int(end))} == covered
-    assert length(union) == len(covered)
+    assert total_seconds(union) == len(covered)
     assert all(b[0] > a[1] for a, b in itertools.pairwise(union))
 
 
@@ -32,7 +38,7 @@ def test_silence_counts_only_where_there_is_nothing_to_hear(
 ) -> None:
     report = Report(batch=0, intervals=((0.0, 2.0),), silent_seconds=2.0)
 
-    record = add(NOTHING_PLAYED, report, soundless=soundless)
+    record = add_report(NOTHING_PLAYED, report, soundless=soundless)
 
-    assert length(record.intervals) == watched
+    assert total_seconds(record.intervals) == watched
     assert record.played_seconds == 2.0

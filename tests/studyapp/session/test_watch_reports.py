@@ -10,7 +10,7 @@ from studyapp.session.refusal import (
     TooMuchWatchedError,
     UnacceptableError,
 )
-from studyapp.session.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
+from studyapp.session.watch_evidence import MAX_INTERVALS, REMEMBERED_REPORTS, Playback, Watched
 from tests.support.studies.taking_part_steps import Participant
 
 UNCOUNTED = {
@@ -133,13 +133,13 @@ def test_a_report_among_the_latest_is_known_again_and_an_older_number_is_used_up
     participant.watch((0.0, 1.0))
     assert report_again(participant, (0.0, 1.0)).stored
 
-    for batch in range(1, REMEMBERED + 1):
+    for batch in range(1, REMEMBERED_REPORTS + 1):
         participant.watch((0.0, 1.0), batch=batch)
 
     assert not report_again(participant, (0.0, 1.0)).stored
     with participant.database.reading() as session:
         (record,) = session.scalars(select(WatchRecord))
-        assert record.played_seconds == REMEMBERED + 1
+        assert record.played_seconds == REMEMBERED_REPORTS + 1
 
 
 def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(
@@ -147,7 +147,7 @@ def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(
 ) -> None:
     participant.look()
     participant.clock.advance(seconds=1000)
-    spans = [(start / 200, start / 200 + 0.001) for start in range(MOST_INTERVALS + 1)]
+    spans = [(start / 200, start / 200 + 0.001) for start in range(MAX_INTERVALS + 1)]
     participant.watch(*spans[:-1])
 
     with pytest.raises(UnacceptableError, match="too many small parts"):

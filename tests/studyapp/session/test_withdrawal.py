@@ -19,7 +19,7 @@ from studyapp.database.tables import (
 from studyapp.database.tables.base import Base
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import promise_made
+from studyapp.session.ending import withdrawal_promise
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.session.conftest import Open
@@ -104,7 +104,7 @@ def test_what_was_promised_at_the_start_holds_when_the_study_promises_otherwise_
     redefine(tiny_study, ('withdrawn = "deleted"', 'withdrawn = "kept"'))
     open_study(database, ServedStudy.read(tiny_study), begun.clock, new_version=True)
 
-    assert promise_made(database, begun.token) == "deleted"
+    assert withdrawal_promise(database, begun.token) == "deleted"
     begun.withdraw()
 
     assert set(counts(database).values()) == {0}

@@ -122,7 +122,7 @@ def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_s
         asked.append(database)
         thawed.wait(60)
 
-    monkeypatch.setattr(Database, "try_writing", wait_for_it)
+    monkeypatch.setattr(Database, "check_writable", wait_for_it)
     monkeypatch.setattr("studyapp.web.app.ANSWER_SECONDS", 0.05)
     monkeypatch.setattr("studyapp.web.app.KNOWN_SECONDS", 0.0)
     client = app.test_client()

@@ -15,7 +15,7 @@ from werkzeug.test import TestResponse
 from studyapp.database.tables import FormAnswer, Place, StudySession
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
-from studyapp.session.intake import IntakeState, steer
+from studyapp.session.intake import IntakeState, change_intake
 from studyapp.session.refusal import StudyFullError
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
@@ -98,7 +98,7 @@ def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is
 
 def steered(app: Flask, state: IntakeState) -> None:
     site = site_of(app)
-    steer(site.database, site.served, site.clock, state, by="Ada", reason="enough")
+    change_intake(site.database, site.served, site.clock, state, by="Ada", reason="enough")
 
 
 def filled(app: Flask) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studyapp.session.answers import answer
+from studyapp.session.answers import store_answers
 from studyapp.session.shown_trials import ShownTrial
 from tests.support.studies.taking_part_steps import Participant, taking_part
 
@@ -31,7 +31,7 @@ def _take(participant: Participant, chance: np.random.Generator, trials: int | N
         for video in shown.videos:
             participant.fetch(video.token)
             participant.report(video.token, (0.0, video.duration))
-        answer(
+        store_answers(
             participant.database,
             participant.served,
             participant.token,

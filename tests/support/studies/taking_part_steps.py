@@ -14,12 +14,12 @@ from sqlalchemy import select
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.answers import answer, skip_unplayable
+from studyapp.session.answers import skip_unplayable, store_answers
 from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import begin
+from studyapp.session.comprehension import start_trials
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol
-from studyapp.session.participation import Situation, look
+from studyapp.session.participation import Situation, load_situation
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.versions import open_study
@@ -87,11 +87,11 @@ class Participant:
         return service(self.database, self.served, self.token, *asked, clock=self.clock, **more)
 
     def begin(self, **answers: str) -> Participant:
-        self.do(begin, answers=answers)
+        self.do(start_trials, answers=answers)
         return self
 
     def look(self) -> Situation:
-        return self.do(look)
+        return self.do(load_situation)
 
     def trial(self) -> ShownTrial:
         shown = self.look().trial
@@ -134,7 +134,7 @@ class Participant:
         fields = {
             name: [value] if isinstance(value, str) else value for name, value in answers.items()
         }
-        self.do(answer, trial_token, fields)
+        self.do(store_answers, trial_token, fields)
 
     def watch_all(self) -> ShownTrial:
         """Play every video of the present trial to its end, one after the other."""

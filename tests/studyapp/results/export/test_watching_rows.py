@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.results.export.rows import refusals_table, watching_table
 from studyapp.session.ending import withdraw
-from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
+from studyapp.session.refusal import ConflictError, UnacceptableError, log_refusal
 from studyapp.session.watch_evidence import Playback
 from tests.support.read_once import read_once
 from tests.support.servers.both_databases import BOTH
@@ -66,7 +66,7 @@ def test_who_withdrew_is_not_exported(
 ) -> None:
     participant.take_trial()
     refusal = ConflictError("No.", "Try again.")
-    note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
+    log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
     assert not read_once(participant.database, table).empty
 
     withdraw(participant.database, participant.token, participant.clock)
@@ -76,7 +76,7 @@ def test_who_withdrew_is_not_exported(
 
 def test_a_refusal_is_exported_without_token(participant: Participant) -> None:
     refusal = ConflictError("No.", "Try again.")
-    note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
+    log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
 
     table = read_once(participant.database, refusals_table)
 

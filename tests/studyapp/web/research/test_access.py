@@ -8,8 +8,8 @@ from itertools import product
 import pytest
 from flask import Flask
 
-from studyapp.researchers.account import accounts
-from studyapp.researchers.links import usable_links
+from studyapp.researchers.account import list_accounts
+from studyapp.researchers.links import list_usable_links
 from studyapp.web.research.page import form_code
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
@@ -140,8 +140,8 @@ def test_no_form_is_taken_with_anothers_code_or_from_another_site(log_in: LogIn)
             headers={"Sec-Fetch-Site": site},
         )
         assert answer.status_code == 403
-    assert usable_links(log_in.stored, log_in.clock.now()) == []
-    assert all(account.disabled_at is None for account in accounts(log_in.stored))
+    assert list_usable_links(log_in.stored, log_in.clock.now()) == []
+    assert all(account.disabled_at is None for account in list_accounts(log_in.stored))
 
 
 def test_nobody_can_be_logged_in_from_another_site(log_in: LogIn, browser: ResearchBrowser) -> None:

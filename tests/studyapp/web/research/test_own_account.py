@@ -12,7 +12,7 @@ from flask import Flask
 from flask.testing import FlaskClient
 
 from studyapp.database.engine import Database
-from studyapp.researchers.attempts import MOST_OF_NAME
+from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.research.page import COOKIE
 from studyapp.web.site import attach, client_address, site_of
@@ -154,7 +154,7 @@ def test_too_many_attempts_are_refused_with_how_long_to_wait(
     browser: ResearchBrowser, log_in: LogIn
 ) -> None:
     log_in("owner")
-    for _ in range(MOST_OF_NAME):
+    for _ in range(MAX_ATTEMPTS_PER_NAME):
         browser.log_in("Ada", "wrong")
 
     refused = browser.log_in("Ada")

@@ -11,7 +11,7 @@ import pytest
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.session.arrivals import Arrival
-from studyapp.session.intake import decided
+from studyapp.session.intake import intake_changes
 from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -171,6 +171,6 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     assert "closed to new participants" in analyst.get("/research/").text
     assert "0 of 6 places done 1 active" in analyst.get("/research/").words(".truth")
     assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
-    made = [(one.state, one.more_places, one.researcher) for one in decided(log_in.stored)]
+    made = [(one.state, one.more_places, one.researcher) for one in intake_changes(log_in.stored)]
     states = [("closed", 2), ("open", 2), ("open", 0), ("paused", 0)]
     assert made == [(*each, "Charles") for each in states]

@@ -7,7 +7,7 @@ from typing import cast
 import pytest
 from flask import Flask
 
-from studyapp.researchers.audit import logged_changes, looks
+from studyapp.researchers.audit import latest_changes, latest_looks
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -53,7 +53,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
 
     before = analyst.get(RESULTS)
     unexplained = analyst.post(RESULTS, reason="  ")
-    assert looks(log_in.stored) == []
+    assert latest_looks(log_in.stored) == []
     asked = analyst.post(RESULTS, reason="a video <b>broke</b>")
     waiting = analyst.get(RESULTS)
     figures.work()
@@ -66,11 +66,13 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
     assert "rule based against mismatched" in shown.words()
     assert "a video <b>broke</b>" in shown.soup.get_text()
-    logged = [(each.at, each.way, each.researcher, each.reason) for each in looks(log_in.stored)]
+    logged = [
+        (each.at, each.way, each.researcher, each.reason) for each in latest_looks(log_in.stored)
+    ]
     assert logged == [(log_in.clock.now(), "page", "Charles", "a video <b>broke</b>")] * 2
-    so_far = [(each.finished, each.planned, each.answers) for each in looks(log_in.stored)]
+    so_far = [(each.finished, each.planned, each.answers) for each in latest_looks(log_in.stored)]
     assert so_far == [(2, 4, 24)] * 2
-    events = [line.event for line in logged_changes(log_in.stored)][:3]
+    events = [line.event for line in latest_changes(log_in.stored)][:3]
     assert events == ["results looked at", "results looked at", "results unblinded"]
 
 
@@ -117,7 +119,7 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     everybody = analyst.get(RESULTS).words()
 
     assert "All 4 participants have finished" in everybody and "Interim" not in everybody
-    logged = [(each.finished, each.reason) for each in looks(log_in.stored)]
+    logged = [(each.finished, each.reason) for each in latest_looks(log_in.stored)]
     assert logged == [(4, "everybody has finished"), (3, "the study is closed")]
 
 
@@ -129,4 +131,4 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
 
     assert "Nobody has answered yet" in owner.get(RESULTS).text
     assert "Nobody has answered yet" in owner.get("/research/").text
-    assert (figures.work(), looks(log_in.stored)) == (0, [])
+    assert (figures.work(), latest_looks(log_in.stored)) == (0, [])
