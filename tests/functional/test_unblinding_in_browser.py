@@ -58,7 +58,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         expect(page.get_by_role("heading", level=1)).to_have_text("Progress")
         while not agreement.count():
             page.reload()
-        expect(agreement).to_contain_text("rhythm")
+        expect(agreement).to_contain_text("Rhythm")
         examine(page, "overview-with-agreement")
         [look] = latest_looks(stored)
         assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)

@@ -133,10 +133,6 @@ def _is_own_page(page: str) -> bool:
     return inside and not page.startswith(NOT_AFTER_LOGIN)
 
 
-SHARES: Final = ("win_share", "own_speech", "rate")
-"""Measures that are proportions."""
-
-
 def moment(at: datetime) -> str:
     """Return date and time in UTC; a script on the page converts them to local time."""
     at = at.astimezone(UTC)
@@ -171,23 +167,30 @@ def share(part: float, whole: float = 1.0) -> str:
 
 
 def figure(value: float | None, measure: str = "") -> str:
-    """Return a number with two decimals, or a proportion as a percentage; a dash for None."""
+    """Return a number as the report writes it, or a rate as a percentage; a dash for None.
+
+    Shares and coefficients have no leading zero, '.63'; mean ratings and ranks do, '0.63'.
+    """
     if value is None:
         return "–"
-    return f"{100 * value:.1f}%" if measure in SHARES else _decimal(value)
+    if measure == "rate":
+        return f"{value:.1%}"
+    # Zero has no sign.
+    text = f"{round(value, 2) + 0:.2f}".replace("-", "−")
+    return text if measure.startswith("mean_") else re.sub(r"^(−?)0\.", r"\1.", text)
 
 
 def interval(low: float | None, high: float | None, measure: str = "") -> str:
-    """Return the ends of an interval in words; a dash for None."""
+    """Return the ends of an interval, '[.55, .71]'; a dash for None."""
     if low is None or high is None:
         return "–"
-    if measure in SHARES:
-        return f"{100 * low:.1f} to {100 * high:.1f}%"
-    return f"{_decimal(low)} to {_decimal(high)}"
+    return f"[{figure(low, measure)}, {figure(high, measure)}]"
 
 
-def _decimal(value: float) -> str:
-    return f"{value:.2f}".replace("-", "−")
+def question_name(question: str) -> str:
+    """Return the name of a question as a heading, as the report writes it."""
+    text = question.replace("_", " ")
+    return text[:1].upper() + text[1:]
 
 
 def display_name(name: str) -> str:
@@ -197,6 +200,7 @@ def display_name(name: str) -> str:
 
 WORDING: Final = {
     "display_name": display_name,
+    "question_name": question_name,
     "moment": moment,
     "clock_time": clock_time,
     "day_or_time": day_or_time,

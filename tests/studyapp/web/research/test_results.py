@@ -8,6 +8,7 @@ import pytest
 from flask import Flask
 
 from studyapp.researchers.audit import latest_changes, latest_looks
+from studyapp.web.research.page import figure, interval
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -132,3 +133,20 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
     assert "Nobody has answered yet" in owner.get(RESULTS).text
     assert "Nobody has answered yet" in owner.get("/research/").text
     assert (figures.work(), latest_looks(log_in.stored)) == (0, [])
+
+
+@pytest.mark.parametrize(
+    ("value", "measure", "text"),
+    [
+        (0.634, "win_share", ".63"),
+        (1.0, "own_speech", "1.00"),
+        (-0.21, "", "−.21"),
+        (-0.001, "", ".00"),
+        (0.6, "mean_rating", "0.60"),
+        (0.083, "rate", "8.3%"),
+        (None, "win_share", "–"),
+    ],
+)
+def test_numbers_are_written_as_in_the_report(value: float | None, measure: str, text: str) -> None:
+    assert figure(value, measure) == text
+    assert interval(value, value, measure) == ("–" if value is None else f"[{text}, {text}]")
