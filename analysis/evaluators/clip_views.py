@@ -253,7 +253,7 @@ def long_enough(frames: FloatArray, window: int, frame_rate: float) -> FloatArra
         return frames
     if missing > TOLERANCE * frame_rate + 1e-6:
         raise InputError(
-            f"the clip lasts {len(frames) / frame_rate:.2f} s and the network looks at windows of "
+            f"the clip lasts {len(frames) / frame_rate:.2f} s and the network uses windows of "
             f"{window / frame_rate:.2f} s",
             remedy="Use longer clips, or a network of shorter windows (--config tiny has them)",
         )

@@ -1,4 +1,4 @@
-"""What kind of feature network one is, and how each kind is trained by default."""
+"""The kinds of feature networks, their inputs and their default training."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ CHANNELS_OF_KIND: Final = MappingProxyType[Kind, tuple[Channels, ...]](
         "face": ("landmarks",),
     }
 )
-"""What each kind may look at; the first unless another is asked for."""
+"""Possible inputs of each kind; the first is the default."""
 
 SIZES: Final = MappingProxyType[Kind, MappingProxyType[Size, EmotionConfig | AutoencoderConfig]](
     {
@@ -74,39 +74,39 @@ TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
         ("face", "tiny"): _AUTOENCODER_TINY,
     }
 )
-"""How each kind is trained unless the researcher says otherwise."""
+"""Default training of each kind."""
 
 
 class Facts(BaseModel):
-    """What a file says; nothing else, and no number that is not finite."""
+    """Metadata of a file, without unknown keys or numbers that are not finite."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Design(Facts):
-    """What kind of feature network one is.
+    """The kind, input and sizes of a feature network.
 
     Attributes
     ----------
     kind : {'emotion', 'motion', 'face'}
         AMUSE's evaluator M, an autoencoder of motion, or one of face landmarks.
     channels : str
-        What it looks at; one of `CHANNELS_OF_KIND` of its kind.
+        Its input; one of `CHANNELS_OF_KIND` of its kind.
     network : EmotionConfig or AutoencoderConfig
         Its sizes and windows.
     joints : tuple of str
-        Joints whose rotations it sees.
+        Joints whose rotations are used.
     face : {'arkit', 'expressions'} or None
-        In which terms it sees the face, where it sees its weights.
+        How the face is represented, if its weights are used.
     labels : tuple of str
-        The emotions it tells apart; empty but for the kind ``emotion``.
+        The emotions it classifies; empty except for the kind ``emotion``.
     frozen : tuple of str
-        Channels that are held still before it looks (`motion.clip`).
+        Channels that are frozen in its input (`motion.clip`).
 
     Raises
     ------
     InputError
-        If the parts do not fit together.
+        If the fields contradict each other.
     """
 
     kind: Kind
@@ -136,7 +136,7 @@ class Design(Facts):
         return self
 
     def view(self, landmarks: FaceLandmarks | None = None) -> ClipView:
-        """Return what it sees of a clip.
+        """Return its view of a clip.
 
         Parameters
         ----------
@@ -146,13 +146,13 @@ class Design(Facts):
         return view_of(self.channels, joints=self.joints, face=self.face, landmarks=landmarks)
 
     def fresh_network(self, channels: int) -> Network:
-        """Return a fresh network for frames of so many channels."""
+        """Return an untrained network for frames with this number of channels."""
         if isinstance(self.network, EmotionConfig):
             return EmotionNetwork(self.network, channels, len(self.labels))
         return AutoencoderNetwork(self.network, channels)
 
     def named(self) -> str:
-        """Return what the network is, in words."""
+        """Return the network in words."""
         if isinstance(self.network, EmotionConfig):
             return f"emotion classifier (AMUSE's M), {self.network.width} features"
         if self.kind == "face":
@@ -167,7 +167,7 @@ _SEEN: Final = MappingProxyType[Channels, str](
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluatorRequest:
-    """Which network to train.
+    """A request to train a network.
 
     Attributes
     ----------
@@ -176,9 +176,9 @@ class EvaluatorRequest:
     channels : str
         One of `CHANNELS_OF_KIND` of its kind.
     training : TrainingConfig
-        How it is trained.
+        Its training.
     frozen : tuple of str
-        Channels held still in every clip, here and whenever the network looks at one.
+        Channels frozen in every clip, in training and in use.
     landmarks : FaceLandmarks or None
         Needed by the kind ``face``.
     device : str
@@ -196,6 +196,6 @@ class EvaluatorRequest:
     def __post_init__(self) -> None:
         if "face" in self.frozen and self.channels in ("expression", "both", "landmarks"):
             raise InputError(
-                "the face is held still, and the network is to look at it",
+                "the face is held still, but the network's input is the face",
                 remedy="Remove 'face' from freeze in study.toml, or train on gestures",
             )

@@ -60,7 +60,7 @@ class Evaluator:
 
     @property
     def name(self) -> str:
-        """Which kind it is; a name in `analysis.evaluators.network_names`."""
+        """A name in `analysis.evaluators.network_names`."""
         return names.OF_CHANNELS[self.channels]
 
     @property

@@ -30,7 +30,7 @@ class DataFacts(Facts):
     sha256 : str
         Hash of the motion files, their recordings and emotions.
     clips, recordings : int
-        How many clips, of how many recordings.
+        Number of clips and of their recordings.
     windows, held_out_windows : int
         Windows for training, and held-out windows.
     held_out : str

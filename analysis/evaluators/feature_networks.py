@@ -62,7 +62,7 @@ class FeatureNetwork(Protocol):
 
     @property
     def name(self) -> str:
-        """Which kind it is; a name in `analysis.evaluators.network_names`."""
+        """A name in `analysis.evaluators.network_names`."""
 
     @property
     def sha256(self) -> str:

@@ -1,6 +1,6 @@
-"""What scores of feature networks are called.
+"""Names of feature networks and of their scores.
 
-Papers give one name to distances in different features, so each name says which network it is of.
+Papers use one name for distances in different features, so each name includes the network.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ OF_CHANNELS: Final = {
     "expression": EXPRESSION,
     "both": WHOLE,
 }
-"""The networks that are trained here, by what they look at."""
+"""The networks that are trained here, by their input."""
 
 PUBLISHED: Final = {
     "emage": "EMAGE's evaluator",
@@ -50,21 +50,21 @@ DISTANCES: Final = {
 
 
 def distance_of(network: str) -> str:
-    """Return what the Fréchet distance in the features of the network named so is called."""
+    """Return the name of the Fréchet distance in the features of a network."""
     kind, _, number = network.partition(", ")
     return DISTANCES[kind].replace(kind, network) if number else DISTANCES[kind]
 
 
 def extrapolated(distance: str) -> str:
-    """Return what a Fréchet distance extrapolated to infinitely many samples is called."""
+    """Return the name of a Fréchet distance extrapolated to infinitely many samples."""
     return distance.replace(" (", "∞ (", 1)
 
 
 def as_published(distance: str) -> str:
-    """Return what a Fréchet distance by the published code's own rule is called."""
+    """Return the name of a Fréchet distance by the published code's rule."""
     return distance.replace(" (", " by the published rule (", 1)
 
 
 def kernel_of(network: str) -> str:
-    """Return what the kernel distance in the features of the network named so is called."""
+    """Return the name of the kernel distance in the features of a network."""
     return f"kernel distance (KID, {network})"

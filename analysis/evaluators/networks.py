@@ -79,16 +79,16 @@ EMOTION_TINY: Final = EmotionConfig(
 
 
 class EmotionNetwork(nn.Module):
-    """Embeds windows of motion, and tells their emotion.
+    """Embeds windows of motion and classifies their emotion.
 
     Parameters
     ----------
     config : EmotionConfig
         Sizes.
     channels : int
-        Numbers of a frame.
+        Channels of a frame.
     emotions : int
-        How many emotions are told apart.
+        Number of emotions.
     """
 
     positions: Tensor
@@ -183,27 +183,27 @@ AUTOENCODER_TINY: Final = AutoencoderConfig(features=32)
 
 
 class AutoencoderNetwork(nn.Module):
-    """Turns windows into vectors, and vectors back into windows.
+    """Encodes windows as vectors, and decodes vectors to windows.
 
     Parameters
     ----------
     config : AutoencoderConfig
         Sizes.
     channels : int
-        Numbers of a frame.
+        Channels of a frame.
     """
 
     def __init__(self, config: AutoencoderConfig, channels: int) -> None:
         super().__init__()
         size = config.features
-        left = (config.window - 8) // 2 - 1  # frames after four convolutions: 12 of 34
+        frames = (config.window - 8) // 2 - 1  # after four convolutions: 12 of 34
         self.encoder = nn.Sequential(
             *_convolved(channels, size),
             *_convolved(size, 2 * size),
             *_convolved(2 * size, 2 * size, kernel=4, stride=2),
             nn.Conv1d(2 * size, size, 3),
             nn.Flatten(),
-            *_connected(left * size, 4 * size),
+            *_connected(frames * size, 4 * size),
             *_connected(4 * size, 2 * size),
             nn.Linear(2 * size, size),
         )
@@ -222,7 +222,7 @@ class AutoencoderNetwork(nn.Module):
         return embedded
 
     def forward(self, windows: Tensor) -> Tensor:
-        """Return the windows as they are rebuilt from their vectors, shape (n, T, channels)."""
+        """Return the reconstructed windows, shape (n, T, channels)."""
         rebuilt: Tensor = self.decoder(self.embed(windows))
         return rebuilt.transpose(1, 2)
 
@@ -238,14 +238,14 @@ class AutoencoderNetwork(nn.Module):
         return {"loss": error + change, "error": error, "change": change}
 
     def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
-        """Return the errors of a batch, and that of always giving the mean pose."""
+        """Return the errors of a batch, and the error of the mean pose."""
         return {**self.losses(windows, labels), "error_of_mean": windows.abs().mean()}
 
 
 def _convolved(
     channels: int, size: int, *, kernel: int = 3, stride: int = 1, padding: int = 0
 ) -> tuple[nn.Module, ...]:
-    # A bias would be taken off with the mean, and move by rounding alone.
+    # Batch normalisation removes a bias, which would only drift by rounding.
     convolution = nn.Conv1d(channels, size, kernel, stride=stride, padding=padding, bias=False)
     return convolution, nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)
 

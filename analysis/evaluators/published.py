@@ -58,7 +58,7 @@ class PublishedEvaluator:
 
     @property
     def name(self) -> str:
-        """What scores call it."""
+        """Its name in scores."""
         return self.preset.title
 
     @property

@@ -1,4 +1,4 @@
-"""The published networks: how their authors used each, and what each is shown of a clip."""
+"""The published networks: their inputs and how their authors used them."""
 
 from __future__ import annotations
 
@@ -153,11 +153,11 @@ class Preset:
     Attributes
     ----------
     title : str
-        What scores call it.
+        Its name in scores.
     source : str
-        Whose code it follows: repository, commit and class.
+        The code it follows: repository, commit and class.
     sees : str
-        What a frame holds, in words.
+        The channels of a frame in words.
     frames : callable
         Turns a clip at `frame_rate` into frames, shape (T, channels).
     channels, features : int
@@ -170,9 +170,9 @@ class Preset:
     shortest : int
         Frames that the network needs at least.
     cut : str
-        How windows are cut, in words.
+        The cutting of windows in words.
     rule : {'pytorch-fid', 'offset'}
-        How the published code takes the Fréchet distance.
+        How the published code computes the Fréchet distance.
     network : callable
         Makes the network, without its weights.
     place : tuple of str

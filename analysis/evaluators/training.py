@@ -188,7 +188,7 @@ def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> N
     if not clips.sources:
         raise InputError(
             f"there is no clip to learn from{_left_out(clips)}",
-            remedy="Give recordings that hold what the network looks at, of a window's length",
+            remedy="Give recordings that hold the network's input and are as long as a window",
         )
     if kind == "emotion" and len(labels) < 2:
         raise InputError(

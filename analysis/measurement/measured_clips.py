@@ -66,7 +66,7 @@ class LandmarkBody:
 
 @dataclass(frozen=True, kw_only=True)
 class SeenMotion:
-    """How motion files are read; the same for all of a run.
+    """How the motion files of a run are read.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class SeenMotion:
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """How all clips are measured; the same for all segments.
+    """How the clips of a run are measured.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Setup:
     motion : SeenMotion
         How motion files are read.
     preset : Preset
-        Which metrics.
+        The metrics.
     spread : RecordedSpread or None
         Of all recordings; None until it is known.
     kept : Path or None

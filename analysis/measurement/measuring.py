@@ -72,7 +72,7 @@ def study_metrics(
     recorded : mapping of segment to path, optional
         Recorded motion of the same speech, for metrics that compare with it.
     semantics : mapping of segment to path, optional
-        Which gestures of the recordings carry meaning (`motion.formats.beat_tracks`).
+        Gestures of the recordings that carry meaning (`motion.formats.beat_tracks`).
     emotions : mapping of segment to str, optional
         The emotion of each segment's speech, for gesture emotion accuracy.
     evaluators : iterable of Path or PublishedFile

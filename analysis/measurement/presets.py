@@ -1,7 +1,7 @@
-"""Named presets: which metrics a paper reports, each computed as that paper computed it.
+"""Named presets: the metrics of a paper, computed as in that paper.
 
-Distances in the features of a network need one that the researcher has trained; a preset says which
-networks its paper uses, so that a report names those that are missing.
+Distances in the features of a network need a trained one; a preset lists the networks of its
+paper, so that a report names those that are missing.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Preset:
 
     @property
     def needs_recorded_spread(self) -> bool:
-        """Whether all recordings must be looked at before the first clip is measured."""
+        """Whether all recordings must be measured before the first clip."""
         return bool(self.joint_errors or self.landmark_errors) or any(
             settings.representation == "normalised rotations" for settings in self.correct
         )
@@ -94,7 +94,7 @@ class Preset:
         return bool(self.landmark_errors)
 
     def without_recordings(self) -> Preset:
-        """Return what of this can be measured without recorded motion."""
+        """Return the part that can be measured without recorded motion."""
         return replace(
             self,
             correct=(),
@@ -150,11 +150,11 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
         ),
     }
 )
-"""By name; 'report' is what every report shows, 'physical' what asks for no paper."""
+"""By name; 'report' is shown in every report, 'physical' follows no paper."""
 
 
 def combined(names: Iterable[str]) -> Preset:
-    """Return one preset with the metrics of all that are named, each once.
+    """Return a preset with the metrics of all named presets, each once.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def combined(names: Iterable[str]) -> Preset:
 
 
 def _together(part: str, presets: Sequence[Preset]) -> Any:
-    """Return what any of `presets` has for `part`, each setting once."""
+    """Return the values of a field in all presets, each setting once."""
     values = [getattr(preset, part) for preset in presets]
     if isinstance(getattr(Preset, part), bool):
         return any(values)

@@ -21,7 +21,7 @@ _STILL: Final = 1e-4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClipExtent:
-    """What one recording adds to the spread of all.
+    """The contribution of one recording to the spread of all.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class RecordedSpread:
         Puts all recorded face landmarks into a box of one metre diagonal; NaN if no recording
         has a face.
     recordings : int
-        How many there are.
+        Number of recordings.
     """
 
     mean: FloatArray

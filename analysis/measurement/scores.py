@@ -1,4 +1,4 @@
-"""What was measured: scores of clips and of conditions, and files that could not be used."""
+"""Scores of clips and of conditions, and files that could not be used."""
 
 from __future__ import annotations
 

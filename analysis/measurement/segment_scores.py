@@ -194,7 +194,7 @@ def _clip_metrics(
     clip : MeasuredClip
         The clip that is measured.
     setup : Setup
-        How it is measured; without the spread of all recordings nothing is normalised by it.
+        The settings; without the spread of all recordings nothing is normalised by it.
     onsets : ndarray or None
         Onsets of the speech in seconds; None for no beat alignment.
     recorded : MeasuredClip or None

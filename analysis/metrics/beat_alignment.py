@@ -1,8 +1,8 @@
 """Beat alignment: whether a motion stops and turns where the speech has its beats.
 
-The literature gives one name to different scores, so each preset fixes all choices. Because a
-wide Gaussian rewards any dense beats (onsets unrelated to the motion easily score .8), every
-score comes with its chance level, and the difference is what to compare.
+Papers use one name for different scores, so each preset fixes all choices. A wide Gaussian rewards
+any dense beats (onsets unrelated to the motion easily score .8), so every score comes with its
+chance level; compare the difference.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _DISTANCES_AT_A_TIME: Final = 2_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class BeatSettings:
-    """What makes a beat alignment score comparable with another.
+    """The choices that define a beat alignment score.
 
     Attributes
     ----------
@@ -46,9 +46,9 @@ class BeatSettings:
     direction : {'motion to audio', 'audio to motion'}
         Each beat of the first kind is scored by its distance to the nearest of the second.
     joints : tuple of str
-        The joints whose speed is looked at.
+        The joints whose speed is used.
     bones : tuple of (str, str)
-        Ends of bones, among `joints`, whose turning is looked at in place of speed.
+        Ends of bones, among `joints`, whose turning replaces speed.
     pooling : {'mean speed', 'each joint'}
         One series of motion beats from the mean speed of joints or bones, or one per joint or
         bone with the mean of their scores.
@@ -57,7 +57,7 @@ class BeatSettings:
     window : float
         A motion beat is slower than everything within this many seconds before and after it.
     source : str
-        Where the choices come from.
+        Source of these choices.
     """
 
     name: str
@@ -127,7 +127,7 @@ TALKSHOW: Final = BeatSettings(
 """TalkSHOW's and HA2G's: from each audio onset to where the arms' bones turn least."""
 
 PRESETS: Final = (AMUSE, BEAT)
-"""Those that every report shows; `TALKSHOW` is there on demand."""
+"""Shown in every report; `TALKSHOW` is available on demand."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,12 +139,12 @@ class BeatAlignment:
     score : MetricResult
         Beat alignment in [0, 1].
     chance : MetricResult
-        What the same beats score when the motion is shifted in time.
+        The score of the same beats when the motion is shifted in time.
     above_chance : MetricResult
         `score` minus `chance`: 0 means that the motion ignores the speech.
     opposite : MetricResult
-        The score of the same beats in the other direction: a motion that stops at every onset
-        and often besides scores high in one direction only.
+        The score of the same beats in the other direction: a motion that stops at every onset and
+        at many other times scores high in one direction only.
     motion_beats : MetricResult
         Motion beats per second (mean over joints where each joint has its own).
     """
@@ -157,14 +157,14 @@ class BeatAlignment:
 
 
 def extremum_order(window: float, frame_rate: float) -> int:
-    """Return how many frames on each side a motion beat must be slower than; at least 1."""
+    """Return the window in frames on each side of a motion beat, at least 1."""
     return max(1, round(window * frame_rate))
 
 
 def motion_beats(
     speed: FloatArray, frame_rate: float, window: float, shallowest: float = SHALLOWEST
 ) -> FloatArray:
-    """Return when a speed curve has its local minima.
+    """Return the times of the local minima of a speed curve.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def motion_beats(
     window : float
         Seconds on each side over which no value may be smaller.
     shallowest : float
-        In units of `speed`: a shallower dip is rounding or sensor noise and no beat.
+        In units of `speed`; a shallower dip is rounding or sensor noise, not a beat.
 
     Returns
     -------
@@ -256,12 +256,12 @@ def beat_alignment(
     settings : BeatSettings
         Usually one of `PRESETS`.
     detector : str
-        What found `onsets`, for the settings of the result.
+        The onset detector, for the settings of the result.
 
     Returns
     -------
     BeatAlignment
-        NaN with a reason where the motion or the speech has no beat.
+        NaN with a reason if the motion or the speech has no beat.
     """
     duration = len(positions) / frame_rate
     speeds = _speeds(positions, settings) * frame_rate
@@ -312,12 +312,12 @@ def beat_alignment(
 
 
 def _speeds(positions: FloatArray, settings: BeatSettings) -> FloatArray:
-    """Return how far joints move, or bones turn, from frame to frame, shape (joints, T - 1)."""
+    """Return the movement of joints or the turning of bones per frame, shape (joints, T - 1)."""
     if not settings.bones:
         return np.asarray(np.linalg.norm(np.diff(positions, axis=0), axis=2).T)
     starts, ends = ([settings.joints.index(bone[end]) for bone in settings.bones] for end in (0, 1))
     along = positions[:, ends] - positions[:, starts]
     along = along / np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
-    # The angle from its chord: the arc cosine of nearly 1 would be rounding alone.
+    # The angle from its chord, because the arc cosine near 1 loses all precision.
     chord = np.linalg.norm(np.diff(along, axis=0), axis=2).T
     return np.asarray(2 * np.arcsin(np.minimum(1, chord / 2)))

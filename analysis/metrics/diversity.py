@@ -1,8 +1,8 @@
-"""Diversity: three different quantities that the literature gives one name.
+"""Diversity: three different quantities that papers call by one name.
 
-`l1_deviation` asks how far one clip moves around its own mean pose, `mean_pair_distance` how far
-the clips of one condition differ from each other, `feature_variance` the same of their embeddings.
-All reward noise, so read them beside jerk and against recorded motion.
+`l1_deviation` is how far one clip moves around its own mean pose, `mean_pair_distance` how far the
+clips of a condition differ from each other, and `feature_variance` the same for their embeddings.
+All reward noise, so read them together with jerk and compare them with recorded motion.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _BLOCK: Final = 500
 """Clips whose distances to all others are held at a time."""
 
 _FEW: Final = 300
-"""Clips up to which distances are taken one by one; of more, by matrix products."""
+"""Clips up to which distances are computed one by one; for more, by matrix products."""
 
 
 def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = None) -> MetricResult:
@@ -34,7 +34,7 @@ def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = Non
     values : ndarray, shape (T, ...)
         One pose per frame, positions in metres.
     settings : mapping, optional
-        What `values` are.
+        Of `values`.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def mean_pair_distance(
     unit : str
         Unit of `features`.
     settings : mapping, optional
-        What `features` are.
+        Of `features`.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def feature_variance(
     name: str = "variance of features",
     settings: Mapping[str, str] | None = None,
 ) -> MetricResult:
-    """Return how much the embeddings of clips vary, as AMUSE's diversity.
+    """Return the variance of the clips' embeddings, which is AMUSE's diversity.
 
     Parameters
     ----------

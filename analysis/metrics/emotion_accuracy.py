@@ -2,7 +2,7 @@
 
 AMUSE (Chhatre et al. 2024, section 5.1) reports the top-1 accuracy of a classifier of gestures,
 as the mean over emotions, with a confusion matrix (its figure A.11). Recorded gestures are not
-classified without error either, so that their accuracy stands beside it as one more condition.
+classified without error either, so their accuracy is reported as one more condition.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ def emotion_confusion(
     spoken, named : sequence of str
         Of each clip: the emotion of its speech, and the one that the network names.
     labels : sequence of str
-        What the network tells apart. Clips of another spoken emotion are left out.
+        The emotions that the network classifies. Clips with other emotions are left out.
     condition, network : str
-        Whose clips, and the hash of which network.
+        The condition, and the hash of the network.
     """
     counts = np.zeros((len(labels), len(labels)), int)
     index = {label: number for number, label in enumerate(labels)}
@@ -60,7 +60,7 @@ def emotion_accuracy(
     Parameters
     ----------
     confusion : EmotionConfusion
-        What was named.
+        The confusion.
     name : str
         Names the metric.
     settings : mapping, optional

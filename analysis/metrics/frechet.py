@@ -45,10 +45,10 @@ RESAMPLES_OF_MANY: Final = 60
 MANY: Final = 2000
 
 SIZES: Final = 15
-"""Sizes at which the distance is extrapolated from, evenly spaced in 1 / n from n / 2 on."""
+"""Sample sizes for the extrapolation, evenly spaced in 1 / n from n / 2 to n."""
 
 DRAWS: Final = 4
-"""Draws per size, whose mean enters the line."""
+"""Draws per size, whose mean is fitted."""
 
 
 def frechet_of_samples(x: FloatArray, y: FloatArray) -> float:
@@ -84,7 +84,7 @@ def frechet(
     generated, reference : Embeddings
         Of the same feature network. The larger sample is cut to the size of the smaller one.
     name : str
-        What the embeddings are of: FGD (gestures), FED (expressions), FMD (both), FLD (face
+        Of the metric: FGD (gestures), FED (expressions), FMD (both), FLD (face
         landmarks).
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
@@ -129,8 +129,8 @@ def frechet_extrapolated(
 ) -> MetricResult:
     """Return FGD∞, the Fréchet distance that infinitely many samples would have.
 
-    The bias falls as 1 / n, so that the distances of smaller and smaller parts of the samples lie
-    on a line over 1 / n whose value at 0 is free of it (Chong & Forsyth 2020, "Effectively Unbiased
+    The bias falls as 1 / n, so the distances of ever smaller parts of the samples lie on a line
+    over 1 / n whose value at 0 has no bias (Chong & Forsyth 2020, "Effectively Unbiased
     FID"). Below twice as many samples as dimensions there is no such line.
 
     Parameters
@@ -138,15 +138,15 @@ def frechet_extrapolated(
     generated, reference : Embeddings
         Of the same feature network.
     name : str
-        What the embeddings are of.
+        Of the metric.
     settings : mapping, optional
         As for `frechet`.
 
     Returns
     -------
     MetricResult
-        May be below 0 by chance, and is not cut off there. NaN for fewer samples than four times
-        the dimensions: half of them must still be twice the dimensions.
+        May be below 0 by chance. NaN for fewer samples than four times the dimensions, because half
+        of them must still be twice the dimensions.
     """
     check_dimensions(generated, reference)
     x, y = of_equal_size(generated, reference)
@@ -265,7 +265,7 @@ _IMAGINARY: Final = 1e-3
 def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
     """Return the Fréchet distance of two samples by a published rule.
 
-    Where a sample has no more rows than columns the product is singular, and its root depends on
+    If a sample has no more rows than columns, the product is singular, and its root depends on
     SciPy's version and on the number of threads; `FAILED` may come of it.
 
     Parameters
@@ -273,7 +273,7 @@ def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
     x, y : ndarray, shape (n, d), (m, d)
         At least two rows each.
     rule : {'pytorch-fid', 'offset'}
-        Which; see `RULES`.
+        See `RULES`.
     """
     shift = x.mean(axis=0) - y.mean(axis=0)
     first, second = (np.atleast_2d(np.cov(sample, rowvar=False)) for sample in (x, y))

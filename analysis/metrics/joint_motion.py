@@ -73,14 +73,14 @@ def select(positions: FloatArray, joints: Sequence[str]) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointMotion:
-    """Where the joints of one clip are.
+    """The joint positions of one clip.
 
     Attributes
     ----------
     relative : ndarray, shape (T, 55, 3), float64
         Positions relative to the pelvis in metres, y up.
     pelvis : ndarray, shape (T, 3), float64
-        Where the pelvis is in the world, in metres, the feet standing on the ground as in videos.
+        Pelvis positions in the world, in metres, with the feet on the ground as in videos.
         All values are of single precision, whether they were computed or read.
     """
 

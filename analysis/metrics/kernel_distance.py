@@ -37,16 +37,16 @@ def kernel_distance(
     generated, reference : Embeddings
         Of the same feature network; the sizes may differ.
     name : str
-        What the embeddings are of.
+        Of the metric.
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
 
     Returns
     -------
     MetricResult
-        0 on average for equal distributions, so single scores may be negative and are not cut
-        off. The interval is ± 1.96 standard errors of a jackknife that leaves out one clip after
-        the other. NaN for fewer than two samples on either side.
+        0 on average for equal distributions, so single scores may be negative. The interval is
+        ± 1.96 standard errors of a jackknife over clips. NaN for fewer than two samples on either
+        side.
     """
     check_dimensions(generated, reference)
     metric = Metric(name, better="lower")

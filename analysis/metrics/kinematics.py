@@ -1,4 +1,4 @@
-"""How joints move: jerk and acceleration, sliding of feet, and how often each speed occurs.
+"""Kinematics of joints: jerk, acceleration, foot sliding and speed histograms.
 
 Jerk and acceleration are large where motion trembles or jumps. GENEA's evaluation (Kucherenko et
 al. 2021) compares how often each speed occurs, whenever it does, by the Hellinger distance, which
@@ -34,14 +34,14 @@ move it."""
 
 @dataclass(frozen=True, kw_only=True)
 class DerivativeSettings:
-    """What makes a jerk or an acceleration comparable with another, besides the frame rate.
+    """The choices that define a jerk or an acceleration, besides the frame rate.
 
     Attributes
     ----------
     name, unit : str
         Of the metric.
     order : int
-        Which derivative: 2 for acceleration, 3 for jerk.
+        2 for acceleration, 3 for jerk.
     joints : tuple of str
         The joints measured.
     cutoff : float or None
@@ -85,7 +85,7 @@ def mean_derivative(
     frame_rate : float
         Frames per second.
     settings : DerivativeSettings
-        Which derivative, which joints these are, and how they are filtered.
+        The derivative, the joints and the filter.
 
     Returns
     -------
@@ -122,7 +122,7 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
     Parameters
     ----------
     positions : ndarray, shape (T, 2, 3)
-        Where the joints of `FEET` are in the world, in metres, y up.
+        Positions of the joints `FEET` in the world, in metres, y up.
     frame_rate : float
         Frames per second.
 

@@ -1,4 +1,4 @@
-"""How far motion is from the recording of the same speech, point by point.
+"""Errors of points relative to the recording of the same speech.
 
 Mean absolute error of joints (MAJE) and of face landmarks (MALE) and mean acceleration error
 (MAcE): Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 6.2) after Yoon et al. 2020, in
@@ -33,7 +33,7 @@ S2UE_FRAME_RATE: Final = 15.0
 
 @dataclass(frozen=True, kw_only=True)
 class PointSettings:
-    """Which points are compared, and in what.
+    """The choices that define an error of points.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ def velocity_error(
         L1: mean absolute difference of velocity components. L2: mean length of the difference
         of velocity vectors.
     settings : mapping, optional
-        What the positions are.
+        Of the positions.
 
     Returns
     -------

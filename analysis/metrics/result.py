@@ -10,8 +10,8 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 Better = Literal["lower", "higher", "near the reference", "unsaid"]
-"""Which of two scores speaks for a motion; 'near the reference' where too much is as bad as too
-little, 'unsaid' for numbers that only help to read others."""
+"""Which of two scores is better; 'near the reference' if too much is as bad as too little, 'unsaid'
+for numbers that only help to read others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,13 +21,13 @@ class MetricResult:
     Attributes
     ----------
     name : str
-        Names the metric and, where there are several, its preset.
+        The metric and, if there are several, its preset.
     value : float
         The score; NaN where it is not defined.
     unit : str
         Unit of `value`; empty where it has none.
     n : int
-        How many things `value` is a mean over.
+        Number of items that `value` is a mean over.
     settings : mapping of str to str
         Everything that another score must share to be comparable with this one.
     reason : str
@@ -35,9 +35,9 @@ class MetricResult:
     interval : (float, float) or None
         95% interval of `value`; `settings` say how it was made.
     remark : str
-        What a reader must know before trusting `value`, such as too small a sample.
+        A caution about `value`, such as too small a sample.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores speak for a motion.
+        Which scores are better.
     """
 
     name: str
@@ -68,7 +68,7 @@ class MetricResult:
 
 @dataclass(frozen=True)
 class Metric:
-    """What a score is called, its unit, and which scores speak for a motion."""
+    """The name of a score, its unit, and which scores are better."""
 
     name: str
     unit: str = ""

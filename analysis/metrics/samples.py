@@ -23,7 +23,7 @@ FEWEST_CLIPS: Final = 5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Embeddings:
-    """What a feature network says about the clips of one condition.
+    """A feature network's embeddings of the clips of one condition.
 
     Attributes
     ----------

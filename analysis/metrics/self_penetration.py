@@ -153,7 +153,7 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
     Parameters
     ----------
     points : ndarray, shape (Q, 3)
-        Where to look.
+        In metres.
     vertices : ndarray, shape (V, 3)
         Corners of the surface.
     faces : ndarray, shape (F, 3), int

@@ -137,7 +137,7 @@ def levels(one: str, other: str) -> tuple[str, ...]:
 
 
 def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[PreferenceGroup, ...]:
-    """Return the comparisons of each set, seen from the reference where there is one."""
+    """Return the comparisons of each set, with the reference first if there is one."""
     groups = []
     for comparisons in _by_set(results.comparisons):
         first = reference_of(comparisons, reference)
