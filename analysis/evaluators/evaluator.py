@@ -22,8 +22,7 @@ from motion.resample import resample
 if TYPE_CHECKING:
     from torch import Tensor
 
-    from analysis.evaluators.clip_views import Channels, ClipView
-    from analysis.evaluators.design import Kind
+    from analysis.evaluators.clip_views import ClipView
     from analysis.evaluators.evaluator_file import EvaluatorFile
 
 FloatArray = NDArray[np.float32]
@@ -49,19 +48,9 @@ class Evaluator:
     file: EvaluatorFile
 
     @property
-    def kind(self) -> Kind:
-        """``emotion``, ``motion`` or ``face``."""
-        return self.file.facts.kind
-
-    @property
-    def channels(self) -> Channels:
-        """Its input: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
-        return self.file.facts.channels
-
-    @property
     def name(self) -> str:
         """A name in `analysis.evaluators.network_names`."""
-        return names.OF_CHANNELS[self.channels]
+        return names.OF_CHANNELS[self.file.facts.channels]
 
     @property
     def rule(self) -> None:
@@ -128,7 +117,7 @@ class Evaluator:
 
         if not self.labels:
             raise InputError(
-                f"a network of kind {self.kind!r} classifies no emotions",
+                f"a network of kind {self.file.facts.kind!r} classifies no emotions",
                 remedy="Use one of kind emotion ('motionjury train evaluator emotion')",
             )
         windows = torch.from_numpy(self._windows(clip))

@@ -20,18 +20,14 @@ from motion.errors import InputError
 _FACE_NETWORKS: Final = (names.EXPRESSION, names.LANDMARKS)
 """Networks that see nothing but the face."""
 
-_COMMANDS: Final = {
+COMMANDS: Final = {
     names.EMOTION: "motionjury train evaluator emotion",
     names.GESTURE: "motionjury train evaluator motion",
     names.EXPRESSION: "motionjury train evaluator motion --channels expression",
     names.WHOLE: "motionjury train evaluator motion --channels both",
     names.LANDMARKS: "motionjury train evaluator face",
 }
-
-
-def command_for(name: str) -> str:
-    """Return the command that trains a network of that name."""
-    return _COMMANDS[name]
+"""The commands that train networks, by name."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.evaluators.feature_networks import Network, command_for
+from analysis.evaluators.feature_networks import COMMANDS, Network
 from analysis.measurement.feature_scores import (
     FeatureScores,
     feature_scores,
@@ -101,7 +101,7 @@ def condition_scores(
         for name in setup.preset.networks:
             if name not in available:
                 yield from scores_without_network(
-                    name, command_for(name), condition, len(clips), recorded=is_recorded
+                    name, COMMANDS[name], condition, len(clips), recorded=is_recorded
                 )
 
 

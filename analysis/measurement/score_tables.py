@@ -52,13 +52,13 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     rows = chain(
         (
             {
-                **_of_condition(score),
+                **_row(score),
                 "segment": "",
                 "settings": _in_words(tuple(score.settings.items())),
             }
             for score in metrics.conditions
         ),
-        map(_of_clip, metrics.clips),
+        map(_row, metrics.clips),
     )
     columns: dict[str, list[object]] = {name: [] for name in COLUMNS}
     for row in rows:
@@ -92,7 +92,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
     return {
         "frame_rate": _plain(metrics.frame_rate),
         "conditions": [
-            {name: _plain(value) for name, value in _of_condition(score).items()}
+            {name: _plain(value) for name, value in _row(score).items()}
             for score in metrics.conditions
         ],
         "emotions": [
@@ -175,7 +175,7 @@ def _write_json(metrics: StudyMetrics, path: Path) -> None:
     document["clips"] = [
         {
             name: _plain(value)
-            for name, value in _of_clip(score).items()
+            for name, value in _row(score).items()
             if name == "value" or _plain(value) not in ("", None)
         }
         for score in metrics.clips
@@ -188,42 +188,29 @@ _WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingPro
 )
 
 
-def _of_condition(score: ConditionScore) -> dict[str, object]:
-    low, high = score.interval or (None, None)
-    return {
-        "condition": score.condition,
-        "metric": score.name,
-        "value": score.value,
-        "unit": score.unit,
-        "better": score.better,
-        "spread_between_clips": score.spread,
-        "low": low,
-        "high": high,
-        "clips_scored": score.scored,
-        "clips": score.clips,
-        "settings": dict(score.settings),
-        "remark": score.remark,
-        "reason": score.reason,
-    }
-
-
-def _of_clip(score: ClipScore) -> dict[str, object]:
-    result = score.result
+def _row(score: ConditionScore | ClipScore) -> dict[str, object]:
+    """Return a score by column."""
+    result = score.result if isinstance(score, ClipScore) else score
     low, high = result.interval or (None, None)
-    return {
+    row: dict[str, object] = {
         "condition": score.condition,
-        "segment": score.segment,
         "metric": result.name,
         "value": result.value,
         "unit": result.unit,
         "better": result.better,
         "low": low,
         "high": high,
-        "n": result.n,
-        "settings": _in_words(tuple(result.settings.items())),
+        "settings": dict(result.settings),
         "remark": result.remark,
         "reason": result.reason,
     }
+    if isinstance(score, ClipScore):
+        row |= {"segment": score.segment, "n": score.result.n}
+        row["settings"] = _in_words(tuple(result.settings.items()))
+    else:
+        row |= {"spread_between_clips": score.spread, "clips_scored": score.scored}
+        row["clips"] = score.clips
+    return {name: row[name] for name in COLUMNS if name in row}
 
 
 def _plain(value: object) -> object:

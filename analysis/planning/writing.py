@@ -150,7 +150,7 @@ def power_figure(plan: Plan) -> Figure:
         signs.append(_ring([], [], label="the study as it stands"))
     columns = min(3, len(plan.request.effects))
     what = PanelFigure(
-        descriptions=dict.fromkeys(panels, ""),
+        descriptions=dict.fromkeys(panels, ()),
         draw=draw,
         height=_HEIGHT,
         columns=columns,

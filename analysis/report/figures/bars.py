@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeVar
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
@@ -21,7 +21,11 @@ from analysis.report.figures.style import (
     diverging_colour,
     text_colour,
 )
+from analysis.results.ranking import RankedCondition
+from analysis.results.rating import RatedCondition
 from analysis.stats.clustered_mean import Estimate
+
+ResultT = TypeVar("ResultT", RankedCondition, RatedCondition)
 
 _ANNOTATION_WIDTH: Final = 0.76
 """Width of an estimate in words, in inches."""
@@ -74,6 +78,19 @@ class Bar:
         return interval if self.parts else ""
 
 
+def condition_bars(
+    conditions: Sequence[ResultT], names: Collection[str], bar: Callable[[ResultT], Bar]
+) -> tuple[dict[str, list[Bar]], list[Row]]:
+    """Return the bars of conditions by question, and their rows, in the order of `names`."""
+    by_name = {(c.condition, c.question): bar(c) for c in conditions if c.n}
+    questions = dict.fromkeys(c.question for c in conditions)
+    panels = {
+        question: [by_name.get((name, question), Bar()) for name in names] for question in questions
+    }
+    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
+    return panels, [Row(wording.condition(name), f"n = {n}") for name, n in counts.items()]
+
+
 def bar_pictures(
     panels: Mapping[str, Sequence[Bar]],
     rows: Sequence[Row],
@@ -115,11 +132,10 @@ def bar_pictures(
         return hints
 
     descriptions = {
-        question: f"{wording.heading(question)}. "
-        + " ".join(
-            _description(row.name, bar, estimate_scale.label)
+        question: [
+            f"{row.name}: {_description(bar, estimate_scale.label)}"
             for row, bar in zip(rows, bars, strict=True)
-        )
+        ]
         for question, bars in panels.items()
     }
     handles = [Patch(color=colour, label=name) for name, colour in legend.items()]
@@ -164,11 +180,11 @@ def _write(
     )
 
 
-def _description(name: str, bar: Bar, measure: str) -> str:
+def _description(bar: Bar, measure: str) -> str:
     if not bar.parts:
-        return f"{name}: no answers."
+        return "no answers"
     parts = ", ".join(part.hint for part in bar.parts)
-    return f"{name}: {parts}; {measure} {bar.estimate_words} {bar.interval_words}."
+    return f"{parts}, {measure} {bar.estimate_words} {bar.interval_words}"
 
 
 class MatrixCell(NamedTuple):
@@ -222,13 +238,11 @@ def matrix_pictures(
 
     rank = {name: number for number, name in enumerate(conditions)}
     descriptions = {
-        question: f"{wording.heading(question)}. "
-        + "; ".join(
+        question: [
             f"{wording.against(condition, opponent)}: {cell.words}"
             for (condition, opponent), cell in cells.items()
             if rank[condition] < rank[opponent]
-        )
-        + "."
+        ]
         for question, cells in questions.items()
     }
     rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]

@@ -122,13 +122,11 @@ def dot_pictures(
         return hints
 
     descriptions = {
-        title: f"{wording.heading(title)}. "
-        + "; ".join(
+        title: [
             f"{_name(row, series, index)}: {dot.hint}"
             for row, dots in zip(rows, all_dots, strict=True)
             for index, dot in enumerate(dots)
-        )
-        + "."
+        ]
         for title, all_dots in dots_by_row.items()
     }
     height = len(rows) * max(0.27, 0.13 * len(series) + 0.1) if series else 0.0
@@ -242,13 +240,11 @@ def agreement_pictures(
         return hints
 
     descriptions = {
-        metric.metric: f"{metric.metric}: "
-        + ", ".join(
+        metric.metric: [
             f"{wording.condition(place.condition)} {wording.quantity(place.score)} with preference "
             f"{wording.number(place.preference)}"
             for place in metric.places
-        )
-        + "."
+        ]
         for metric in metrics
     }
     legend = _legend([wording.condition(name) for name in conditions])

@@ -102,8 +102,8 @@ class PanelFigure:
 
     Attributes
     ----------
-    descriptions : mapping of str to str
-        By the title of a panel: what it shows in words, with the numbers.
+    descriptions : mapping of str to sequence of str
+        By the title of a panel: its rows in words, with the numbers.
     draw : callable
         Draws the panel of a title, and returns its hints.
     rows : sequence of Row
@@ -118,7 +118,7 @@ class PanelFigure:
         Labelled artists.
     """
 
-    descriptions: Mapping[str, str]
+    descriptions: Mapping[str, Sequence[str]]
     draw: Callable[[Panel, str], Hints]
     rows: Sequence[Row] = ()
     height: float = 0.0
@@ -149,7 +149,9 @@ def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]
             caption = f"{text.caption} ({number} of {len(sheets)})"
             sheet_text = replace(text, name=f"{text.name}-{number}", caption=caption)
         wide, narrow = (draw_sheet(figure, shown, text.mark, sheet) for sheet in (WIDE, NARROW))
-        description = " ".join(figure.descriptions[title] for title in shown)
+        description = " ".join(
+            f"{wording.heading(title)}. {'; '.join(figure.descriptions[title])}." for title in shown
+        )
         pictures.append(make_picture(wide, narrow, sheet_text, description))
     return tuple(pictures)
 

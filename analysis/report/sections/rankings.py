@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Table, headline_section
-from analysis.report.figures.bars import Bar, Part, bar_pictures
+from analysis.report.figures.bars import Bar, Part, bar_pictures, condition_bars
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale, place_colours
@@ -76,22 +76,19 @@ def _place_pictures(
 ) -> tuple[Picture, ...]:
     """Draw how often each condition came to each place, with mean ranks: a panel per question."""
     places = _place_count(conditions)
-    by_name = {(c.condition, c.question): c for c in conditions}
-    questions = tuple(dict.fromkeys(c.question for c in conditions))
     mean_ranks = {
-        c.condition: c.mean_rank.estimate for c in conditions if c.question == questions[0]
+        c.condition: c.mean_rank.estimate
+        for c in conditions
+        if c.question == conditions[0].question
     }
     names = sorted(
         dict.fromkeys(c.condition for c in conditions),
         key=lambda name: mean_ranks.get(name, places + 1),
     )
-    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
+    panels, rows = condition_bars(conditions, names, lambda c: _bar(c, places))
     return bar_pictures(
-        {
-            question: [_bar(by_name.get((name, question)), places) for name in names]
-            for question in questions
-        },
-        [Row(wording.condition(name), f"n = {counts[name]}") for name in names],
+        panels,
+        rows,
         dict(zip(map(ordinal, range(1, places + 1)), place_colours(places), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of rankings"),
         Scale(limits=(1, places), ticks={1: "1", places: str(places)}, label="mean rank"),
@@ -99,9 +96,7 @@ def _place_pictures(
     )
 
 
-def _bar(ranked: RankedCondition | None, places: int) -> Bar:
-    if ranked is None or not ranked.n:
-        return Bar()
+def _bar(ranked: RankedCondition, places: int) -> Bar:
     coloured = zip(ranked.rank_percent.items(), place_colours(places), strict=False)
     return Bar(
         parts=tuple(

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table, headline_section
-from analysis.report.figures.bars import Bar, Part, bar_pictures
+from analysis.report.figures.bars import Bar, Part, bar_pictures, condition_bars
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, series_style
@@ -108,11 +108,7 @@ def distribution_pictures(
         See `analysis.report.texts.figure_text`.
     """
     scores = tuple(conditions[0].counts)
-    questions = tuple(dict.fromkeys(c.question for c in conditions))
-    names = tuple(dict.fromkeys(c.condition for c in conditions))
-    by_name = {(c.condition, c.question): c for c in conditions}
-    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
-    by_question = {question: tuple(labels.get(question, ())) for question in questions}
+    by_question = {c.question: tuple(labels.get(c.question, ())) for c in conditions}
     first, *others = set(by_question.values())
     legend = [str(score) for score in scores]
     if len(first) == len(scores) and not others:
@@ -121,12 +117,10 @@ def distribution_pictures(
         legend[0], legend[-1] = f"{legend[0]} (worst)", f"{legend[-1]} (best)"
     in_caption = {q: own for q, own in by_question.items() if others and len(own) == len(scores)}
     ends = (scores[0], scores[-1])
+    panels, rows = condition_bars(conditions, dict.fromkeys(c.condition for c in conditions), _bar)
     return bar_pictures(
-        {
-            question: [_bar(by_name.get((name, question))) for name in names]
-            for question in questions
-        },
-        [Row(wording.condition(name), f"n = {counts[name]}") for name in names],
+        panels,
+        rows,
         dict(zip(legend, scale_colours(len(scores)), strict=True)),
         Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of ratings"),
         Scale(limits=ends, ticks={score: str(score) for score in ends}, label="mean"),
@@ -136,9 +130,7 @@ def distribution_pictures(
     )
 
 
-def _bar(rated: RatedCondition | None) -> Bar:
-    if rated is None or not rated.n:
-        return Bar()
+def _bar(rated: RatedCondition) -> Bar:
     shares = [(score, count, 100 * count / rated.n) for score, count in rated.counts.items()]
     return Bar(
         parts=tuple(
@@ -177,14 +169,12 @@ def _cumulative_pictures(
         return {}
 
     descriptions = {
-        question: f"{wording.heading(question)}. "
-        + "; ".join(
+        question: [
             f"{wording.condition(c.condition)}: "
-            + ", ".join(f"{percent:.0f}% at least {s}" for s, percent in c.at_least.items())
+            + ", ".join(f"{percent:.0f}% at least {score}" for score, percent in c.at_least.items())
             for c in conditions
             if c.question == question
-        )
-        + "."
+        ]
         for question in dict.fromkeys(c.question for c in conditions)
     }
     legend = [_curve(index, {}, wording.condition(name)) for index, name in enumerate(names)]

@@ -72,7 +72,8 @@ def test_landmarks_travel_with_the_file_and_follow_the_face(face_file: Path) -> 
     face = load_evaluator(face_file)
     clip = swinging("anger", 90)
     still = replace(clip, arkit=np.zeros_like(clip.arkit))
-    assert (face.kind, face.channels, face.embed(clip).shape[1]) == ("face", "landmarks", 32)
+    facts = face.file.facts
+    assert (facts.kind, facts.channels, face.embed(clip).shape[1]) == ("face", "landmarks", 32)
     assert not np.allclose(face.embed(clip), face.embed(still), atol=1e-3)
     turned = replace(clip, poses=np.where(np.arange(55)[:, None] == 15, 0.3, clip.poses))
     np.testing.assert_allclose(face.embed(clip), face.embed(turned), atol=1e-6)
