@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
-from collections.abc import Iterator
-from contextlib import contextmanager
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from functools import cache
+from pathlib import Path
 from types import CodeType
 from typing import Any
+from uuid import uuid4
 
 import pytest
 from flask import Flask
 from jinja2.bccache import Bucket, BytecodeCache
 from sqlalchemy import Engine, event
+from werkzeug.routing import Rule
 
 from studyapp.database import sqlite
+from studyapp.database.engine import Database, sqlite_url
 
 
 class _SharedTemplates(BytecodeCache):
@@ -32,9 +39,33 @@ class _SharedTemplates(BytecodeCache):
 def fast_applications() -> Iterator[None]:
     """Let all applications of this process share what they compile, and leave commits in memory.
 
-    They share page templates and SQL statements. A commit to an SQLite file survives the end of a
-    process, but not that of the machine.
+    They share page templates, routes and SQL statements; a new SQLite database begins as a copy of
+    one that has the newest schema. A commit to such a file survives the end of a process, but not
+    that of the machine.
     """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(Flask.jinja_options, "bytecode_cache", _SharedTemplates())
+        patch.setattr(Rule, "_compile_builder", _shared_routes(Rule._compile_builder))
+        patch.setattr("studyapp.database.engine.sqlite_engine", _fast_engines())
+        # The first one is migrated before others become its copies.
+        content = _newest_database()
+        patch.setattr("studyapp.database.engine.keep_private", _copied_from(content))
+        yield
+
+
+def _shared_routes(compile_builder: Callable[..., Any]) -> Callable[..., Any]:
+    compiled: dict[tuple[object, ...], Any] = {}
+
+    def shared(rule: Rule, append_unknown: bool = True) -> Any:
+        key = (rule.rule, rule.subdomain, repr(rule.defaults), append_unknown)
+        if key not in compiled:
+            compiled[key] = compile_builder(rule, append_unknown)
+        return compiled[key]
+
+    return shared
+
+
+def _fast_engines() -> Callable[..., Engine]:
     sqlite_engine = sqlite.sqlite_engine
     connected: list[Engine] = []
 
@@ -49,11 +80,33 @@ def fast_applications() -> Iterator[None]:
             event.listen(engine, "engine_connect", lambda _: connected.append(engine))
         return engine
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("studyapp.database.engine.sqlite_engine", fast_engine)
-        patch.setitem(Flask.jinja_options, "bytecode_cache", _SharedTemplates())
-        yield
+    return fast_engine
 
 
 def _leave_commits_in_memory(connection: sqlite3.Connection, _record: object) -> None:
     connection.execute("PRAGMA synchronous = OFF")
+
+
+@cache
+def _newest_database() -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "new.db"
+        with closing(Database.open(sqlite_url(file))):
+            pass
+        return file.read_bytes()
+
+
+def _copied_from(content: bytes) -> Callable[[Path], None]:
+    keep_private = sqlite.keep_private
+
+    def copy_or_keep(file: Path) -> None:
+        if not file.exists() and file.parent.is_dir():
+            copy = file.with_name(f"{uuid4()}.db")
+            copy.write_bytes(content)
+            # Whoever else has made the file meanwhile came first.
+            with suppress(FileExistsError):
+                os.link(copy, file)
+            copy.unlink()
+        keep_private(file)
+
+    return copy_or_keep
