@@ -1,4 +1,4 @@
-"""Answering a trial: all its questions at once, stored before anything else happens."""
+"""Answering a trial: all its questions at once, in one transaction."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
 
 @dataclass(frozen=True, kw_only=True)
 class SubmittedAnswers:
-    """The answers of one trial."""
+    """Valid answers to one trial."""
 
     values: Answers
     reasons: Mapping[AnswerKey, tuple[str, ...]]
 
     def stored(self) -> dict[AnswerKey, tuple[int, tuple[str, ...]]]:
-        """Return value and reasons of every answer."""
+        """Return the value and reasons of every answer."""
         return {key: (value, self.reasons.get(key, ())) for key, value in self.values.items()}
 
 
@@ -58,33 +58,32 @@ def store_answers(
     fields: Fields,
     clock: Clock,
 ) -> None:
-    """Store the answers of the present trial; with the last one comes the completion code.
+    """Store the answers of the current trial; the last one completes the study session.
 
-    The same answers sent again change nothing and are no error.
+    Sending the same answers again changes nothing.
 
     Parameters
     ----------
     trial_token : str
-        The trial that was answered.
+        The answered trial.
     fields : mapping of field name to texts
-        As the form sent them: one whole number for each `Ask.field` of the trial, and the
-        names of any reasons ticked under their `Ask.reasons_field`.
+        The form as sent: one integer for each `Ask.field`, and names of ticked reasons for each
+        `Ask.reasons_field`.
 
     Raises
     ------
     RefusalError
-        If the trial is not theirs, not the present one or answered differently before, an
-        answer is missing, unknown or out of range, or a video is not yet watched. Nothing is
-        changed then.
+        If the trial is not theirs, not the current one or already has other answers, an answer is
+        missing or invalid, or a video has not been watched. Nothing is changed then.
     """
     study = served.study
     with database.writing() as session:
         study_session = find_study_session(session, token)
         trial = find_trial(study_session, trial_token)
         load_videos(session, [trial])
-        given = read_answers(study, trial, fields)
+        submitted = read_answers(study, trial, fields)
         if trial.answered_at is not None:
-            _require_same(trial, given)
+            _require_same(trial, submitted)
             return
         regain_place(session, served, study_session)
         shown_at = require_current_trial(study_session, trial)
@@ -104,10 +103,10 @@ def store_answers(
                     "question": question,
                     "stimulus": stimulus,
                     "value": value,
-                    "reasons": list(given.reasons.get((question, stimulus), ())),
+                    "reasons": list(submitted.reasons.get((question, stimulus), ())),
                     "answered_at": now,
                 }
-                for (question, stimulus), value in given.values.items()
+                for (question, stimulus), value in submitted.values.items()
             ],
         )
         update_row(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
@@ -123,22 +122,22 @@ def skip_unplayable(
     video_token: str = "",
     media_error: str = "",
 ) -> None:
-    """Record that a video of the present trial does not play, and go on without an answer.
+    """Skip the current trial because one of its videos does not play.
 
-    After too many of them the study session ends, and its place is given to somebody else.
+    After too many of them the study session ends, and its place is released.
 
     Parameters
     ----------
     video_token : str
-        The video; needed where the trial shows several.
+        The video; required if the trial shows several.
     media_error : str
-        The code of the browser's error with this video; empty where it reports none.
+        The code of the browser's error with this video; empty if it reports none.
 
     Raises
     ------
     RefusalError
-        If the trial is not theirs or not the present one, the video is none of its own, or
-        nothing shows that it does not play. Nothing is changed then.
+        If the trial is not theirs or not the current one, the video is not one of its videos, or
+        nothing proves that it does not play. Nothing is changed then.
     """
     with database.writing() as session:
         study_session = find_study_session(session, token)
@@ -157,9 +156,9 @@ def skip_unplayable(
             )
         now = clock.now()
         video.unplayable_at = now
-        if sum(
-            each.unplayable_at is not None for each in study_session.trials
-        ) >= max_skipped_trials(len(study_session.trials)):
+        trials = study_session.trials
+        skipped = sum(each.unplayable_at is not None for each in trials)
+        if skipped >= max_skipped_trials(len(trials)):
             end_as_unwatched(session, study_session, now)
         else:
             trial.unplayable_at = now
@@ -176,12 +175,12 @@ def _find_unplayable_video(trial: Trial, video_token: str) -> Video:
     return named[0]
 
 
-def _require_same(trial: Trial, given: SubmittedAnswers) -> None:
+def _require_same(trial: Trial, submitted: SubmittedAnswers) -> None:
     stored = {
         (response.question, response.stimulus): (response.value, tuple(response.reasons))
         for response in trial.responses
     }
-    if stored != given.stored():
+    if stored != submitted.stored():
         raise ConflictError(
             "You have already answered this page, and your first answer is stored.",
             "An answer cannot be changed once it is sent. Please go on with the next page.",
@@ -194,7 +193,7 @@ def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAn
     Raises
     ------
     UnacceptableError
-        If one is missing, unknown or out of range, or they do not go together.
+        If one is missing or invalid, or they contradict each other.
     """
     asks = study.asks(trial)
     known = {name for ask in asks for name in (ask.field, ask.reasons_field)}
@@ -216,9 +215,9 @@ def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAn
     return SubmittedAnswers(values=values, reasons={ask.key: _reasons(ask, fields) for ask in asks})
 
 
-def _check_value(ask: Ask, given: Sequence[str]) -> None:
-    right = len(given) == 1 and WHOLE_NUMBER.fullmatch(given[0]) and int(given[0]) in ask.values
-    if not right:
+def _check_value(ask: Ask, texts: Sequence[str]) -> None:
+    is_integer = len(texts) == 1 and WHOLE_NUMBER.fullmatch(texts[0])
+    if not is_integer or int(texts[0]) not in ask.values:
         raise UnacceptableError(
             "An answer is not one of the choices.",
             "Please choose one of the choices for every question.",
@@ -247,7 +246,7 @@ def _check_complete(asks: Sequence[Ask], fields: Fields) -> None:
 
 
 def _question_label(ask: Ask, number: int) -> Message | int:
-    """Return what an answer is called: its question's number, and the video it is about."""
+    """Return the number of the question, with the letter of the video it is about."""
     if ask.stimulus is None:
         return number
     letter = chr(ord("A") + ask.stimulus - 1)

@@ -1,8 +1,8 @@
-"""Who arrives, and how things stand for them: known, let in, one of too many.
+"""Arrivals: who comes, and whether they are known, admitted, or one of too many.
 
-How many newcomers come from one network address is counted, so that nobody takes all places alone.
-Only who got a place is counted, and for an hour; nothing says who came from where. Who has a link
-that was made for them, or that Prolific has signed, is not counted.
+Newcomers from each network address are counted, so that nobody takes all places alone: only those
+who got a place, for an hour, and without their names. Newcomers with a personal link, or one that
+Prolific has signed, are not counted.
 """
 
 from __future__ import annotations
@@ -26,33 +26,33 @@ WINDOW: Final = timedelta(hours=1)
 
 @dataclass(frozen=True, kw_only=True)
 class Arrival:
-    """Who comes, as far as anybody says so.
+    """Who arrives.
 
     Attributes
     ----------
     visit : str or None
-        Drawn with the consent page, or the hash of an invitation; who knows it is the person who
-        has the study session.
+        Random, drawn with the consent page, or the hash of an invitation; proves who has the study
+        session.
     recruiter_participant : str or None
-        The recruiter's name for the participant, who takes part once, whatever the recruiter
-        calls the study.
+        The recruiter's name for the participant, who takes part only once, whatever the
+        recruiter's study.
     recruiter_study, recruiter_session : str
         The recruiter's names for the study and the submission; may be empty.
     submit_to : str
-        The recruiter's site that the end is to be reported to; may be empty.
+        The recruiter's site to which the end is reported; may be empty.
     form : mapping of question name to text
-        What was answered under eligibility and consent.
+        Answers to the questions of eligibility and consent.
     token : str or None
-        Of the study session that their browser says it has.
+        Token of the study session that the browser claims to have.
     is_signed : bool
-        Whether the recruiter has signed who they are.
+        Whether the recruiter has signed the participant's name.
     address : str or None
-        The network address they come from, where newcomers from it are counted.
+        The network address, if newcomers from it are counted.
 
     Raises
     ------
     ValueError
-        If neither `visit` nor `recruiter_participant` says who it is.
+        If there is neither a `visit` nor a `recruiter_participant`.
     """
 
     visit: str | None = None
@@ -67,11 +67,11 @@ class Arrival:
 
     def __post_init__(self) -> None:
         if not self.visit and not self.recruiter_participant:
-            raise ValueError("an arrival without a visit or a recruiter's name is nobody's")
+            raise ValueError("an arrival needs a visit or a recruiter's name")
 
     @property
     def name(self) -> str:
-        """What tells them apart: the recruiter's name for them; the visit where there is none."""
+        """The recruiter's name for the participant, or else the visit."""
         return self.recruiter_participant or self.visit or ""
 
 
@@ -83,24 +83,24 @@ NEWCOMERS_FROM_ADDRESS: Final = (
 EXPIRED: Final = select(Newcomer.id).where(Newcomer.at <= bindparam("since"))
 HAS_EXPIRED: Final = exists(EXPIRED)
 
-# Those are passed over that somebody else forgets at this moment.
+# Rows that another transaction is deleting are skipped.
 DELETE_EXPIRED: Final = delete(Newcomer).where(
     Newcomer.id.in_(EXPIRED.with_for_update(skip_locked=True))
 )
 INSERT_NEWCOMER: Final = insert(Newcomer)
 
 
-def require_uncrowded_address(came: int, most: int) -> None:
-    """Raise `CrowdedAddressError` if so many newcomers from one address are the most there may be.
+def require_uncrowded_address(newcomers: int, limit: int) -> None:
+    """Raise `CrowdedAddressError` if an address with so many newcomers within an hour is crowded.
 
     Parameters
     ----------
-    came : int
-        How many have come from it within an hour.
-    most : int
-        0 for any number.
+    newcomers : int
+        Newcomers within an hour.
+    limit : int
+        0 for no limit.
     """
-    if most and came >= most:
+    if limit and newcomers >= limit:
         raise CrowdedAddressError(
             "Very many people have just begun this study from your network.",
             "Please come back in an hour: the same link works then.",
@@ -108,23 +108,23 @@ def require_uncrowded_address(came: int, most: int) -> None:
 
 
 def max_newcomers_from_one_address(session: Session, now: datetime) -> int:
-    """Return how many newcomers came within an hour from the address from which most came."""
+    """Return the number of newcomers within an hour from the most crowded address."""
     counts = (
-        select(func.count(Newcomer.id).label("came"))
+        select(func.count(Newcomer.id).label("newcomers"))
         .where(Newcomer.at > now - WINDOW)
         .group_by(Newcomer.address)
         .subquery()
     )
-    return session.scalar(select(func.max(counts.c.came))) or 0
+    return session.scalar(select(func.max(counts.c.newcomers))) or 0
 
 
 def forget_newcomers(session: Session, now: datetime) -> None:
-    """Forget who came longer than an hour ago."""
+    """Forget newcomers who came more than an hour ago."""
     session.connection().execute(DELETE_EXPIRED, {"since": now - WINDOW})
 
 
 def add_newcomer(session: Session, address: str | None, now: datetime) -> None:
-    """Note that somebody from `address` got a place; None where nobody counts or knows it."""
+    """Count a newcomer from `address`; None if nobody counts."""
     if address is not None:
         session.connection().execute(INSERT_NEWCOMER, {"at": now, "address": address})
 
@@ -132,21 +132,20 @@ def add_newcomer(session: Session, address: str | None, now: datetime) -> None:
 def require_open_place(
     reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
 ) -> None:
-    """Raise `StudyFullError` unless newcomers are let in and there is a place for one."""
+    """Raise `StudyFullError` unless newcomers are admitted and a place is open."""
     require_open_intake(served, intake)
     if not has_open_place(reading, served, intake, now):
         raise full_study_error()
 
 
 def require_open_intake(served: ServedStudy, intake: Intake) -> None:
-    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place."""
-    state = intake.state
-    if state == "closed":
+    """Raise `StudyFullError` unless newcomers are admitted, whether or not a place is open."""
+    if intake.state == "closed":
         raise StudyFullError(
             "The study is over: it takes no more participants.",
             "Thank you for your interest.",
         )
-    if state == "paused":
+    if intake.state == "paused":
         raise StudyFullError(
             "The study is paused at the moment.",
             "Thank you for your interest. Please come back later: the same link works then.",
@@ -159,7 +158,7 @@ def require_open_intake(served: ServedStudy, intake: Intake) -> None:
 
 
 def full_study_error() -> StudyFullError:
-    """Return what newcomers are told while every place is held."""
+    """Return the refusal of newcomers while all places are held."""
     return StudyFullError(
         "The study has all the participants it needs at the moment.",
         "Thank you for your interest. A place may open again: you can try later with the "
@@ -169,21 +168,21 @@ def full_study_error() -> StudyFullError:
 
 @dataclass(frozen=True, kw_only=True)
 class Admission:
-    """How things stand for somebody who arrives.
+    """What decides about admitting somebody who arrives.
 
     Attributes
     ----------
     study_session_id : int or None
-        The study session that they have already.
+        The study session that they already have.
     intake : Intake
-        What researchers have decided.
+        The researchers' current decision.
     newcomers_from_address : int
         Newcomers from their network address within an hour.
     version_id : int or None
-        The version that is served; None where it is not the database's any more.
+        The version that is served; None if the database has moved on to another.
     has_stale_place, has_expired_newcomers : bool
-        Whether a place is held by somebody who has been silent for too long, and newcomers are
-        noted who came longer than an hour ago; False outside the allocation's turn.
+        Whether there are places to release and newcomers to forget; False outside the
+        allocation's turn.
     """
 
     study_session_id: int | None
@@ -202,17 +201,17 @@ def read_admission(
     *,
     in_turn: bool,
 ) -> Admission:
-    """Return how things stand for who has this name, or where nobody has named them this visit.
+    """Read what decides about admitting `arrival`.
 
     Parameters
     ----------
     in_turn : bool
-        Whether it is asked in the allocation's turn.
+        Whether the caller shares the allocation's turn.
     """
     row = connection.execute(
         ADMISSION_QUERIES[arrival.recruiter_participant is not None, in_turn],
         {
-            "who": arrival.name,
+            "name": arrival.name,
             "address": arrival.address,
             "since": now - WINDOW,
             "design": served.design,
@@ -222,21 +221,21 @@ def read_admission(
     return Admission(
         study_session_id=row.study_session_id,
         intake=intake_of(row.state, row.more_places),
-        newcomers_from_address=row.came,
+        newcomers_from_address=row.newcomers,
         version_id=row.version_id,
         has_stale_place=row.has_stale_place,
         has_expired_newcomers=row.has_expired_newcomers,
     )
 
 
-def _admission_query(who: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:
-    known = select(StudySession.id).where(who == bindparam("who"))
+def _admission_query(column: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:
+    study_session = select(StudySession.id).where(column == bindparam("name"))
     version = select(StudyVersion.id).where(StudyVersion.design == bindparam("design"))
     return select(
-        known.scalar_subquery().label("study_session_id"),
+        study_session.scalar_subquery().label("study_session_id"),
         NEWEST_STATE.label("state"),
         NEWEST_MORE_PLACES.label("more_places"),
-        NEWCOMERS_FROM_ADDRESS.label("came"),
+        NEWCOMERS_FROM_ADDRESS.label("newcomers"),
         version.scalar_subquery().label("version_id"),
         (HAS_STALE_PLACE if in_turn else false()).label("has_stale_place"),
         (HAS_EXPIRED if in_turn else false()).label("has_expired_newcomers"),
@@ -244,10 +243,10 @@ def _admission_query(who: InstrumentedAttribute[str | None], *, in_turn: bool) -
 
 
 ADMISSION_QUERIES: Final = {
-    (named, in_turn): _admission_query(
-        StudySession.recruiter_participant if named else StudySession.visit, in_turn=in_turn
+    (is_recruited, in_turn): _admission_query(
+        StudySession.recruiter_participant if is_recruited else StudySession.visit, in_turn=in_turn
     )
-    for named in (False, True)
+    for is_recruited in (False, True)
     for in_turn in (False, True)
 }
-"""By whether a recruiter names who arrives, and whether it is asked in the allocation's turn."""
+"""By whether a recruiter names the participant, and whether the allocation's turn is shared."""

@@ -1,8 +1,8 @@
-"""Leaving the instructions: whoever shows that they were understood begins with the trials.
+"""From the instructions to the trials, with comprehension questions.
 
-A study may ask a few questions under its instructions. Whoever answers them wrongly reads again and
-has a second try; whoever fails both is screened out, and nothing of them stays but that they were
-here, where a recruiter named them. Prolific asks for two tries.
+A study may ask questions below its instructions. Participants who answer wrongly have a second try,
+as Prolific requires. After that they are screened out, and everything about them is deleted except
+the fact of the screen-out if a recruiter named them.
 """
 
 from __future__ import annotations
@@ -31,38 +31,38 @@ def start_trials(
     *,
     answers: Mapping[str, str] | None = None,
 ) -> None:
-    """Start the trials; beginning twice changes nothing, and beginning too early neither.
+    """Start the trials; starting twice or too early changes nothing.
 
     Parameters
     ----------
     answers : mapping of question name to text, optional
-        To the questions under the instructions. Those of the first try are stored.
+        Answers to the comprehension questions. Those of the first try are stored.
 
     Raises
     ------
     UnacceptableError
-        If a question is left open, which is no try, or the first try was wrong.
+        If an answer is missing, which does not count as a try, or the first try is wrong.
     IneligibleError
-        If the second one was, too: the study session is no more.
+        If the second try is wrong; the study session has been deleted.
     """
-    study, given = served.study, answers or {}
+    study, answers = served.study, answers or {}
     with database.writing() as session:
         study_session = find_study_session(session, token)
         waiting = sound_check_due(study_session, served) or form_due(study_session, study)
         if state_of(study_session) != "instructed" or waiting:
             return
         now = clock.now()
-        first_try = read_form_answers(study, "comprehension", given, now)
-        tried = any(answer.stage == "comprehension" for answer in study_session.form_answers)
-        if not tried:
-            study_session.form_answers.extend(first_try)
+        rows = read_form_answers(study, "comprehension", answers, now)
+        has_tried = any(answer.stage == "comprehension" for answer in study_session.form_answers)
+        if not has_tried:
+            study_session.form_answers.extend(rows)
         study_session.last_active_at = now
-        if is_eligible(study, "comprehension", given):
+        if is_eligible(study, "comprehension", answers):
             study_session.started_at = now
             return
-        if tried:
-            _screen_out(session, served.study, study_session)
-    if tried:
+        if has_tried:
+            _screen_out(session, study, study_session)
+    if has_tried:
         raise IneligibleError(
             "Thank you for your interest: this study looks for other participants.",
             "Nothing about you has been stored, and you may close this page.",
@@ -74,7 +74,7 @@ def start_trials(
 
 
 def _screen_out(session: Session, study: Study, study_session: StudySession) -> None:
-    """Erase a study session, and let nobody come back under the name by which they were sent."""
+    """Delete a study session, and screen out the name under which its participant was sent."""
     name = study_session.recruiter_participant
     if name is None and study.recruitment.names_participants:
         name = study_session.visit

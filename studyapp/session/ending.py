@@ -1,7 +1,7 @@
-"""How a study session ends: completed or cut short, excluded, withdrawn; and the way back.
+"""The end of a study session: completion, exclusion, withdrawal, and the way back to a recruiter.
 
-An exclusion that is known as soon as a participant has finished decides about the place alone. On
-withdrawing, the place is given back, and the answers are deleted or kept as was promised.
+An exclusion at the end only decides about the place. Withdrawal releases the place, and deletes or
+keeps the answers as the study promised.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from studyapp.study.settings.recruitment import Channel, Outcome, Recruitment, d
 from studyapp.study.settings.study import Study
 
 JUDGED: Final = ("catch", "attention")
-"""Kinds of trial that can be failed, and the rules that count the failures."""
+"""Kinds of trial that can be failed, and names of the exclusion rules that count failures."""
 
 
 class JudgedTrial(NamedTuple):
-    """As much of a stored catch trial or attention check as `Study.failed` must know."""
+    """What `Study.failed` needs to know of a stored catch trial or attention check."""
 
     kind: str
     part: str
@@ -42,33 +42,32 @@ class JudgedTrial(NamedTuple):
 
 
 def is_excluded(study: Study, study_session: StudySession) -> bool:
-    """Tell whether more catch trials or attention checks were failed than the study allows.
+    """Tell whether the participant failed too many catch trials or attention checks.
 
-    The analysis finds the same from the answers, and applies all other rules besides; here it
-    only decides about the place.
+    It decides about the place; the analysis judges the answers again, by all rules.
     """
-    failed = count_failures(study, study_session.trials)
+    failures = count_failures(study, study_session.trials)
     facts = ParticipantFacts(
         participant=str(study_session.id),
-        failed_catch=failed["catch"],
-        failed_attention=failed["attention"],
+        failed_catch=failures["catch"],
+        failed_attention=failures["attention"],
     )
-    rules = [each.to_rule() for each in study.settled_exclusions if each.rule in JUDGED]
+    rules = [rule.to_rule() for rule in study.settled_exclusions if rule.rule in JUDGED]
     return any(rule.judge(facts) for rule in rules)
 
 
 def count_failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
-    """Return how many of `trials` were failed, by kind; to leave one out is to fail it."""
+    """Count the failed trials by kind; a skipped one is failed."""
     judged = (trial for trial in trials if trial.settled and trial.kind in JUDGED)
     failed = [trial.kind for trial in judged if has_failed(study, trial)]
     return {kind: failed.count(kind) for kind in JUDGED}
 
 
 def has_failed(study: Study, trial: Trial) -> bool:
-    """Tell whether a catch trial or attention check that somebody is done with was failed."""
+    """Tell whether a settled catch trial or attention check was failed."""
     if trial.answered_at is None:
         return True
-    answers = {(given.question, given.stimulus): given.value for given in trial.responses}
+    answers = {(each.question, each.stimulus): each.value for each in trial.responses}
     return study.failed(trial, answers)
 
 
@@ -77,23 +76,23 @@ TRIALS_PER_SKIP: Final = 10
 
 
 def max_skipped_trials(trials: int) -> int:
-    """Return how many of so many trials may be left out since a video does not play."""
+    """Return how many of so many trials a participant may skip because a video does not play."""
     return max(MIN_SKIPPED_TRIALS, trials // TRIALS_PER_SKIP)
 
 
 def end_as_unwatched(session: Session, study_session: StudySession, now: datetime) -> None:
-    """End a study session in which too many videos did not play; its place is free again.
+    """End a study session in which too many videos did not play, and release its place.
 
-    There is no completion code: whether it is paid is for a person to decide.
+    There is no completion code: a researcher decides about pay.
     """
     update_row(session, study_session, last_active_at=now, outcome="unwatched")
     study_session.place = None
 
 
 def advance(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:
-    """Note the activity; after the last answer of all, complete the study session.
+    """Store the activity; after the very last answer, complete the study session.
 
-    Where the study says so, who is excluded opens the place again for somebody else.
+    If the study replaces excluded participants, their places are released.
     """
     update_row(session, study_session, last_active_at=now)
     if study_session.started_at is None or current_trial(study_session) is not None:
@@ -101,23 +100,23 @@ def advance(session: Session, study_session: StudySession, study: Study, now: da
     if form_due(study_session, study) is None:
         study_session.completed_at = now
         study_session.completion_code = draw_code()
-        failed = count_failures(study, study_session.trials)["attention"]
-        study_session.outcome = study.recruitment.outcome(failed)
+        failed_checks = count_failures(study, study_session.trials)["attention"]
+        study_session.outcome = study.recruitment.outcome(failed_checks)
         if study.replace_excluded and is_excluded(study, study_session):
             study_session.place = None
 
 
 Promise = Literal["deleted", "kept"]
-"""What becomes of the answers of who withdraws."""
+"""What happens to the answers on withdrawal."""
 
 
 def withdrawal_promise(database: Database, token: str) -> Promise:
-    """Return what becomes of the participant's answers on withdrawing.
+    """Return what happens to the participant's answers on withdrawal.
 
     Raises
     ------
     ConflictError
-        If the study session is finished, or somebody unproven has gone on with it.
+        As `withdraw`.
     """
     with database.reading() as session:
         study_session = find_study_session(session, token, to_change=False)
@@ -126,7 +125,7 @@ def withdrawal_promise(database: Database, token: str) -> Promise:
 
 
 def withdraw(database: Database, token: str, clock: Clock) -> None:
-    """Take the consent back: the place is given back, and the answers are not exported.
+    """Withdraw the consent: the place is released, and the answers are not exported.
 
     Withdrawing twice changes nothing.
 
@@ -134,7 +133,7 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
     ------
     ConflictError
         If the study session is finished, as its completion code may have been used; or if
-        somebody went on with it who could not show that they had begun it.
+        somebody without proof has resumed it.
     """
     with database.writing() as session:
         study_session = find_study_session(session, token)
@@ -146,15 +145,15 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
 def end_withdrawn(session: Session, study_session: StudySession, now: datetime) -> None:
     """End `study_session` as withdrawn.
 
-    Where deletion was promised, all that is left is that somebody took part and withdrew: when,
-    in which arm, and by which name the recruiter would send them again.
+    If deletion was promised, all that remains is that somebody took part and withdrew: when, in
+    which arm, and under which recruiter's name.
     """
     study_session.withdrawn_at = now
     study_session.place = None
     session.flush()
     if _promise(study_session) == "kept":
         return
-    # What hangs on trials goes with them, in the database.
+    # The database deletes what belongs to the trials.
     session.execute(delete(Trial).where(Trial.study_session_id == study_session.id))
     session.execute(delete(FormAnswer).where(FormAnswer.study_session_id == study_session.id))
     erase_decisions(session, study_session.id)
@@ -163,7 +162,7 @@ def end_withdrawn(session: Session, study_session: StudySession, now: datetime) 
     study_session.conditions = []
     study_session.number = None
     if study_session.sound_checked_at is not None:
-        study_session.sound_tries = 0  # only who could not hear is told so afterwards
+        study_session.sound_tries = 0  # kept only for those who left at the sound check
     study_session.started_at = study_session.sound_checked_at = None
     study_session.sound_digits = ""
     study_session.rested_at_position = None
@@ -188,40 +187,40 @@ def _require_unfinished(study_session: StudySession) -> None:
 
 
 def _promise(study_session: StudySession) -> Promise:
-    """Return what the study promised when this participant agreed, not what it promises now."""
+    """Return the promise of the study version to which the participant consented."""
     page = tomllib.loads(study_session.version.definition).get("page", {})
-    promised: Promise = page.get("withdrawn", Page.model_fields["withdrawn"].default)
-    return promised
+    promise: Promise = page.get("withdrawn", Page.model_fields["withdrawn"].default)
+    return promise
 
 
 PROLIFIC_SITE: Final = "https://app.prolific.com"
 PROLIFIC_END: Final = f"{PROLIFIC_SITE}/submissions/complete"
 
 MTURK_SITES: Final = ("https://www.mturk.com", "https://workersandbox.mturk.com")
-"""Where the end of an assignment may be reported to; nowhere else."""
+"""The only sites to which the end of an assignment may be reported."""
 
 MTURK_FRAMES: Final = ("https://worker.mturk.com", *MTURK_SITES)
-"""Whose pages show a study in a frame of theirs."""
+"""Sites that may show a study in a frame."""
 
 MTURK_END: Final = "/mturk/externalSubmit"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Exit:
-    """What the last page offers.
+    """The way out that the last page offers.
 
     Attributes
     ----------
     channel : Channel
-        What the page can say of the place they came from.
+        Where the participant came from.
     outcome : Outcome or None
-        How the study session ended; None of somebody who was screened out.
+        How the study session ended; None after a screen-out.
     code : str
         The completion code.
     address : str
-        The link back, or where a form goes; empty where there is neither.
+        The link back, or the target of a form; may be empty.
     assignment : str
-        What a form sends along; empty where a link leads back.
+        The assignment that a form sends; empty for a link.
     """
 
     channel: Channel
@@ -232,13 +231,13 @@ class Exit:
 
 
 def exit_of(recruitment: Recruitment, study_session: StudySession) -> Exit | None:
-    """Return how the participant of `study_session` leaves; None before the end is stored."""
-    own = study_session.completion_code
-    if own is None:
+    """Return the exit of a participant; None before the end is stored."""
+    completion_code = study_session.completion_code
+    if completion_code is None:
         return None
-    failed = study_session.outcome == "failed_attention"
-    outcome: Outcome = "failed_attention" if failed else "completed"
-    # Who came while the study was open to everybody has no place at a recruiter's site.
+    has_failed_checks = study_session.outcome == "failed_attention"
+    outcome: Outcome = "failed_attention" if has_failed_checks else "completed"
+    # Participants from before the study went to a recruiter have no submission there.
     if study_session.recruiter_participant is not None:
         if recruitment.channel == "prolific":
             code = recruitment.prolific.code(outcome)
@@ -252,16 +251,16 @@ def exit_of(recruitment: Recruitment, study_session: StudySession) -> Exit | Non
             return Exit(
                 channel="mturk",
                 outcome=outcome,
-                code=own,
+                code=completion_code,
                 address=study_session.submit_to + MTURK_END,
                 assignment=study_session.recruiter_session,
             )
     channel: Channel = "invitations" if recruitment.channel == "invitations" else "link"
-    return Exit(channel=channel, outcome=outcome, code=own)
+    return Exit(channel=channel, outcome=outcome, code=completion_code)
 
 
 def screened_out_exit(recruitment: Recruitment) -> Exit:
-    """Return how somebody leaves who was screened out, which must be stored before."""
+    """Return the exit of somebody who was screened out; the screen-out must have been stored."""
     if recruitment.channel != "prolific":
         return Exit(channel=recruitment.channel, outcome=None, code="")
     code = recruitment.prolific.screened_out
@@ -269,13 +268,13 @@ def screened_out_exit(recruitment: Recruitment) -> Exit:
 
 
 def return_address(recruitment: Recruitment) -> str:
-    """Return the address of where somebody came from who gets no code; empty if there is none.
+    """Return the recruiter's site for participants without a code, or an empty address.
 
-    They return their place there. A code would pay them, and nothing of them is stored.
+    They return their submission there.
     """
     return PROLIFIC_SITE if recruitment.channel == "prolific" else ""
 
 
 def prolific_completion_url(code: str) -> str:
-    """Return the address that tells Prolific of `code`."""
+    """Return the address that reports `code` to Prolific."""
     return f"{PROLIFIC_END}?{urlencode({'cc': code})}"

@@ -1,4 +1,4 @@
-"""What participants say about themselves: checked, judged for eligibility, stored once."""
+"""Participants' answers about themselves: validated, checked for eligibility, stored once."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ BEFORE_ENROLMENT: Final[tuple[Stage, ...]] = ("eligibility", "consent")
 
 
 def check_eligibility(study: Study, fields: Mapping[str, str]) -> None:
-    """Refuse who may not take part as far as they said so before consent; nothing is stored.
+    """Check the answers to the questions of eligibility; nothing is stored.
 
     Raises
     ------
     UnacceptableError
-        If an answer is missing, unknown or not one of those offered.
+        If an answer is missing or invalid.
     IneligibleError
         If the person cannot take part.
     """
@@ -38,14 +38,14 @@ def check_eligibility(study: Study, fields: Mapping[str, str]) -> None:
 def read_entrance_answers(
     study: Study, fields: Mapping[str, str], now: datetime
 ) -> list[FormAnswer]:
-    """Return what was answered under eligibility and consent, to be stored with the enrolment.
+    """Return the answers to the questions of eligibility and consent, as rows to be stored.
 
     Raises
     ------
     UnacceptableError
-        If an answer is missing, unknown or not one of those offered.
+        If an answer is missing or invalid.
     IneligibleError
-        If the person cannot take part; nothing of them is stored.
+        If the person cannot take part.
     """
     answers = []
     for stage in BEFORE_ENROLMENT:
@@ -68,7 +68,7 @@ def ineligible_stage(study: Study, fields: Mapping[str, str]) -> Stage:
 
 
 def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
-    """Tell whether acceptable answers to the questions of `stage` let somebody take part."""
+    """Tell whether valid answers to the questions of `stage` let somebody take part."""
     return all(
         not question.eligible or fields[question.name].strip() in question.eligible
         for question in study.form.questions_at(stage)
@@ -83,20 +83,18 @@ def store_form_answers(
     fields: Mapping[str, str],
     clock: Clock,
 ) -> None:
-    """Store the answers of one stage; the same answers sent again change nothing.
+    """Store the answers of one stage; sending the same answers again changes nothing.
 
     Parameters
     ----------
     stage : {'demographics', 'closing'}
-        Which questions are answered.
     fields : mapping of question name to text
-        As the form sent them; a question that may be left open may be missing.
+        The form as sent; optional questions may be missing.
 
     Raises
     ------
     RefusalError
-        If it is not the stage the participant is at, an answer cannot be accepted, or other
-        answers were given before.
+        If the stage is not due, an answer is invalid, or other answers are already stored.
     """
     study = served.study
     with database.writing() as session:
@@ -104,9 +102,9 @@ def store_form_answers(
         now = clock.now()
         answers = read_form_answers(study, stage, fields, now)
         stored = {
-            known.question: known.value
-            for known in study_session.form_answers
-            if known.stage == stage
+            answer.question: answer.value
+            for answer in study_session.form_answers
+            if answer.stage == stage
         }
         if stored:
             if stored != {answer.question: answer.value for answer in answers}:
@@ -116,9 +114,9 @@ def store_form_answers(
                 )
             return
         regain_place(session, served, study_session)
-        running = study_session.place is not None and study_session.completed_at is None
-        checking = sound_check_due(study_session, served)
-        if not running or checking or form_due(study_session, study) != stage:
+        is_running = study_session.place is not None and study_session.completed_at is None
+        is_checking = sound_check_due(study_session, served)
+        if not is_running or is_checking or form_due(study_session, study) != stage:
             raise ConflictError(
                 "These are not the questions you are on.",
                 "The next page shows how to go on.",
@@ -130,12 +128,12 @@ def store_form_answers(
 def read_form_answers(
     study: Study, stage: Stage, fields: Mapping[str, str], now: datetime
 ) -> list[FormAnswer]:
-    """Return an answer for each question of `stage`; one that was left open is empty.
+    """Return a row for each question of `stage`; missing optional answers are empty.
 
     Raises
     ------
     UnacceptableError
-        If an answer is missing, unknown or not one of those offered.
+        If an answer is missing or invalid.
     """
     _check_answers(study, stage, fields)
     return [
@@ -150,24 +148,24 @@ def read_form_answers(
 
 
 def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
-    asked = enumerate(study.form.questions_at(stage), start=1)
-    given = {number: (q, fields.get(q.name, "").strip()) for number, q in asked}
-    problems = {number: q.problem(answer, number) for number, (q, answer) in given.items()}
-    wrong = {number: problem for number, problem in problems.items() if problem is not None}
-    if len(wrong) == 1:
-        (problem,) = wrong.values()
+    questions = dict(enumerate(study.form.questions_at(stage), start=1))
+    answers = {number: fields.get(q.name, "").strip() for number, q in questions.items()}
+    problems = {number: q.problem(answers[number], number) for number, q in questions.items()}
+    invalid = {number: problem for number, problem in problems.items() if problem is not None}
+    if len(invalid) == 1:
+        (problem,) = invalid.values()
         raise UnacceptableError(
             "{problem}", "The other answers you gave are kept.", problem=problem
         )
-    if wrong and not any(given[number][1] for number in wrong):
+    if invalid and not any(answers[number] for number in invalid):
         raise UnacceptableError(
             "Questions {numbers} are not answered yet.",
             "The other answers you gave are kept.",
-            numbers=tuple(wrong),
+            numbers=tuple(invalid),
         )
-    if wrong:
+    if invalid:
         raise UnacceptableError(
             "Questions {numbers} have no answer yet, or one that cannot be accepted.",
             "The other answers you gave are kept.",
-            numbers=tuple(wrong),
+            numbers=tuple(invalid),
         )

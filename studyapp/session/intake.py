@@ -1,7 +1,6 @@
-"""Whether newcomers are let in, and how many places there are, as researchers decide it.
+"""Intake: researchers pause, resume, extend and close a running study.
 
-A running study can be paused, resumed, extended and closed. Whoever has a place keeps it, whatever
-is decided.
+Participants who have a place keep it in any case.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ STATES: Final[tuple[IntakeState, ...]] = get_args(IntakeState)
 
 @dataclass(frozen=True, kw_only=True)
 class Intake:
-    """What researchers have decided; see `studyapp.database.tables.IntakeChange`."""
+    """The researchers' decision; see `studyapp.database.tables.IntakeChange`."""
 
     state: IntakeState = "open"
     more_places: int = 0
@@ -40,50 +39,47 @@ NEWEST_MORE_PLACES: Final = NEWEST.with_only_columns(IntakeChange.more_places).s
 
 
 def current_intake(session: Session) -> Intake:
-    """Return what holds now."""
+    """Return the current decision."""
     return intake_of(*session.execute(select(NEWEST_STATE, NEWEST_MORE_PLACES)).one())
 
 
 def intake_of(state: str | None, more_places: int | None) -> Intake:
-    """Return the newest decision; None stands for both where there was none."""
+    """Return the newest decision; both are None if there was none."""
     if state is None or more_places is None:
         return Intake()
     return Intake(state=cast(IntakeState, state), more_places=more_places)
 
 
 def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str], int]:
-    """Return how many places each arm wants, by its name and design."""
+    """Return the number of places of each arm, by its name and design."""
     return {key: arm.places + intake.more_places for key, arm in served.arms.items()}
 
 
 def open_places(session: Session, served: ServedStudy) -> None:
-    """Add the places that the study asks for and the database does not have yet."""
+    """Add the places that the study needs and the database lacks."""
     for (name, design), wanted in wanted_places(served, current_intake(session)).items():
-        present = set(
-            session.scalars(select(Place.number).where(Place.arm == name, Place.design == design))
-        )
+        query = select(Place.number).where(Place.arm == name, Place.design == design)
         session.add_all(
             Place(arm=name, design=design, number=number)
-            for number in range(wanted)
-            if number not in present
+            for number in set(range(wanted)) - set(session.scalars(query))
         )
     session.flush()
-    # The planner would take a new table for a small one, and read all places at each arrival.
+    # Without statistics, the planner would scan all places at each arrival.
     session.execute(text("ANALYZE places"))
 
 
 def take_allocation_turn(session: Session) -> None:
-    """Wait until nobody is being given a place; until stored, nobody else is.
+    """Exclude all allocation of places until the transaction ends.
 
-    For what changes the places themselves or looks at all of them; newcomers share the turn.
-    Whoever waits for this may hold their own study session's row; whoever has or shares it must
-    therefore wait for no study session.
+    For changing places or reading all of them; newcomers share the turn. A transaction may wait
+    for the turn while it locks its own study session, so nobody who has or shares the turn may
+    wait for a study session.
     """
     take_turn(session.connection(), Turn.ALLOCATION)
 
 
 def share_allocation_turn(session: Session, newcomer: str) -> None:
-    """Wait until nobody has the allocation's turn, or arrives as the same `newcomer`."""
+    """Exclude `take_allocation_turn`, and the same `newcomer`, until the transaction ends."""
     share_turn(session.connection(), Turn.ALLOCATION, newcomer)
 
 
@@ -97,7 +93,7 @@ EVENTS: Final[dict[IntakeState, Event]] = {
 
 
 def intake_changes(database: Database) -> Sequence[IntakeChange]:
-    """Return what has been decided about newcomers, the newest first."""
+    """Return all decisions about newcomers, the newest first."""
     query = select(IntakeChange).order_by(IntakeChange.id.desc())
     with database.reading() as session:
         return session.scalars(query).all()
@@ -112,20 +108,20 @@ def change_intake(
     by: str,
     reason: str,
 ) -> None:
-    """Let newcomers in, or no longer.
+    """Open, pause or close the study to newcomers.
 
     Raises
     ------
     InputError
-        If no reason is given, or it is so already.
+        If no reason is given, or the study already is in that state.
     """
     with database.writing() as session:
         take_allocation_turn(session)
         before = current_intake(session)
         if before.state == state:
             raise InputError(
-                f"it is so already: {EVENT_LABELS[EVENTS[state]]}",
-                remedy="Somebody else may have decided it",
+                f"this is the case already: {EVENT_LABELS[EVENTS[state]]}",
+                remedy="Somebody else may have changed it",
             )
         after = Intake(state=state, more_places=before.more_places)
         _store_change(session, served, clock.now(), after, EVENTS[state], by=by, reason=reason)
@@ -134,19 +130,19 @@ def change_intake(
 def add_places(
     database: Database, served: ServedStudy, clock: Clock, more: int, *, by: str, reason: str
 ) -> None:
-    """Open `more` places in every arm, beyond those that there are.
+    """Add `more` places to every arm.
 
     Raises
     ------
     InputError
-        If no reason is given, or `more` is no number of places.
+        If no reason is given, or `more` is out of range.
     """
     with database.writing() as session:
         take_allocation_turn(session)
         before = current_intake(session)
         if not 1 <= more <= MAX_ADDED_PLACES - before.more_places:
             raise InputError(
-                f"{more} is no number of places to add",
+                f"{more} is not a number of places to add",
                 remedy=f"Give one from 1 to {max(1, MAX_ADDED_PLACES - before.more_places)}",
             )
         after = Intake(state=before.state, more_places=before.more_places + more)

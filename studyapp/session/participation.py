@@ -1,7 +1,7 @@
-"""A participant's way: where they stand, the sound check, beginning, and breaks.
+"""A participant's way through the study: the current page, the sound check, and breaks.
 
-At the sound check a few spoken digits are typed before anything else. It excludes nobody. Breaks
-are offered between the trials of a long study, and left when the participant is ready.
+In the sound check, participants type a few spoken digits before anything else; it excludes nobody.
+Breaks are offered between trials, and end when the participant is ready.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ class Break:
     Attributes
     ----------
     position : int
-        Of the trial that comes after it.
+        Position of the trial after it.
     done : int
-        How many trials there have been.
+        Number of trials before it.
     minutes_left : int
         See `studyapp.session.shown_trials.minutes_left`.
     """
@@ -62,24 +62,24 @@ class Break:
 
 @dataclass(frozen=True, kw_only=True)
 class Situation:
-    """What a participant's page shows; of what is due, the first in this order.
+    """What a participant's page shows: the first of these that is due.
 
     Attributes
     ----------
     presentations, practice : int
-        How many trials there are, and how many of them are practice.
+        Number of trials, and of practice trials.
     sound_tries : int or None
-        How often other digits were typed; None where the sound check is not due.
+        Number of wrong tries; None if the sound check is not due.
     form : {'demographics', 'closing'} or None
-        Questions about the participant that are to be answered before anything else.
+        Questions about the participant that must be answered now.
     offered_break : Break or None
         A break that is offered now.
     exit : Exit or None
         The completion code and the way back; None before the end is stored.
     trial : ShownTrial or None
-        What is to be judged now.
+        The current trial.
     left_at_sound_check : bool
-        Whether they withdrew since they could not hear the sound.
+        Whether they left because they could not hear the sound.
     """
 
     state: State
@@ -99,18 +99,18 @@ class Situation:
 
 
 def load_situation(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
-    """Return where the participant stands, and mark the present trial as shown.
+    """Return what the participant's page shows, and mark the current trial as shown.
 
-    A participant who lost the place to a long pause gets it back, if nobody else has it now.
+    A participant who lost the place to a long pause gets it back if it is still open.
     """
-    # Nothing that is loaded here depends on what is changed here.
+    # Nothing loaded here depends on changes made here.
     with database.writing() as session, session.no_autoflush:
         study_session = find_study_session(session, token)
         regain_place(session, served, study_session)
         situation = Situation(
             state=state_of(study_session),
             presentations=len(study_session.trials),
-            practice=sum(planned.kind == "practice" for planned in study_session.trials),
+            practice=sum(trial.kind == "practice" for trial in study_session.trials),
             exit=exit_of(served.study.recruitment, study_session),
             left_at_sound_check=left_at_sound_check(study_session),
         )
@@ -148,14 +148,13 @@ def _minutes_left(session: Session, study_session: StudySession, study: Study) -
 
 
 SPOKEN_DIGITS: Final = 3
-"""How many digits are spoken."""
 
 TRIES_BEFORE_LEAVING: Final = 3
-"""After so many other digits, leaving for want of sound is offered."""
+"""Wrong tries after which participants may leave because they hear nothing."""
 
 
 def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
-    """Tell whether the participant has still to show that the sound is heard."""
+    """Tell whether the participant must still pass the sound check."""
     return (
         served.study.page.sound_check
         and served.has_sound
@@ -165,7 +164,7 @@ def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
 
 
 def draw_digits(study_session: StudySession) -> None:
-    """Draw what is spoken to this participant, once."""
+    """Draw the participant's digits, once."""
     if not study_session.sound_digits:
         study_session.sound_digits = "".join(
             secrets.choice("0123456789") for _ in range(SPOKEN_DIGITS)
@@ -173,13 +172,7 @@ def draw_digits(study_session: StudySession) -> None:
 
 
 def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
-    """Return the digits that the participant is to hear.
-
-    Raises
-    ------
-    ConflictError
-        If the participant is not at the sound check.
-    """
+    """Return the participant's digits; `ConflictError` if the sound check is not due."""
     with database.writing() as session:
         study_session = find_study_session(session, token)
         if not sound_check_due(study_session, served):
@@ -191,7 +184,9 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
 def check_sound(
     database: Database, served: ServedStudy, token: str, typed: str, clock: Clock
 ) -> bool:
-    """Tell whether what was typed was spoken, and note it; after the check nothing changes.
+    """Tell whether the participant typed the spoken digits, and store the result.
+
+    After the check has been passed, nothing changes.
 
     Parameters
     ----------
@@ -228,17 +223,17 @@ def check_sound(
 def leave_sound_check(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
     """End the study session of somebody who cannot hear the sound, as if withdrawn.
 
-    It changes nothing before `TRIES_BEFORE_LEAVING` tries, and after the check.
+    Nothing changes before `TRIES_BEFORE_LEAVING` tries, and after the check.
     """
     with database.writing() as session:
         study_session = find_study_session(session, token)
-        tried = study_session.sound_tries >= TRIES_BEFORE_LEAVING
-        if tried and sound_check_due(study_session, served):
+        has_tried = study_session.sound_tries >= TRIES_BEFORE_LEAVING
+        if has_tried and sound_check_due(study_session, served):
             end_withdrawn(session, study_session, clock.now())
 
 
 def left_at_sound_check(study_session: StudySession) -> bool:
-    """Tell whether the participant withdrew at the sound check, after trying."""
+    """Tell whether the participant left at the sound check after trying."""
     return (
         study_session.withdrawn_at is not None
         and study_session.sound_checked_at is None
@@ -247,15 +242,15 @@ def left_at_sound_check(study_session: StudySession) -> bool:
 
 
 def break_due(study_session: StudySession, study: Study) -> int | None:
-    """Return the position of the trial that a break comes before now, if one does.
+    """Return the position of the trial before which a break is due now; None for no break.
 
-    A trial that was shown already is gone on with: nobody is sent away from it.
+    A trial that has been shown is never interrupted.
     """
     trial = current_trial(study_session)
     if state_of(study_session) != "started" or trial is None or trial.shown_at is not None:
         return None
-    rested = (study_session.rested_at_position or 0) >= trial.position
-    if rested or not study.page.break_after(trial.position - 1, len(study_session.trials)):
+    had_break = (study_session.rested_at_position or 0) >= trial.position
+    if had_break or not study.page.break_after(trial.position - 1, len(study_session.trials)):
         return None
     return trial.position
 
@@ -263,7 +258,7 @@ def break_due(study_session: StudySession, study: Study) -> int | None:
 def leave_break(
     database: Database, served: ServedStudy, token: str, position: int, clock: Clock
 ) -> None:
-    """End the break before the trial at `position`; any other than the present one is over."""
+    """End the break before the trial at `position`, if it is the current one."""
     with database.writing() as session:
         study_session = find_study_session(session, token)
         regain_place(session, served, study_session)

@@ -1,4 +1,4 @@
-"""Places: opening, claiming and giving back. A place is never held by two study sessions."""
+"""Places: taking, releasing and regaining them. No place is ever held by two study sessions."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ from studyapp.session.intake import (
 from studyapp.session.served_study import ServedStudy
 
 ArmKey = tuple[str, str]
-"""An arm's name, and the digest of what its participants are asked."""
+"""An arm's name, and the digest of its design."""
 
 RANDOM: Final = random.SystemRandom()
 
 CANDIDATE_PLACES: Final = 16
-"""Open places that are looked at together: about as many newcomers are placed at once."""
+"""Open places that one query considers: about as many newcomers can be placed at once."""
 
 STALE: Final = StudySession.completed_at.is_(None) & (
     StudySession.last_active_at < bindparam("silent_since")
 )
-"""That a study session is unfinished and was silent for too long."""
+"""An unfinished study session that has been inactive for too long."""
 
 HAS_STALE_PLACE: Final = exists(select(Place.id).join(Place.study_session).where(STALE))
 
@@ -60,10 +60,10 @@ HELD_BY_ACTIVE_SESSIONS: Final = HELD_PLACES.where(
 
 
 def release_stale_places(session: Session, served: ServedStudy, now: datetime) -> None:
-    """Give back the places of unfinished study sessions that have been silent for too long.
+    """Release the places of unfinished study sessions that have been inactive for too long.
 
-    Those are passed over that another transaction is at work on: they are silent no longer. To be
-    called in the allocation's turn, so that all newcomers count the same places as held.
+    Study sessions locked by another transaction are active again and skipped. The caller must have
+    the allocation's turn, so that all newcomers count the same places as held.
     """
     stale = session.scalars(
         select(StudySession.id)
@@ -80,62 +80,60 @@ def release_stale_places(session: Session, served: ServedStudy, now: datetime) -
 def take_open_place(
     session: Session, wanted: Mapping[ArmKey, int]
 ) -> Row[int, str, str, int] | None:
-    """Return an open place of the arm with the fewest held ones, None if all are full.
+    """Lock and return an open place of the arm with the fewest held places; None if all are full.
 
-    Until the transaction ends, nobody else is given it. Places of completed and of active study
-    sessions count as held, stale ones are given back before. Among equally filled arms chance
-    decides. To be called where the allocation's turn is shared.
+    Places of completed and active study sessions count as held; stale ones must have been released
+    before. Ties between arms are broken at random. The caller must share the allocation's turn.
 
     Parameters
     ----------
     wanted : mapping of ArmKey to int
-        How many places each arm wants.
+        Number of places of each arm.
 
     Returns
     -------
     Row or None
         With `id`, `arm`, `design` and `number`.
     """
-    arms: dict[str, str | int] = {}
+    parameters: dict[str, str | int] = {}
     for index, (arm, design) in enumerate(RANDOM.sample(list(wanted), len(wanted))):
-        most = wanted[arm, design]
-        arms |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": most}
-    connection, looks = session.connection(), _place_queries(len(wanted))
+        count = wanted[arm, design]
+        parameters |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": count}
+    connection, queries = session.connection(), _place_queries(len(wanted))
     while True:
-        # What others are about to get is passed over. They may fail: only a look that waits for
-        # them shows that it is gone.
-        for look in (looks.skipping, looks.waiting):
-            found = connection.execute(look, arms).first()
-            if found is not None:
-                return found
-        if connection.execute(looks.open_ones, arms).first() is None:
+        # Skip places that others have locked; if none is left, wait, as the others may fail.
+        for query in (queries.skipping, queries.waiting):
+            place = connection.execute(query, parameters).first()
+            if place is not None:
+                return place
+        if connection.execute(queries.open_places, parameters).first() is None:
             return None
 
 
 @dataclass(frozen=True, kw_only=True)
 class _PlaceQueries:
-    """Three looks at the open places that the next newcomers get.
+    """Three queries for the open places that the next newcomers get.
 
     Attributes
     ----------
-    open_ones : Select
-        In their order.
+    open_places : Select
+        All of them, in order.
     skipping, waiting : Select
-        The first one, locked, without those that others have locked, or once these are done.
+        The first one, locked; skipping those that others have locked, or waiting for them.
     """
 
-    open_ones: Select[Any]
+    open_places: Select[Any]
     skipping: Select[int, str, str, int]
     waiting: Select[int, str, str, int]
 
 
 @cache
 def _place_queries(arms: int) -> _PlaceQueries:
-    """Return how open places of so many arms are looked for.
+    """Return the queries for open places of so many arms.
 
-    The order is that in which newcomers would get the places one after the other: by how many of
-    its arm are held once a place is taken. It stays the same while newcomers take places from its
-    head, so that those who come at once see it alike, and fill the arms evenly without waiting.
+    Places are in the order in which successive newcomers would get them: by how many places of the
+    arm are then held. Taking places from the head does not change the order, so simultaneous
+    newcomers see the same one, and fill the arms evenly without waiting.
     """
     heads = []
     for index in range(arms):
@@ -155,24 +153,23 @@ def _place_queries(arms: int) -> _PlaceQueries:
                 bindparam(f"wanted{index}", type_=Integer).label("wanted"),
             )
         )
-    every = union_all(*heads).subquery()
-    in_order = (every.c.turn, every.c.chance)
-    open_ones = (
-        select(every)
-        .where(every.c.turn <= every.c.wanted)
-        .order_by(*in_order)
+    candidates = union_all(*heads).subquery()
+    open_places = (
+        select(candidates)
+        .where(candidates.c.turn <= candidates.c.wanted)
+        .order_by(candidates.c.turn, candidates.c.chance)
         .limit(CANDIDATE_PLACES)
     )
-    order = open_ones.subquery()
+    ordered = open_places.subquery()
     foremost = (
         select(Place.id, Place.arm, Place.design, Place.number)
-        .join(order, order.c.id == Place.id)
+        .join(ordered, ordered.c.id == Place.id)
         .where(Place.study_session_id.is_(None))
-        .order_by(order.c.turn, order.c.chance)
+        .order_by(ordered.c.turn, ordered.c.chance)
         .limit(1)
     )
     return _PlaceQueries(
-        open_ones=open_ones,
+        open_places=open_places,
         skipping=foremost.with_for_update(of=Place, skip_locked=True),
         waiting=foremost.with_for_update(of=Place),
     )
@@ -181,14 +178,14 @@ def _place_queries(arms: int) -> _PlaceQueries:
 def has_open_place(
     reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
 ) -> bool:
-    """Tell whether there is a place for a newcomer, as far as can be said outside the turn.
+    """Tell whether a place is open for a newcomer; outside the turn, this can change any moment.
 
-    Places of stale study sessions count as open, though they are given back later.
+    Places of stale study sessions count as open, though they are released later.
     """
     wanted = wanted_places(served, intake)
 
     def has_room(held: Mapping[ArmKey, int]) -> bool:
-        return any(held.get(key, 0) < most for key, most in wanted.items())
+        return any(held.get(key, 0) < count for key, count in wanted.items())
 
     since = stale_before(served, now)
     return has_room(_count_held(reading)) or has_room(
@@ -197,30 +194,29 @@ def has_open_place(
 
 
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
-    """Give a participant back the place that was lost to a pause, if nobody else has it now.
+    """Give an inactive participant the lost place back, if it is still open and needed.
 
-    No other place will do: its trials are other ones. And none where the study has changed
-    since, as its pages would no longer fit the trials, or where it wants no more participants.
+    Other places have other trials. If the study has changed, its pages no longer fit the trials.
     """
     ends = (study_session.withdrawn_at, study_session.completed_at, study_session.outcome)
-    over = any(end is not None for end in ends)
+    is_over = any(end is not None for end in ends)
     key = (study_session.arm, study_session.arm_design)
-    if over or study_session.place is not None or key not in served.arms:
+    if is_over or study_session.place is not None or key not in served.arms:
         return
     take_allocation_turn(session)
     if _count_held(session).get(key, 0) < wanted_places(served, current_intake(session))[key]:
-        own = select(Place).where(
+        lost = select(Place).where(
             Place.arm == study_session.arm,
             Place.design == study_session.arm_design,
             Place.number == study_session.number,
             Place.study_session_id.is_(None),
         )
-        study_session.place = session.scalars(own).first()
+        study_session.place = session.scalars(lost).first()
         session.flush()
 
 
 def stale_before(served: ServedStudy, now: datetime) -> datetime:
-    """Return since when somebody unfinished must have been silent to lose the place."""
+    """Return the time of the last activity before which a place is lost."""
     return now - timedelta(minutes=served.study.lease_minutes)
 
 
@@ -229,5 +225,5 @@ def _count_held(
     holders: Select[str, str, int] = HELD_PLACES,
     values: Mapping[str, datetime] | None = None,
 ) -> dict[ArmKey, int]:
-    """Return how many places of each arm are held, by whoever has finished or is active."""
+    """Return the number of held places of each arm."""
     return {(arm, design): count for arm, design, count in reading.execute(holders, values)}

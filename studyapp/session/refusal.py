@@ -1,4 +1,4 @@
-"""What is refused to a participant, in words made for them."""
+"""Refused requests of participants, and their messages."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class RefusalError(Exception):
     Parameters
     ----------
     what : str
-        What happened, as a sentence for the participant. A literal with places named ``{so}``, so
+        A sentence for the participant about what happened: a literal with named placeholders, so
         that it can be translated.
     remedy : str
-        What they can do, as a sentence, in the same way.
+        A sentence about what they can do.
     **values : int, str, Message or tuple of them
-        What stands in the places of both.
+        Values of the placeholders in both.
     """
 
     def __init__(self, what: str, remedy: str, /, **values: Value) -> None:
@@ -53,11 +53,11 @@ class NotTheirsError(RefusalError):
 
 
 class ConflictError(RefusalError):
-    """The request does not fit where the study session stands."""
+    """The request does not fit the state of the study session."""
 
 
 class LateReportError(ConflictError):
-    """What was played of a trial arrived just after its end, as it does when they go on at once."""
+    """A report arrived just after the end of its trial, as it does when they go on at once."""
 
 
 class StudyFullError(ConflictError):
@@ -65,34 +65,34 @@ class StudyFullError(ConflictError):
 
 
 class CrowdedAddressError(StudyFullError):
-    """As many newcomers have come from one network address as may."""
+    """Too many newcomers have come from one network address."""
 
 
 class UnprovenError(RefusalError):
-    """Nothing shows that this is the person who has the study session."""
+    """Nothing proves that the study session belongs to this person."""
 
 
 class IneligibleError(RefusalError):
-    """The study does not look for this person."""
+    """The person cannot take part in the study."""
 
 
 class UninvitedError(RefusalError):
-    """Nobody sent this person here by a name, and the study takes nobody else."""
+    """The study takes only participants whom its channel names."""
 
 
 class UnacceptableError(RefusalError):
-    """An answer is missing or out of range, or the video is not yet watched."""
+    """An answer is missing or out of range, or a video has not been watched yet."""
 
 
 class TooMuchWatchedError(UnacceptableError):
-    """More was reported as played than can have been."""
+    """More was reported as played than is possible."""
 
 
 MAX_LOGGED: Final = 100
-"""Refusals noted of one study session; more of them tell nothing new."""
+"""Refusals logged for one study session."""
 
 MAX_LOGGED_OF_UNKNOWN: Final = 500
-"""Refusals noted of addresses that belong to nobody: mostly mistyped, some of them guessed."""
+"""Refusals logged for addresses that belong to nobody: mostly mistyped, some guessed."""
 
 MAX_DETAIL_LENGTH: Final = 300
 
@@ -103,25 +103,25 @@ KINDS: Final[Mapping[type[RefusalError], str]] = {
     UnacceptableError: "unacceptable",
     TooMuchWatchedError: "too-much-watched",
 }
-"""What is noted, and as what. A study that is full or looks for other people refuses nothing
-that anybody did wrong, nor does a report go wrong that crosses with *Next*."""
+"""The logged refusals. A full study, an ineligible participant, or a report that crosses with *Next*
+is nobody's mistake."""
 
 LOG: Final = logging.getLogger(__name__)
 
 
 def log_refusal(
-    database: Database, token: str, asked: str, refusal: RefusalError, clock: Clock
+    database: Database, token: str, request: str, refusal: RefusalError, clock: Clock
 ) -> None:
-    """Store what was refused, in a transaction of its own; that it fails changes nothing.
+    """Store a refusal in a transaction of its own; a failure to do so is only logged.
 
-    At most `MAX_LOGGED` of a study session are stored, a few more where requests come at once.
+    At most `MAX_LOGGED` of a study session are stored, or a few more of simultaneous requests.
 
     Parameters
     ----------
     token : str
-        Names the study session whose page it came from; it is not stored.
-    asked : str
-        What was asked for, in a word.
+        The study session whose page made the request; it is not stored.
+    request : str
+        The request in one word.
     """
     kind = KINDS.get(type(refusal))
     if kind is None:
@@ -129,12 +129,12 @@ def log_refusal(
     try:
         with database.reading() as session:
             number = session.scalar(select(StudySession.id).where(StudySession.token == token))
-            whose = RefusalLine.study_session_id
-            same: ColumnElement[bool] = whose.is_(None) if number is None else whose == number
-            noted = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
-        if noted >= (MAX_LOGGED_OF_UNKNOWN if number is None else MAX_LOGGED):
+            column = RefusalLine.study_session_id
+            same: ColumnElement[bool] = column.is_(None) if number is None else column == number
+            logged = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
+        if logged >= (MAX_LOGGED_OF_UNKNOWN if number is None else MAX_LOGGED):
             return
-        detail = f"{asked}: {refusal.what}"[:MAX_DETAIL_LENGTH]
+        detail = f"{request}: {refusal.what}"[:MAX_DETAIL_LENGTH]
         line = RefusalLine(at=clock.now(), study_session_id=number, kind=kind, detail=detail)
         with database.writing() as session:
             session.add(line)

@@ -1,4 +1,4 @@
-"""A study as it is served: its definition and every video a participant may be shown."""
+"""A served study: its definition, segments and videos."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from motion.errors import InputError, listed
 from motion.segment import Segment
@@ -28,7 +28,7 @@ class ServedStudy:
     definition : str
         The study file's text.
     videos : mapping of Content to VideoFile
-        Every video that a participant may be shown.
+        Every video that a participant may see.
     """
 
     study: Study
@@ -43,8 +43,7 @@ class ServedStudy:
         Raises
         ------
         InputError
-            If its definition, segments or stimuli are unusable, or a video that a participant
-            may be shown is missing; the message names the file.
+            If its definition, segments or stimuli are unusable, or a video is missing.
         """
         folder = StudyFolder(root)
         definition = read_text(folder.definition)
@@ -53,38 +52,34 @@ class ServedStudy:
         media = Media.of(folder, study)
         videos: dict[Content, VideoFile] = {}
         for content in study.contents(segments):
-            found = media.find(content)
-            if found is None:
+            video = media.find(content)
+            if video is None:
                 raise InputError(
                     f"there is no video of {describe_content(content)}",
                     where=folder.stimuli,
                     remedy="Run 'motionjury render'",
                 )
-            if not found.file.is_file():
+            if not video.file.is_file():
                 raise InputError(
                     "the video is missing",
-                    where=found.file,
-                    remedy="Bring it there"
+                    where=video.file,
+                    remedy="Put it there"
                     if study.is_finished(content[0].condition)
                     else "Run 'motionjury render' again",
                 )
-            videos[content] = replace(found, file=found.file.resolve())
+            videos[content] = replace(video, file=video.file.resolve())
         return cls(study=study, definition=definition, segments=segments, videos=videos)
 
     def opened_for(self, *, rehearsal: bool) -> Self:
-        """Return the study as it is opened: nobody recruits simulated participants.
+        """Return the study for real participants, or open to everybody for a rehearsal.
 
         Raises
         ------
         InputError
-            If a code is missing that the recruiter's participants would need.
+            If the recruiter's completion codes are missing.
         """
         if rehearsal:
-            open_to_all = self.study.recruitment.model_copy(
-                update={"channel": "link", "newcomers_per_address": 0}
-            )
-            study = self.study.model_copy(update={"recruitment": open_to_all})
-            return replace(self, study=study)
+            return self._recruiting({"channel": "link", "newcomers_per_address": 0})
         if missing := self.study.recruitment.missing_codes:
             raise InputError(
                 f"the study has no code for {listed(missing)}",
@@ -94,19 +89,21 @@ class ServedStudy:
         return self
 
     def opened_to_try(self) -> Self:
-        """Return the study as it is tried: open to those who have a link, and to nobody else."""
-        recruitment = self.study.recruitment.model_copy(update={"channel": "invitations"})
-        changed = {"recruitment": recruitment, "open": True}
-        return replace(self, study=self.study.model_copy(update=changed))
+        """Return the study for a tryout: open to people with an invitation only."""
+        return self._recruiting({"channel": "invitations"}, open=True)
+
+    def _recruiting(self, recruitment: Mapping[str, Any], **keys: Any) -> Self:
+        section = self.study.recruitment.model_copy(update=recruitment)
+        return replace(self, study=self.study.model_copy(update={"recruitment": section, **keys}))
 
     @cached_property
     def has_sound(self) -> bool:
-        """Whether any video is to be heard."""
+        """Whether any video has sound."""
         return any(shown.speech is not None for content in self.videos for shown in content)
 
     @cached_property
     def design(self) -> str:
-        """Digest of what may not change while the study runs."""
+        """Digest of the design, which may not change while the study runs."""
         return design_digest(self.study, self.segments, self.videos)
 
     @cached_property
@@ -122,10 +119,9 @@ class ServedStudy:
 
 
 class VideoRecord:
-    """What the study folder says of the videos while they are served.
+    """Notices when rendering replaces videos that are being served.
 
-    Rendering may replace them at any time. Nobody is to see one that was not there when the
-    study was opened.
+    Nobody may see a video that was not there when the study was opened.
     """
 
     def __init__(self, root: Path, served: ServedStudy) -> None:
@@ -135,35 +131,29 @@ class VideoRecord:
         self._changed = False
 
     def require_unchanged(self) -> None:
-        """Make sure that every video is still the one that was opened.
-
-        Raises
-        ------
-        ConflictError
-            If one is made from something else now, or is being made again.
-        """
+        """Raise `ConflictError` if a video has been replaced since the study was opened."""
         try:
             state = self._folder.stimuli.stat()
         except FileNotFoundError:
             return
         written = (state.st_ino, state.st_mtime_ns)
         if written != self._read:
-            self._changed = self._differs()
+            self._changed = self._has_other_videos()
             self._read = written
         if self._changed:
             raise changed_study_error()
 
-    def _differs(self) -> bool:
+    def _has_other_videos(self) -> bool:
         media = Media.of(self._folder, self._served.study)
         for content, video in self._served.videos.items():
-            found = media.find(content)
-            if found is None or found.made_from != video.made_from:
+            present = media.find(content)
+            if present is None or present.made_from != video.made_from:
                 return True
         return False
 
 
 def changed_study_error() -> ConflictError:
-    """Return what those are told who come while another study takes the place of this one."""
+    """Return the refusal of those who come while this study is being replaced."""
     return ConflictError(
         "The study has just been changed, and this page belongs to its earlier version.",
         "Please try again in a few minutes with the same link.",
@@ -171,9 +161,10 @@ def changed_study_error() -> ConflictError:
 
 
 def describe_content(content: Content) -> str:
-    """Return what a video shows, in words for the researcher."""
+    """Describe what a video shows, for the researcher."""
     conditions = " beside ".join(repr(stimulus.condition) for stimulus in content)
     segments = listed(list(dict.fromkeys(stimulus.segment for stimulus in content)))
     speech = content[0].speech
-    other = f" with the speech of {speech}" if speech not in (None, content[0].segment) else ""
-    return f"{conditions} for segment {segments}{other}"
+    is_mismatched = speech not in (None, content[0].segment)
+    mismatched = f" with the speech of {speech}" if is_mismatched else ""
+    return f"{conditions} for segment {segments}{mismatched}"

@@ -1,7 +1,4 @@
-"""A trial as its page may know it, of a participant or previewed, and how long the rest will take.
-
-A preview shows what somebody in a place would be shown, without anybody taking part.
-"""
+"""What a trial's page may know, for participants and previews, and the time left in the study."""
 
 from __future__ import annotations
 
@@ -21,14 +18,14 @@ from studyapp.study.settings.study import Study
 
 @dataclass(frozen=True, kw_only=True)
 class ShownVideo:
-    """A player of the present trial as far as its page may know it.
+    """A player on a trial's page.
 
     Attributes
     ----------
     shows : tuple of int
-        Numbers of the stimuli it shows, 1 for A; 0 is the reference that is not judged.
+        Numbers of its stimuli, 1 for A; 0 is the reference.
     muted : bool
-        Whether it is to be seen without its sound.
+        Whether it has no sound.
     """
 
     token: str
@@ -40,26 +37,26 @@ class ShownVideo:
 
 @dataclass(frozen=True, kw_only=True)
 class ShownTrial:
-    """The present trial as far as its page may know it.
+    """A trial as its page may know it.
 
     Attributes
     ----------
     videos : tuple of ShownVideo
-        Its players in the page's order, the reference first where there is one.
+        Its players in the page's order, the reference first.
     next_videos : tuple of str
-        Tokens of the following trial's videos, so that they can be fetched ahead.
+        Tokens of the next trial's videos, to be prefetched.
     position, presentations : int
-        Which trial it is, from 1, and how many there are.
+        The trial's position, from 1, and the number of trials.
     part : str
         The part of the study it belongs to.
     part_number, parts : int
-        Which part it is, and how many there are; 1 of 1 where all trials are alike.
+        The part's number, from 1, and the number of parts.
     begins_part : bool
         Whether it is the first trial of its part.
     asks : tuple of Ask
         The answers it asks for.
     instructed : int or None
-        The value that the page asks to choose, on an attention check.
+        The value that an attention check asks for.
     minutes_left : int
         See `minutes_left`.
     """
@@ -82,38 +79,37 @@ class ShownTrial:
 SECONDS_FOR_A_PAGE: Final = 8.0
 SECONDS_FOR_EACH_VIDEO: Final = 7.0
 SECONDS_FOR_EACH_ANSWER: Final = 4.0
-"""What reading and answering takes beside the videos, before the participant's pace is known.
+"""Time for reading and answering, before the participant's pace is known.
 
-Whichever takes longer counts, the videos or, as in ratings and rankings, the many answers.
+The longer of the last two counts: ratings and rankings ask for many answers.
 """
 
 
 def expected_seconds(durations: Sequence[float], answers: int) -> float:
-    """Return what a trial takes most people.
+    """Return the seconds that most people need for a trial.
 
     Parameters
     ----------
     durations : sequence of float
-        Of its videos, in seconds.
+        Durations of its videos, in seconds.
     answers : int
-        How many it asks for.
+        Number of answers.
     """
     answering = max(SECONDS_FOR_EACH_VIDEO * len(durations), SECONDS_FOR_EACH_ANSWER * answers)
     return SECONDS_FOR_A_PAGE + answering + sum(durations)
 
 
 def minutes_left(answered: Sequence[tuple[float, float]], remaining: Sequence[float]) -> int:
-    """Return the minutes that the remaining trials take at the participant's own pace.
+    """Return the minutes that the remaining trials take at the participant's pace.
 
-    Breaks are between trials and do not count. One long interruption does not, either: the
-    median of the participant's paces decides.
+    The pace is the median over trials, so that breaks and interruptions do not count.
 
     Parameters
     ----------
     answered : sequence of (float, float)
-        Seconds that each answered trial took, and that it was expected to take.
+        Actual and expected seconds of each answered trial.
     remaining : sequence of float
-        Expected seconds of each trial to come, the present one included.
+        Expected seconds of each remaining trial, the current one included.
 
     Returns
     -------
@@ -125,13 +121,13 @@ def minutes_left(answered: Sequence[tuple[float, float]], remaining: Sequence[fl
 
 
 PREVIEW_TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
-"""Stands where a participant's own would."""
+"""Takes the place of a participant's token."""
 
 
 def shown_trial(
     study_session: StudySession, trial: Trial, study: Study, minutes: int
 ) -> ShownTrial:
-    """Return the present trial of a participant, whose videos are loaded."""
+    """Return the current trial of a participant; its videos must be loaded."""
     later = following_trials(study_session, trial)
     return _make_shown_trial(
         study_session.trials,
@@ -156,7 +152,6 @@ def _make_shown_trial(
     next_videos: tuple[str, ...],
     emotion: str,
 ) -> ShownTrial:
-    """Return `trial` among the `trials` of its participant."""
     parts = list(dict.fromkeys(each.part for each in trials))
     return ShownTrial(
         token=token,
@@ -176,7 +171,7 @@ def _make_shown_trial(
 
 
 def following_trials(study_session: StudySession, trial: Trial) -> list[Trial]:
-    """Return the trials that come after `trial`."""
+    """Return the trials after `trial`."""
     return [later for later in study_session.trials if later.position > trial.position]
 
 
@@ -193,13 +188,12 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
 def previewed_trial(
     served: ServedStudy, trials: Sequence[PlannedTrial], position: int
 ) -> ShownTrial:
-    """Return the trial at `position` as its page shows it.
-
-    All of its videos count as watched, so that its questions can be answered at once.
-    """
+    """Return the trial at `position` for a preview, with all its videos watched."""
     planned, study = trials[position - 1], served.study
     remaining = [
-        expected_seconds(_durations(served, trial), len(study.asks(trial)))
+        expected_seconds(
+            [served.videos[content].duration for content in trial.shown], len(study.asks(trial))
+        )
         for trial in trials[position - 1 :]
     ]
     return _make_shown_trial(
@@ -212,10 +206,6 @@ def previewed_trial(
         next_videos=(),
         emotion=planned.segment.emotion,
     )
-
-
-def _durations(served: ServedStudy, planned: PlannedTrial) -> list[float]:
-    return [served.videos[content].duration for content in planned.players.values()]
 
 
 def _previewed_videos(served: ServedStudy, planned: PlannedTrial) -> tuple[ShownVideo, ...]:

@@ -1,12 +1,12 @@
-"""A study session's rows, and where it stands.
+"""A study session's rows, and its state.
 
-What belongs to one is loaded in few statements: each costs as much as a page's words. The relations
-load themselves where nobody did; that is slower, not wrong.
+Related rows are loaded in few statements, as each costs a round trip. Relations that nobody loaded
+load themselves; that is slower, not wrong.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from functools import cache
 from types import MappingProxyType
@@ -33,33 +33,36 @@ NO_TRIAL_MESSAGES: Final[Mapping[State, Message]] = MappingProxyType(
         "lapsed": Message("Your place was given to somebody else after a long pause."),
     }
 )
-"""Why somebody who has not started, or no longer takes part, has no trial."""
+"""Why somebody who is not at a trial has none."""
 
 
 def find_study_session(session: Session, token: str, *, to_change: bool = True) -> StudySession:
-    """Return the study session with this token, by default kept from other writers until stored.
+    """Return the study session with this token, by default locked.
 
-    What belongs to it must be loaded after it, not with it: whoever waited for another writer
-    would see its trials and its place as they were before.
+    Its trials and place are loaded after it: loaded with it, they would be those from before the
+    wait for the lock.
 
     Raises
     ------
     UnknownAddressError
         If there is none.
     """
-    wanted = select(StudySession).where(StudySession.token == token)
-    found = session.scalars(wanted.with_for_update() if to_change else wanted).first()
-    if found is None:
+    query = select(StudySession).where(StudySession.token == token)
+    study_session = session.scalars(query.with_for_update() if to_change else query).first()
+    if study_session is None:
         raise UnknownAddressError(
             "This address belongs to no participant of this study.",
             "Please open the link you were given once more; nothing you answered is lost.",
         )
-    _load_place_and_trials(session, found)
-    return found
+    parameters = {"id": study_session.id}
+    place = session.scalars(PLACE, parameters).one_or_none()
+    set_committed_value(study_session, "place", place)
+    set_committed_value(study_session, "trials", list(session.scalars(TRIALS, parameters)))
+    return study_session
 
 
 class SessionFacts(Protocol):
-    """What must be known of a study session to tell where it stands; each may be None."""
+    """What decides about the state of a study session; each may be None."""
 
     @property
     def withdrawn_at(self) -> datetime | None:
@@ -75,7 +78,7 @@ class SessionFacts(Protocol):
 
     @property
     def place(self) -> object | None:
-        """What they hold."""
+        """The place they hold."""
 
     @property
     def started_at(self) -> datetime | None:
@@ -83,10 +86,10 @@ class SessionFacts(Protocol):
 
 
 def state_of(study_session: SessionFacts) -> State:
-    """Return where `study_session` stands.
+    """Return the state of `study_session`.
 
-    ``instructed`` has agreed but not yet begun, ``unwatched`` was ended since too many videos did
-    not play, ``lapsed`` was silent for so long that its place was given back.
+    ``instructed`` has consented but not begun, ``unwatched`` ended because too many videos did not
+    play, ``lapsed`` was inactive for so long that its place was released.
     """
     if study_session.withdrawn_at is not None:
         return "withdrawn"
@@ -100,12 +103,12 @@ def state_of(study_session: SessionFacts) -> State:
 
 
 def current_trial(study_session: StudySession) -> Trial | None:
-    """Return the trial to be shown, None when there is none left."""
+    """Return the trial to be shown; None if none is left."""
     return next((trial for trial in study_session.trials if not trial.settled), None)
 
 
 def form_due(study_session: StudySession, study: Study) -> Stage | None:
-    """Return the stage of questions about the participant that is to be answered now, if any."""
+    """Return the stage whose questions about the participant must be answered now; or None."""
     if study_session.started_at is None:
         stage: Stage = "demographics"
     elif current_trial(study_session) is None:
@@ -118,13 +121,7 @@ def form_due(study_session: StudySession, study: Study) -> Stage | None:
 
 
 def require_current_trial(study_session: StudySession, trial: Trial) -> datetime:
-    """Return when `trial` was first shown, if it is what `study_session` stands at.
-
-    Raises
-    ------
-    ConflictError
-        If it is not the present trial, or none is being shown.
-    """
+    """Return when `trial` was first shown; `ConflictError` unless it is the current one."""
     state = state_of(study_session)
     if state != "started":
         raise ConflictError(
@@ -141,13 +138,7 @@ def require_current_trial(study_session: StudySession, trial: Trial) -> datetime
 
 
 def find_trial(study_session: StudySession, trial_token: str) -> Trial:
-    """Return the trial that `trial_token` names.
-
-    Raises
-    ------
-    NotTheirsError
-        If it is none of this study session.
-    """
+    """Return the study session's trial with this token, or raise `NotTheirsError`."""
     for trial in study_session.trials:
         if trial.token == trial_token:
             return trial
@@ -155,17 +146,19 @@ def find_trial(study_session: StudySession, trial_token: str) -> Trial:
 
 
 def find_video(session: Session, study_session: StudySession, video_token: str) -> Video:
-    """Return the video that `video_token` names.
+    """Return the study session's video with this token, with all videos of its trial loaded.
 
     Raises
     ------
     NotTheirsError
-        If it is none of this study session.
+        If the video belongs to nobody or to somebody else.
     """
-    found = _load_video(session, study_session, video_token)
-    if found is None:
+    videos = session.scalars(VIDEOS_BESIDE, {"token": video_token}).unique().all()
+    trial = next((t for t in study_session.trials if videos and t.id == videos[0].trial_id), None)
+    if trial is None:
         raise _not_theirs_error()
-    return found
+    _attach(trial, videos)
+    return next(video for video in videos if video.token == video_token)
 
 
 def _not_theirs_error() -> NotTheirsError:
@@ -197,56 +190,33 @@ DURATIONS: Final = (
 )
 
 
-def _load_place_and_trials(session: Session, study_session: StudySession) -> None:
-    """Load the place and the trials of `study_session`."""
-    own = {"id": study_session.id}
-    set_committed_value(study_session, "place", session.scalars(PLACE, own).one_or_none())
-    set_committed_value(study_session, "trials", list(session.scalars(TRIALS, own)))
-
-
-def load_videos(session: Session, trials: Iterable[Trial]) -> None:
-    """Load the videos of `trials`, what they show, and what was played of them."""
-    wanted = {trial.id: trial for trial in trials}
-    videos = session.scalars(VIDEOS_OF_TRIALS, {"trials": list(wanted)}).unique().all()
-    for number, trial in wanted.items():
-        _attach(trial, [video for video in videos if video.trial_id == number])
+def load_videos(session: Session, trials: Sequence[Trial]) -> None:
+    """Load the videos of `trials` with their stimuli and watch records."""
+    parameters = {"trials": [trial.id for trial in trials]}
+    videos = session.scalars(VIDEOS_OF_TRIALS, parameters).unique().all()
+    for trial in trials:
+        _attach(trial, [video for video in videos if video.trial_id == trial.id])
 
 
 def durations_of(session: Session, study_session: StudySession) -> Mapping[int, Sequence[float]]:
-    """Return how long the videos of every trial are, in seconds, by the trial's `id`."""
+    """Return the durations of the videos of every trial in seconds, by the trial's `id`."""
     durations: dict[int, list[float]] = {trial.id: [] for trial in study_session.trials}
     for trial_id, duration in session.execute(DURATIONS, {"id": study_session.id}):
         durations[trial_id].append(duration)
     return durations
 
 
-def _load_video(session: Session, study_session: StudySession, token: str) -> Video | None:
-    """Return the video of `study_session` that `token` names, its trial's videos loaded with it.
-
-    Returns
-    -------
-    Video or None
-        None where it is none of this study session.
-    """
-    videos = session.scalars(VIDEOS_BESIDE, {"token": token}).unique().all()
-    trial = next((t for t in study_session.trials if videos and t.id == videos[0].trial_id), None)
-    if trial is None:
-        return None
-    _attach(trial, videos)
-    return next(video for video in videos if video.token == token)
-
-
 def _attach(trial: Trial, videos: Sequence[Video]) -> None:
-    shown = [stimulus for video in videos for stimulus in video.stimuli]
+    stimuli = [stimulus for video in videos for stimulus in video.stimuli]
     set_committed_value(trial, "videos", list(videos))
-    set_committed_value(trial, "stimuli", sorted(shown, key=lambda found: found.number))
+    set_committed_value(trial, "stimuli", sorted(stimuli, key=lambda stimulus: stimulus.number))
 
 
 ROW = "the_row"
 
 
 def update_row(session: Session, row: StudySession | Trial, **values: object) -> None:
-    """Store `values` in the columns of the stored `row`; `row` has them afterwards."""
+    """Store `values` in the columns of `row`, in the database and in the object."""
     table = cast(Table, type(row).__table__)
     session.connection().execute(_update_of(table, tuple(values)), {ROW: row.id, **values})
     for name, value in values.items():

@@ -1,7 +1,7 @@
-"""Storing the trials that were planned for a participant: one statement a table.
+"""Storing the planned trials of a participant: one statement a table.
 
-The rows travel as one JSON text, which the database takes apart. As parameters of their own, the
-150 rows of a study session took longer than everything else at an arrival.
+The rows are sent as one JSON text, which the database unpacks. Sent as parameters, the 150 rows of
+a study session took longer than everything else in an enrolment.
 """
 
 from __future__ import annotations
@@ -46,35 +46,35 @@ TOKEN_LENGTH: Final = TOKEN_BYTES * 4 // 3
 
 
 class json_rows(GenericFunction[Any]):  # noqa: N801 - SQLAlchemy takes the function's name from it
-    """The elements of a JSON list, each as one row with one column, `value`."""
+    """The elements of a JSON list as rows with one column, `value`."""
 
     inherit_cache = True
 
 
 @compiles(json_rows, "sqlite")
-def _on_sqlite(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
-    return f"json_each({compiler.process(rows.clauses, **given)})"
+def _on_sqlite(rows: json_rows, compiler: SQLCompiler, **options: Any) -> str:
+    return f"json_each({compiler.process(rows.clauses, **options)})"
 
 
 @compiles(json_rows, "postgresql")
-def _on_postgresql(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
-    return f"jsonb_array_elements(CAST({compiler.process(rows.clauses, **given)} AS jsonb))"
+def _on_postgresql(rows: json_rows, compiler: SQLCompiler, **options: Any) -> str:
+    return f"jsonb_array_elements(CAST({compiler.process(rows.clauses, **options)} AS jsonb))"
 
 
 ROWS: Final = json_rows(bindparam("rows", type_=Text)).table_valued(column("value"), name="given")
 
 
 def _field(name: str, kind: TypeEngine[Any]) -> ColumnElement[Any]:
-    """Return the field `name` of a row that was given."""
+    """Return the field `name` of a JSON row."""
     text = ROWS.c.value.op("->>", return_type=String())(literal_column(f"'{name}'"))
     return text if isinstance(kind, String) else cast(text, kind)
 
 
-def _insert_rows(into: type[Base], given: Sequence[str], found: dict[str, Any]) -> Insert:
-    """Insert a row for each one given, with the fields `given` and what is `found` elsewhere."""
-    table = into.__table__
-    values = {name: _field(name, table.c[name].type) for name in given} | found
-    return insert(into).from_select(list(values), select(*values.values()).select_from(ROWS))
+def _insert_rows(model: type[Base], fields: Sequence[str], constants: dict[str, Any]) -> Insert:
+    """Insert each JSON row with its `fields` and `constants`."""
+    columns = model.__table__.c
+    values = {name: _field(name, columns[name].type) for name in fields} | constants
+    return insert(model).from_select(list(values), select(*values.values()).select_from(ROWS))
 
 
 INSERT_TRIALS: Final = _insert_rows(
@@ -102,12 +102,12 @@ INSERT_STIMULI: Final = _insert_rows(
 
 
 def new_token() -> str:
-    """Return a random name that nobody can guess."""
+    """Return a random token that nobody can guess."""
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
 def draw_tokens(count: int) -> Iterator[str]:
-    """Yield `count` random names, drawn at once."""
+    """Yield `count` random tokens, drawn at once."""
     drawn = secrets.token_urlsafe(TOKEN_BYTES * count)
     for start in range(0, len(drawn), TOKEN_LENGTH):
         yield drawn[start : start + TOKEN_LENGTH]
@@ -116,17 +116,15 @@ def draw_tokens(count: int) -> Iterator[str]:
 def store_trials(
     session: Session, study_session_id: int, planned: Sequence[PlannedTrial], served: ServedStudy
 ) -> None:
-    """Store `planned`, the videos that show them and what these present."""
+    """Store the `planned` trials, their videos and stimuli."""
     connection = session.connection()
-    tokens = draw_tokens(
-        sum(1 + len(trial.videos) + (trial.reference is not None) for trial in planned)
-    )
+    tokens = draw_tokens(sum(1 + len(trial.shown) for trial in planned))
 
-    def rows(given: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-        return {"study_session_id": study_session_id, "rows": json.dumps(list(given))}
+    def as_parameters(rows: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+        return {"study_session_id": study_session_id, "rows": json.dumps(list(rows))}
 
     stored = connection.execute(
-        INSERT_TRIALS, rows(_trial(trial, next(tokens)) for trial in planned)
+        INSERT_TRIALS, as_parameters(_trial(trial, next(tokens)) for trial in planned)
     )
     trials: dict[int, int] = dict(stored.all())
     shown = [
@@ -142,7 +140,7 @@ def store_trials(
     ]
     videos = {
         (trial_id, number): video_id
-        for trial_id, number, video_id in connection.execute(INSERT_VIDEOS, rows(shown))
+        for trial_id, number, video_id in connection.execute(INSERT_VIDEOS, as_parameters(shown))
     }
     stimuli = (
         {"trial_id": trials[trial.position], **stimulus}
@@ -151,7 +149,7 @@ def store_trials(
     )
     connection.execute(
         INSERT_STIMULI,
-        rows(
+        as_parameters(
             {"video_id": videos[stimulus["trial_id"], stimulus.pop("player")], **stimulus}
             for stimulus in stimuli
         ),
@@ -174,7 +172,7 @@ def _trial(planned: PlannedTrial, token: str) -> dict[str, Any]:
 
 
 def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
-    """Yield the columns of each stimulus, and the number of its video; 0 is the reference."""
+    """Yield the columns of each stimulus and the number of its player; 0 is the reference."""
     judged = count(1)
     for player, content in planned.players.items():
         for stimulus in content:
@@ -188,11 +186,11 @@ def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
 
 
 def count_votes(session: Session, served: ServedStudy) -> Tally:
-    """Return how often each condition was preferred on the study's first question.
+    """Count how often each condition was preferred on the study's first question.
 
-    Empty for studies that do not look at it. Whoever withdrew, is excluded by hand, or was asked by
-    an earlier design of the study has no vote. A slight preference counts as a clear one, and no
-    difference as half a vote for both.
+    Empty unless the study follows votes. Participants who withdrew, were excluded by hand or took
+    part in an earlier design do not vote. Slight and clear preferences count alike, and no
+    difference is half a vote for both.
     """
     if not served.study.follows_votes:
         return NO_VOTES

@@ -1,4 +1,4 @@
-"""Versions of the study: its design may not change while data are collected, unless asked to."""
+"""Versions of a study: its design cannot change during data collection except on request."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from studyapp.study.versioning import operation_changes, operation_part
 def open_study(
     database: Database, served: ServedStudy, clock: Clock, *, new_version: bool = False
 ) -> None:
-    """Make the database ready for `served`: its version is noted, and its places are open.
+    """Prepare the database for `served`: store its version, and open its places.
 
     Parameters
     ----------
@@ -30,8 +30,7 @@ def open_study(
     Raises
     ------
     InputError
-        If somebody has taken part in the design that was served last, `served` has another one,
-        and `new_version` is not given.
+        If the design has changed since somebody took part, without `new_version`.
     """
     with database.writing() as session:
         take_allocation_turn(session)
@@ -39,13 +38,13 @@ def open_study(
 
 
 def needs_new_version(database: Database, design: str) -> bool:
-    """Tell whether `design` can only be served as a new version: people came to another one."""
+    """Tell whether `design` needs a new version because people took part in another one."""
     with database.reading() as session:
         return _abandons_participants(session, design)
 
 
 def definition_in_use(database: Database) -> str | None:
-    """Return the study file as it is for those who take part; None where nobody has come."""
+    """Return the study file of those who take part; None if nobody has come."""
     with database.reading() as session:
         version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
         return version.definition if version and _has_participants(session, version) else None
@@ -54,16 +53,16 @@ def definition_in_use(database: Database) -> str | None:
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
     if _abandons_participants(session, served.design) and not new_version:
         raise InputError(
-            "the study's design has changed, and people have taken part in the one before",
+            "the study's design has changed, and people have taken part in the previous one",
             where="study.toml",
-            remedy="Undo the change (the database keeps the file as it was), or serve it as a "
-            "new version (--new-version): earlier answers are kept apart, and unfinished "
-            "participants of what has changed cannot go on",
+            remedy="Undo the change (the database keeps the previous file), or serve it as a new "
+            "version (--new-version): earlier answers are kept apart, and unfinished participants "
+            "in changed arms cannot continue",
         )
-    wanted = select(StudyVersion).where(StudyVersion.design == served.design)
-    version = session.scalars(wanted).first() or _create_version(session, served, now)
+    query = select(StudyVersion).where(StudyVersion.design == served.design)
+    version = session.scalars(query).first() or _create_version(session, served, now)
     if not _has_participants(session, version):
-        # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
+        # The exclusion rules count as stated when the first participant comes.
         version.definition = served.definition
     session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
     _log_operation_changes(session, served, version, now)
@@ -73,7 +72,7 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
 
 
 def _abandons_participants(session: Session, design: str) -> bool:
-    """Tell whether the design in force is another one, and somebody has enrolled in it."""
+    """Tell whether the design in force is another one with participants."""
     in_force = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
     return (
         in_force is not None and in_force.design != design and _has_participants(session, in_force)
@@ -81,28 +80,28 @@ def _abandons_participants(session: Session, design: str) -> bool:
 
 
 def _create_version(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
-    """Return a version for a design that is not known yet; it replaces those that nobody saw."""
-    seen = select(StudySession.version_id)
-    session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(seen)))
+    """Return a version for a new design; it replaces versions without participants."""
+    with_participants = select(StudySession.version_id)
+    session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(with_participants)))
     last = session.scalars(select(func.max(StudyVersion.number))).one()
-    made = StudyVersion(
+    version = StudyVersion(
         number=1 if last is None else last + 1,
         design=served.design,
         definition=served.definition,
         operation=operation_part(served.study),
         opened_at=now,
     )
-    session.add(made)
+    session.add(version)
     session.flush()
-    if made.number > 1:
-        session.add(AuditLine(at=now, event=Event.NEW_VERSION, detail=f"version {made.number}"))
-    return made
+    if version.number > 1:
+        session.add(AuditLine(at=now, event=Event.NEW_VERSION, detail=f"version {version.number}"))
+    return version
 
 
 def _has_participants(session: Session, version: StudyVersion) -> bool:
     """Tell whether anybody has enrolled in `version`."""
-    seen = select(StudySession.id).where(StudySession.version_id == version.id).limit(1)
-    return session.scalars(seen).first() is not None
+    enrolled = select(StudySession.id).where(StudySession.version_id == version.id).limit(1)
+    return session.scalars(enrolled).first() is not None
 
 
 def _log_operation_changes(
@@ -117,7 +116,7 @@ def _log_operation_changes(
 
 
 def release_outdated_places(session: Session, served: ServedStudy) -> None:
-    """Give back the places of unfinished study sessions of arms that are no longer the same."""
+    """Release the places of unfinished study sessions in arms whose design has changed."""
     unfinished = select(StudySession.id).where(StudySession.completed_at.is_(None))
     held = select(Place.arm, Place.design).where(Place.study_session_id.is_not(None)).distinct()
     for arm, design in session.execute(held).all():
@@ -134,7 +133,7 @@ def release_outdated_places(session: Session, served: ServedStudy) -> None:
 
 
 def restore_places(session: Session, served: ServedStudy, now: datetime) -> None:
-    """Give the active their places back where what they are asked is served once more."""
+    """Give active participants their places back if their arm's design is served again."""
     placeless = session.scalars(
         select(StudySession)
         .outerjoin(StudySession.place)

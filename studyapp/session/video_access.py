@@ -1,4 +1,4 @@
-"""What a video's address may show at this moment."""
+"""Which videos may be served at this moment."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from studyapp.study.design.trial import Content, Stimulus
 _Other = aliased(Trial)
 
 Shown = Row[str, str, str | None, datetime | None]
-"""A stimulus, and when its video was first sent."""
+"""A stimulus and the time at which its video was first sent."""
 
 CURRENT_POSITION: Final = (
     select(func.min(_Other.position))
@@ -30,7 +30,7 @@ CURRENT_POSITION: Final = (
     .correlate(Trial)
     .scalar_subquery()
 )
-"""Where a study session stands (see `studyapp.session.state.current_trial`)."""
+"""The position of `studyapp.session.state.current_trial`."""
 
 RUNNING: Final = (
     StudySession.started_at.is_not(None),
@@ -38,7 +38,7 @@ RUNNING: Final = (
     StudySession.withdrawn_at.is_(None),
     StudySession.outcome.is_(None),
 )
-"""Who has trials to take, if the place is still theirs (see `studyapp.session.state.state_of`)."""
+"""Study sessions that are ``started`` if they still have a place (see `state_of` in `state`)."""
 
 SHOWN_STIMULI: Final = (
     select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech, Video.sent_at)
@@ -57,30 +57,30 @@ SHOWN_STIMULI: Final = (
 
 MARK_SENT: Final = (
     update(Video)
-    .where(Video.token == bindparam("named"), Video.sent_at.is_(None))
+    .where(Video.token == bindparam("video_token"), Video.sent_at.is_(None))
     .values(sent_at=bindparam("now"))
 )
 
 
 def content_of(database: Database, video_token: str) -> Content | None:
-    """Return what the video shows that `video_token` may be served for, if any.
+    """Return the content of a video that may be served now; None for all others.
 
-    Only the present and the following trial of a running study session have videos: earlier
-    ones are settled, later ones nobody has been told of. Videos are what is asked for most, so
-    this is one statement.
+    Only the current and the next trial of a running study session have videos. Videos are
+    requested most, so this is one statement.
     """
     return _content(_find_stimuli(database, video_token))
 
 
 def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
-    """Return the same as `content_of`, and note when the video was first sent.
+    """Return `content_of` the video, and store when it was first sent.
 
-    What was never sent cannot have been watched. Only the first request for a video writes.
+    A video that was never sent cannot have been watched. Only its first request writes.
     """
     shown = _find_stimuli(database, video_token)
     if shown and shown[0].sent_at is None:
         with database.writing() as session:
-            session.connection().execute(MARK_SENT, {"named": video_token, "now": clock.now()})
+            parameters = {"video_token": video_token, "now": clock.now()}
+            session.connection().execute(MARK_SENT, parameters)
     return _content(shown)
 
 
@@ -115,17 +115,17 @@ ALL_VIDEOS: Final = (
 
 
 def earlier_contents(database: Database, video_token: str) -> list[Content]:
-    """Return what each video shows that comes before this one in its study session."""
+    """Return the contents of all videos before this one in its study session."""
     with database.looking_up() as connection:
         rows = connection.execute(ALL_VIDEOS, {"token": video_token}).all()
-    found: list[Content] = []
-    for token, shown in groupby(rows, key=lambda row: row.token):
+    contents: list[Content] = []
+    for token, stimuli in groupby(rows, key=lambda row: row.token):
         if token == video_token:
             break
-        found.append(
+        contents.append(
             tuple(
-                Stimulus(condition=each.condition, segment=each.segment, speech=each.speech)
-                for each in shown
+                Stimulus(condition=row.condition, segment=row.segment, speech=row.speech)
+                for row in stimuli
             )
         )
-    return found
+    return contents

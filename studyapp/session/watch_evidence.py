@@ -1,8 +1,7 @@
-"""Watch evidence: what the reports of a browser prove to have been watched, judged here.
+"""Watch evidence: how much of a video has been watched, judged from a browser's reports.
 
-A report tells of one stretch of playing, all of it alike: as recorded or faster, in view or not,
-heard or not. Only what was played no faster than recorded, in view, and heard where there is
-something to hear counts as watched, and nothing of a video that the server never sent.
+A report is about one stretch of uniform playback. It counts as watched if it was played at normal
+speed, in view, and audible if the video has sound; and only if the server has sent the video.
 """
 
 from __future__ import annotations
@@ -22,28 +21,28 @@ from studyapp.database.tables import Trial, Video
 Interval = tuple[float, float]
 
 MAX_RATE: Final = 1.05
-"""Playback rate up to which a video counts as played as it was recorded."""
+"""Highest playback rate that counts as normal speed."""
 
 MAX_REPORTS: Final = 1000
-"""Reports of one video that are taken: half an hour of playing it."""
+"""Reports accepted for one video: half an hour of playback."""
 
 MAX_INTERVALS: Final = 200
-"""Parts that a report may tell of, and that the watched ones of a video may be in."""
+"""Intervals in one report, and in the watched part of a video."""
 
 MEDIA_ERRORS: Final = ("2", "3", "4")
-"""A browser's codes for a video that it could not fetch, decode or play at all."""
+"""Browsers' codes for a video that could not be fetched, decoded or played."""
 
 LONG_STALL: Final = 4.0
-"""Seconds without data after which a video counts as stalled; its page says so after five."""
+"""Seconds without data from which a video counts as stalled; its page says so after five."""
 
 REMEMBERED_REPORTS: Final = 32
-"""Reports by which one that is sent again is known; each is sent until it is acknowledged."""
+"""Reports remembered to recognise repeats; browsers repeat each until it is acknowledged."""
 
 
 def _runs_forward(interval: Interval) -> Interval:
     start, end = interval
     if start > end:
-        raise ValueError("an interval ends before it begins")
+        raise ValueError("an interval ends before it starts")
     return interval
 
 
@@ -54,19 +53,19 @@ PlayedInterval = Annotated[tuple[Seconds, Seconds], AfterValidator(_runs_forward
 
 @dataclass(frozen=True, kw_only=True)
 class Playback:
-    """How a stretch of a video played, as a browser reports it.
+    """How a stretch of a video played, as reported by a browser.
 
     Attributes
     ----------
     rate : float
-        Largest playback rate seen; 1 is as recorded.
+        Highest playback rate; 1 is normal speed.
     hidden_seconds, silent_seconds : float
-        How long it played where nobody could see it, and where nobody could hear it.
+        How long it played out of view, and inaudibly.
     stalls : int
     stalled_seconds : float
-        How often and how long it waited for data while meant to play.
+        How often and how long it waited for data.
     frames, dropped_frames : int or None
-        Pictures to be shown and pictures left out; None where the browser does not count them.
+        Frames to be shown, and frames dropped; None if the browser does not count them.
     """
 
     rate: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] = 1.0
@@ -80,16 +79,14 @@ class Playback:
 
 @dataclass(frozen=True, kw_only=True)
 class Report(Playback):
-    """One numbered report of how a stretch of a video played.
-
-    What a browser sends is checked where it is read, by `read_report`.
+    """One numbered report about a stretch of a video; validated by `read_report`.
 
     Attributes
     ----------
     batch : int
         Its number within the video, from 0.
     intervals : tuple of (float, float)
-        Played parts, each from and to, in seconds from the video's start.
+        Start and end of each played part, in seconds.
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
@@ -99,7 +96,7 @@ class Report(Playback):
 
     @property
     def checksum(self) -> int:
-        """The same for a report that is sent again, another for almost any other."""
+        """A checksum that recognises a repeated report."""
         return zlib.crc32(repr(self).encode())
 
     @property
@@ -112,19 +109,13 @@ REPORT: Final = TypeAdapter(Report)
 
 
 def read_report(sent: bytes) -> Report:
-    """Return the report that a browser sent as JSON.
-
-    Raises
-    ------
-    ValidationError
-        If it is none, or holds what no browser can have measured.
-    """
+    """Return the report that a browser sent as JSON, or raise `ValidationError`."""
     return REPORT.validate_json(sent)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Record(Playback):
-    """All reports of one video, added up; see `studyapp.database.tables.WatchRecord`."""
+    """The sum of all reports about one video; see `studyapp.database.tables.WatchRecord`."""
 
     intervals: Sequence[Sequence[float]] = ()
     played_seconds: float = 0.0
@@ -135,11 +126,11 @@ NOTHING_PLAYED: Final = Record(rate=0.0)
 
 
 class Recorded(Protocol):
-    """What must be known of a record to judge it."""
+    """A watch record, stored or not."""
 
     @property
     def intervals(self) -> Sequence[Sequence[float]]:
-        """The parts that count as watched, disjoint and in order."""
+        """The watched parts, disjoint and in order."""
 
     @property
     def latest(self) -> Sequence[Sequence[int]]:
@@ -147,36 +138,35 @@ class Recorded(Protocol):
 
 
 class Played(Protocol):
-    """What must be known of a video to judge what was watched of it."""
+    """A video with its watch record."""
 
     @property
     def duration(self) -> float:
-        """Its length in seconds."""
+        """Its duration in seconds."""
 
     @property
     def sent_at(self) -> datetime | None:
-        """When it was first sent; None where it never was."""
+        """When it was first sent; None if it never was."""
 
     @property
     def watch_record(self) -> Recorded | None:
-        """What was reported of it; None where nothing was."""
+        """Its record; None before the first report."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Watched:
-    """What is known of one video of a trial.
+    """How much of one video has been watched.
 
     Attributes
     ----------
     intervals : tuple of (float, float)
         Watched parts in seconds, merged and in order.
     missing : float
-        Seconds that must still be watched before the questions can be answered.
+        Seconds to be watched before the questions can be answered.
     next_batch : int
         Number of the next report.
     stored : bool
-        Whether the report just sent is among those known; not so where another window has used
-        its number.
+        Whether the report just sent is stored; False if another window has used its number.
     """
 
     intervals: tuple[Interval, ...]
@@ -197,36 +187,36 @@ def merge_intervals(intervals: Iterable[Sequence[float]]) -> tuple[Interval, ...
 
 
 def total_seconds(intervals: Iterable[Sequence[float]]) -> float:
-    """Return the seconds of all `intervals` together, what is in two of them twice."""
+    """Return the total length of `intervals`; overlaps count twice."""
     return sum(end - start for start, end in intervals)
 
 
-def counts_as_watched(played: Playback, *, soundless: bool) -> bool:
-    """Tell whether what was `played` like this was watched."""
+def counts_as_watched(playback: Playback, *, soundless: bool) -> bool:
+    """Tell whether a stretch with this playback was watched."""
     return (
-        played.rate <= MAX_RATE
-        and played.hidden_seconds == 0
-        and (played.silent_seconds == 0 or soundless)
+        playback.rate <= MAX_RATE
+        and playback.hidden_seconds == 0
+        and (playback.silent_seconds == 0 or soundless)
     )
 
 
 def is_stored(record: Recorded, report: Report) -> bool | None:
-    """Tell whether `record` holds `report`.
+    """Tell whether `record` contains `report`.
 
     Returns
     -------
     bool or None
-        False where the number is used up by another report; None where it is still free.
+        False if another report has used the number; None if the number is free.
     """
     for number, checksum in record.latest:
         if number == report.batch:
             return checksum == report.checksum
-    full = len(record.latest) == REMEMBERED_REPORTS
-    return False if full and report.batch < record.latest[0][0] else None
+    is_full = len(record.latest) == REMEMBERED_REPORTS
+    return False if is_full and report.batch < record.latest[0][0] else None
 
 
 def add_report(record: Record, report: Report, *, soundless: bool) -> Record:
-    """Return `record` with one more report in it."""
+    """Return `record` with one more report."""
     watched = report.intervals if counts_as_watched(report, soundless=soundless) else ()
     latest = sorted([*record.latest, (report.batch, report.checksum)], key=itemgetter(0))
     return Record(
@@ -243,21 +233,21 @@ def add_report(record: Record, report: Report, *, soundless: bool) -> Record:
     )
 
 
-def _add_counts(so_far: int | None, more: int | None) -> int | None:
-    return so_far if more is None else (so_far or 0) + more
+def _add_counts(total: int | None, count: int | None) -> int | None:
+    return total if count is None else (total or 0) + count
 
 
 def measure_watched(video: Played, coverage: float) -> Watched:
-    """Return what has been watched of `video`; nothing where it was never sent.
+    """Return how much of `video` has been watched; nothing if it was never sent.
 
     Parameters
     ----------
     coverage : float
-        Share of the video that must have been watched, in [0, 1].
+        Required share of the video, in [0, 1].
     """
     record = video.watch_record or NOTHING_PLAYED
-    proven = record.intervals if video.sent_at is not None else ()
-    intervals = tuple((start, end) for start, end in proven)
+    watched = record.intervals if video.sent_at is not None else ()
+    intervals = tuple((start, end) for start, end in watched)
     missing = max(0.0, coverage * video.duration - total_seconds(intervals))
     return Watched(
         intervals=intervals,
@@ -267,22 +257,21 @@ def measure_watched(video: Played, coverage: float) -> Watched:
 
 
 def failed_to_play(video: Video, media_error: str) -> bool:
-    """Tell whether anything shows that `video` does not play.
+    """Tell whether there is evidence that `video` does not play.
 
-    The server must have sent it, or tried to; and the browser must report an error with it, or
-    have reported that it waited long for data.
+    The server must have sent it, and the browser must report an error or a long wait for data.
     """
     stalled = 0.0 if video.watch_record is None else video.watch_record.stalled_seconds
     return video.sent_at is not None and (media_error in MEDIA_ERRORS or stalled >= LONG_STALL)
 
 
 def missing_seconds(trial: Trial, coverage: float) -> float:
-    """Return the seconds that must still be watched of all videos of `trial` together."""
+    """Return the seconds of all videos of `trial` that must still be watched."""
     return sum(measure_watched(video, coverage).missing for video in trial.videos)
 
 
 def watched_share(videos: Sequence[Played]) -> float:
-    """Return the share of all `videos` together that was watched, in [0, 1]; nan of none."""
+    """Return the watched share of all `videos` together, in [0, 1]; nan for no videos."""
     total = sum(video.duration for video in videos)
     played = sum(total_seconds(measure_watched(video, 0.0).intervals) for video in videos)
     return min(1.0, played / total) if total else math.nan

@@ -1,8 +1,7 @@
-"""Storing a browser's reports of what was played.
+"""Storing a browser's reports about playback.
 
-They are what is sent most. Each takes three statements, and reads one row for each video of the
-page, however many reports came before. `studyapp.session.state` says in Python what is said in SQL
-here, and the same tests hold both.
+They are the most frequent requests: each takes three statements, and reads one row for each video
+of the page. The rules are those of `studyapp.session.state`, in SQL; the same tests check both.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ _RECORDED: Final = tuple(field.name for field in fields(Record))
 
 MARK_ACTIVE: Final = (
     update(_SESSIONS)
-    .where(_SESSIONS.c.token == bindparam("theirs"), *RUNNING)
+    .where(_SESSIONS.c.token == bindparam("session_token"), *RUNNING)
     .values(last_active_at=bindparam("now"))
     .returning(_SESSIONS.c.id)
 )
@@ -78,14 +77,14 @@ UPDATE_RECORD: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("
 
 @dataclass(frozen=True, kw_only=True)
 class PlayedVideo:
-    """A video and what was reported of it.
+    """A video with its watch record.
 
     Attributes
     ----------
     sent_at : datetime or None
         When it was first sent.
     soundless : bool
-        Whether it is meant to be seen without sound.
+        Whether it has no sound.
     watch_record : Record or None
         None before the first report.
     """
@@ -100,14 +99,14 @@ class PlayedVideo:
 
 @dataclass(frozen=True, kw_only=True)
 class Playing:
-    """The present trial of a study session.
+    """The current trial of a study session.
 
     Attributes
     ----------
     video : PlayedVideo
-        The one that was asked about.
+        The reported video.
     others : sequence of PlayedVideo
-        The others on its page.
+        The other videos on the page.
     shown_at : datetime
         When the page was first shown.
     """
@@ -118,32 +117,33 @@ class Playing:
 
 
 def load_playing(session: Session, token: str, video_token: str, now: datetime) -> Playing | None:
-    """Return what is playing, if `video_token` is of the trial that the study session stands at.
+    """Return the current trial if `video_token` is one of its videos.
 
-    The study session is noted as active, and kept from other writers until stored.
+    The study session is marked as active, and locked.
 
     Returns
     -------
     Playing or None
-        None where they are at no trial, at another one, or have no place any more.
+        None if they are at no trial or at another one, or have lost the place.
     """
     connection = session.connection()
-    own = connection.execute(MARK_ACTIVE, {"theirs": token, "now": now}).scalar()
-    if own is None:
+    parameters = {"session_token": token, "now": now}
+    study_session_id = connection.execute(MARK_ACTIVE, parameters).scalar()
+    if study_session_id is None:
         return None
     videos: dict[str, PlayedVideo] = {}
     shown_at = now
     for number, name, duration, sent_at, soundless, shown_at, record, *values in connection.execute(  # noqa: B007
-        PLAYING_QUERY, {"token": video_token, "id": own}
+        PLAYING_QUERY, {"token": video_token, "id": study_session_id}
     ):
-        known = None if record is None else Record(**dict(zip(_RECORDED, values, strict=True)))
+        columns = dict(zip(_RECORDED, values, strict=True))
         videos[name] = PlayedVideo(
             id=number,
             token=name,
             duration=duration,
             sent_at=sent_at,
             soundless=bool(soundless),
-            watch_record=known,
+            watch_record=None if record is None else Record(**columns),
         )
     if video_token not in videos:
         return None
@@ -152,7 +152,7 @@ def load_playing(session: Session, token: str, video_token: str, now: datetime) 
 
 
 def store_record(session: Session, video: PlayedVideo, record: Record, now: datetime) -> None:
-    """Store `record` in place of what is known of `video`."""
+    """Store `record` as the watch record of `video`."""
     values = {**vars(record), "reported_at": now}
     if video.watch_record is None:
         session.connection().execute(INSERT_RECORD, {"video_id": video.id, **values})
@@ -161,10 +161,10 @@ def store_record(session: Session, video: PlayedVideo, record: Record, now: date
 
 
 ON_ITS_WAY: Final = 60.0
-"""Seconds for which a report may be on its way, tried again where the network is slow."""
+"""Seconds that a report may take to arrive, repeats over a slow network included."""
 
 TOLERANCE: Final = 1.0
-"""Seconds by which a browser's clock may be ahead of what has passed on the server."""
+"""Seconds by which a browser's clock may run ahead of the server's."""
 
 
 def record_watched(
@@ -175,25 +175,25 @@ def record_watched(
     report: Report,
     clock: Clock,
 ) -> Watched:
-    """Store one numbered report of played intervals and return what is known of the video now.
+    """Store one numbered report and return how much of the video has been watched.
 
-    A number is stored once, so that a report may be sent again when its fate is unknown. Where
-    another window has used the number for another report, `Watched.stored` says so; it can be
-    sent again under `Watched.next_batch`.
+    A number is stored once, so that a browser can safely repeat a report. If another window has
+    used the number, `Watched.stored` is False, and the report can be sent as
+    `Watched.next_batch`.
 
     Parameters
     ----------
     video_token : str
-        The video that was played.
+        The played video.
     report : Report
-        What was played of it; what lies outside the video is cut off.
+        Intervals outside the video are cut off.
 
     Raises
     ------
     RefusalError
-        If the video is not theirs or not of the present trial, or more of the trial's videos is
-        claimed to be played than time has passed since they were first shown: never do two of
-        them play at once. Where the clock was set back since, nothing is refused for that.
+        If the video is not theirs or not in the current trial, or more was played than is possible
+        since the trial was shown, as its videos never play at once. If the clock has been set back
+        since, the latter is not checked.
     """
     with database.writing() as session:
         now = clock.now()
@@ -202,7 +202,7 @@ def record_watched(
             _restore_place(session, served, token, video_token, clock)
             playing = load_playing(session, token, video_token, now)
         if playing is None:
-            raise RuntimeError("what is playing in SQL is not what is playing in Python")
+            raise RuntimeError("SQL and Python disagree about the current trial")
         video, coverage = playing.video, served.study.watching.coverage
         report = _clip_report(video, report)
         record = video.watch_record or NOTHING_PLAYED
@@ -231,7 +231,7 @@ def record_watched(
 def _restore_place(
     session: Session, served: ServedStudy, token: str, video_token: str, clock: Clock
 ) -> None:
-    """Give a place back that was lost to a pause; refuse everybody else who is not at the video."""
+    """Give a lost place back, and refuse everybody who is not at the video's trial."""
     study_session = find_study_session(session, token)
     trial = find_video(session, study_session, video_token).trial
     ends = (trial.answered_at, trial.unplayable_at, study_session.withdrawn_at)
@@ -249,19 +249,19 @@ def _is_just_past(moment: datetime, clock: Clock) -> bool:
 
 
 def _clip_report(video: PlayedVideo, report: Report) -> Report:
-    """Return `report` of what was played of the video itself."""
-    inside = tuple(
+    """Return `report` without intervals outside the video."""
+    intervals = tuple(
         (max(0.0, start), min(video.duration, end))
         for start, end in report.intervals
         if start < video.duration and end > max(0.0, start)
     )
-    return replace(report, intervals=inside)
+    return replace(report, intervals=intervals)
 
 
 def _claimed_seconds(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:
-    """Return the seconds that must have passed if `report` is true, which makes it `record`.
+    """Return the seconds that must have passed if `report` is true; `record` includes it.
 
-    Videos that were not sent yet are included: what is reported of them counts once they are.
+    Videos that have not been sent are included: their reports count as soon as they are.
     """
     records = [record, *(other.watch_record or NOTHING_PLAYED for other in others)]
     return max(

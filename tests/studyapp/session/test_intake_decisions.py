@@ -100,10 +100,10 @@ def test_what_cannot_be_decided_changes_nothing(
     for reason in ("", "  ", "x" * 501, "a\0b"):
         with pytest.raises(InputError, match="reason of 1 to 500"):
             change_intake(opened, served, clock, "paused", by="Ada", reason=reason)
-    with pytest.raises(InputError, match="so already"):
+    with pytest.raises(InputError, match="the case already"):
         change_intake(opened, served, clock, "open", by="Ada", reason="why not")
     for more in (0, -1, MAX_ADDED_PLACES + 1):
-        with pytest.raises(InputError, match="no number of places"):
+        with pytest.raises(InputError, match="not a number of places"):
             add_places(opened, served, clock, more, by="Ada", reason="why not")
 
     assert intake_changes(opened) == []
