@@ -1,7 +1,4 @@
-"""Researchers' accounts: names, what each role may do, and who belongs to the study.
-
-Pages ask this table of rights; nothing else decides.
-"""
+"""Researchers' accounts, roles and rights. The table of rights alone decides who may do what."""
 
 from __future__ import annotations
 
@@ -28,7 +25,7 @@ MAX_NAME_LENGTH: Final = 100
 
 
 def normalize_name(given: str) -> str:
-    """Return the name as it is stored.
+    """Return a name as it is stored.
 
     Raises
     ------
@@ -39,23 +36,20 @@ def normalize_name(given: str) -> str:
     if not MIN_NAME_LENGTH <= len(name) <= MAX_NAME_LENGTH or not name.isprintable():
         raise InputError(
             f"a name has {MIN_NAME_LENGTH} to {MAX_NAME_LENGTH} letters, all of them visible",
-            remedy="Use your own name or your address of electronic mail",
+            remedy="Use your name or your e-mail address",
         )
     return name
 
 
 def name_key(name: str) -> str:
-    """Return what is the same for all ways of writing one name.
-
-    It is never longer than twice `MAX_NAME_LENGTH`, nor does it hold what a database cannot store.
-    """
+    """Return a key that is the same for all spellings of a name, and storable in any database."""
     folded = unicodedata.normalize("NFKC", " ".join(name.split())).casefold()
     seen = "".join(letter for letter in folded if letter.isprintable())
     return seen[: 2 * MAX_NAME_LENGTH]
 
 
 def name_hash(name: str) -> str:
-    """Return by what attempts to log in as `name` are counted."""
+    """Return the hash under which login attempts as `name` are counted."""
     return hashlib.sha256(name_key(name).encode("utf-8", "replace")).hexdigest()
 
 
@@ -64,7 +58,7 @@ ROLES: Final[tuple[Role, ...]] = get_args(Role)
 
 
 class Right(Enum):
-    """Something that a researcher may do; the value says it in words."""
+    """Something that a researcher may do, and its description."""
 
     KEEP_ACCOUNT = "change their own password, and log out"
     WATCH = "see how the study goes, what happened in each study session, and previews of trials"
@@ -113,21 +107,15 @@ def account_of(row: Researcher) -> Account:
 
 
 def find_researcher(session: Session, name: str) -> Researcher:
-    """Return the researcher `name`, kept from other writers until stored.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """Lock and return the researcher `name`, or raise `InputError`."""
     query = select(Researcher).where(Researcher.name_key == name_key(name)).with_for_update()
-    found = session.scalars(query).first()
-    if found is None:
+    researcher = session.scalars(query).first()
+    if researcher is None:
         raise InputError(
             f"there is no researcher {name!r}",
-            remedy="See who there is with 'motionjury researchers STUDY list'",
+            remedy="List all researchers with 'motionjury researchers STUDY list'",
         )
-    return found
+    return researcher
 
 
 OWNERS: Final = select(Researcher.id).where(
@@ -144,34 +132,32 @@ def list_accounts(database: Database) -> list[Account]:
 
 
 def find_account_by_identity(database: Database, identity: str) -> Account | None:
-    """Return the account of a person, None where they have none or no access."""
+    """Return the account of a person; None if they have none, or no access."""
     query = select(Researcher).where(
         Researcher.identity == identity, Researcher.disabled_at.is_(None)
     )
     with database.reading() as session:
-        found = session.scalars(query).first()
-    return None if found is None else account_of(found)
+        researcher = session.scalars(query).first()
+    return None if researcher is None else account_of(researcher)
 
 
 def link_identity(database: Database, researcher_id: int, identity: str) -> None:
-    """Note whose account it is, once they have shown that it is theirs.
+    """Link an account to a person who has proved that it is theirs.
 
     Raises
     ------
     InputError
-        If the person has another account there.
+        If the person has another account in the study.
     """
     try:
         with database.writing() as session:
             session.get_one(Researcher, researcher_id).identity = identity
     except IntegrityError:
-        raise InputError(
-            "you have another account in this study", remedy="Go on with that one"
-        ) from None
+        raise InputError("you have another account in this study", remedy="Use that one") from None
 
 
 def has_owner(database: Database) -> bool:
-    """Tell whether anybody is an owner."""
+    """Tell whether the study has an owner."""
     with database.reading() as session:
         return session.scalars(OWNERS.limit(1)).first() is not None
 
@@ -179,12 +165,12 @@ def has_owner(database: Database) -> bool:
 def change_role(
     database: Database, clock: Clock, researcher_id: int, role: Role, *, by: str
 ) -> None:
-    """Give a researcher another role; they have to log in again.
+    """Give a researcher another role; they must log in again.
 
     Raises
     ------
     InputError
-        If there is no such researcher, or nobody would be left who is an owner.
+        If there is no such researcher, or no owner would remain.
     """
     with database.writing() as session:
         researcher = _lock_researcher(session, researcher_id)
@@ -199,12 +185,12 @@ def change_role(
 
 
 def remove_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
-    """Let a researcher log in no more, and end their logins; what they did stays in the log.
+    """Remove a researcher's access and end their logins; their actions stay in the log.
 
     Raises
     ------
     InputError
-        If there is no such researcher, or nobody would be left who is an owner.
+        If there is no such researcher, or no owner would remain.
     """
     with database.writing() as session:
         researcher = _lock_researcher(session, researcher_id)
@@ -216,7 +202,7 @@ def remove_access(database: Database, clock: Clock, researcher_id: int, *, by: s
 
 
 def restore_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
-    """Let a researcher who was shut out log in again, with the password they had.
+    """Restore the access of a researcher, with the old password.
 
     Raises
     ------
@@ -231,7 +217,7 @@ def restore_access(database: Database, clock: Clock, researcher_id: int, *, by: 
 
 
 def _lock_researcher(session: Session, researcher_id: int) -> Researcher:
-    """Return a researcher; until stored, nobody else changes who is an owner."""
+    """Return a researcher; all accounts stay locked, so that nobody else changes the owners."""
     query = select(Researcher).order_by(Researcher.id).with_for_update()
     for researcher in session.scalars(query).all():
         if researcher.id == researcher_id:
@@ -243,7 +229,7 @@ def _require_another_owner(session: Session, leaving: Researcher) -> None:
     others = OWNERS.where(Researcher.id != leaving.id)
     if leaving.role == "owner" and session.scalar(others.limit(1)) is None:
         raise InputError(
-            f"{leaving.name!r} is the only owner of the study, and there must be one",
+            f"{leaving.name!r} is the only owner of the study, which needs one",
             remedy="Make somebody else an owner first",
         )
 

@@ -1,8 +1,8 @@
-"""Counting attempts to log in, so that nobody can go on guessing.
+"""Limiting login attempts, so that nobody can guess passwords.
 
-They are counted in the database, so that all server processes count together, for each address and
-for each name that is tried from it. What a stranger tries elsewhere locks nobody out. An attempt is
-counted before the password is compared: many at once get no further than one after the other.
+Attempts are counted in the database for all server processes, by network address and by address
+and name, so that strangers elsewhere lock nobody out. They are counted before the password is
+compared, so that simultaneous attempts get no further than successive ones.
 """
 
 from __future__ import annotations
@@ -23,38 +23,32 @@ from studyapp.database.tables import LoginAttempt
 WINDOW: Final = timedelta(minutes=15)
 MAX_ATTEMPTS_PER_NAME: Final = 10
 MAX_ATTEMPTS_PER_ADDRESS: Final = 50
-"""More, since a whole institute may share one."""
+"""Higher, as a whole institute may share one."""
 
 
 class TooManyAttemptsError(InputError):
-    """Nobody can log in from this address, with this name or any, for a while.
-
-    Attributes
-    ----------
-    seconds : int
-        How long.
-    """
+    """Logins from this address, or with this name from it, are blocked for some `seconds`."""
 
     def __init__(self, seconds: int) -> None:
         self.seconds = seconds
         minutes = math.ceil(seconds / 60)
         super().__init__(
             "there were too many attempts to log in",
-            remedy=f"Try again in {minutes} {'minute' if minutes == 1 else 'minutes'}, or have "
-            "somebody make a link for a new password",
+            remedy=f"Try again in {minutes} {'minute' if minutes == 1 else 'minutes'}, or ask an "
+            "owner for a link to set a new password",
         )
 
 
 def count_attempt(database: Database, name_hash: str, address: str, now: datetime) -> None:
-    """Note one more attempt that may not succeed.
+    """Count one more attempt.
 
     Raises
     ------
     TooManyAttemptsError
-        If there were as many of this name from this address, or of any, as may be; this one is not
-        counted then, so that waiting is enough.
+        If there were too many with this name from this address, or from this address at all; this
+        one is then not counted, so that waiting helps.
     """
-    # Whoever floods the server with attempts must not keep participants from storing answers.
+    # Reading first: floods of attempts must not block participants' writes.
     with database.reading() as session:
         _require_few_attempts(session, name_hash, address, now)
     with database.writing() as session:
@@ -65,12 +59,12 @@ def count_attempt(database: Database, name_hash: str, address: str, now: datetim
 
 
 def forget_attempts(session: Session, name_hash: str, address: str) -> None:
-    """Forget the attempts with a name whose right password was given from `address`."""
+    """Forget the attempts with a name from `address`, after the right password."""
     session.execute(delete(LoginAttempt).where(_of_name_and_address(name_hash, address)))
 
 
 def forget_all_attempts(session: Session, name_hash: str) -> None:
-    """Forget the attempts with a name that has another password now, wherever they came from."""
+    """Forget all attempts with a name, after a change of the password."""
     session.execute(delete(LoginAttempt).where(LoginAttempt.name_hash == name_hash))
 
 
@@ -79,29 +73,29 @@ def _of_name_and_address(name_hash: str, address: str) -> ColumnElement[bool]:
 
 
 def _is_recent(now: datetime) -> ColumnElement[bool]:
-    """Return the condition that an attempt still counts; not so if the clock was set back since."""
+    """Return the condition that an attempt counts; one before a clock was set back does not."""
     return and_(LoginAttempt.at > now - WINDOW, LoginAttempt.at <= now + APART)
 
 
 def _require_few_attempts(session: Session, name_hash: str, address: str, now: datetime) -> None:
-    for same, most in (
+    for condition, limit in (
         (_of_name_and_address(name_hash, address), MAX_ATTEMPTS_PER_NAME),
         (LoginAttempt.address == address, MAX_ATTEMPTS_PER_ADDRESS),
     ):
-        ends = _end_of_lockout(session, same, most, now)
-        if ends is not None:
-            raise TooManyAttemptsError(max(1, math.ceil((ends - now).total_seconds())))
+        end = _end_of_lockout(session, condition, limit, now)
+        if end is not None:
+            raise TooManyAttemptsError(max(1, math.ceil((end - now).total_seconds())))
 
 
 def _end_of_lockout(
-    session: Session, same: ColumnElement[bool], most: int, now: datetime
+    session: Session, condition: ColumnElement[bool], limit: int, now: datetime
 ) -> datetime | None:
-    """Return when fewer than `most` attempts will count, None where that is so by now."""
+    """Return when fewer than `limit` attempts will count; None if fewer count now."""
     counted = (
         select(LoginAttempt.at)
-        .where(same, _is_recent(now))
+        .where(condition, _is_recent(now))
         .order_by(LoginAttempt.at.desc())
-        .offset(most - 1)
+        .offset(limit - 1)
         .limit(1)
     )
     oldest = session.scalar(counted)

@@ -1,8 +1,7 @@
-"""The log of changes and of looks at results: who did what, when and why.
+"""The log of changes, and of looks at results: who did what, when and why.
 
-Lines are only ever added. Who stops, extends or changes something at a good moment takes chance for
-an effect. So every look is kept with how far the study was, and reports say which there were before
-the answers that they rest on.
+Lines are only ever added. Stopping, extending or changing a study after a look at results inflates
+effects. So every look is stored with the state of the study, and reports list them.
 """
 
 from __future__ import annotations
@@ -28,12 +27,12 @@ from studyapp.database.tables import (
 )
 
 MAX_LINES: Final = 200
-"""As many are shown at once."""
+"""Lines shown at once."""
 
 MAX_REASON_LENGTH: Final = 500
 
 ERASED: Final = "(erased)"
-"""What stands in place of what would name or describe somebody who is to be forgotten."""
+"""Replaces text about somebody who is forgotten."""
 
 EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
     {
@@ -51,7 +50,7 @@ EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
         Event.MATERIAL_REMOVED: "file removed",
     }
 )
-"""How events are told to people whose own names say it less well."""
+"""Labels of events whose names are not clear enough."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,19 +66,19 @@ class LoggedChange:
 
 
 def read_reason(text: str) -> str:
-    """Return a reason in a researcher's words, on one line.
+    """Return a researcher's reason on one line.
 
     Raises
     ------
     InputError
-        If there is none, it is too long, or it cannot be stored.
+        If it is empty, too long, or cannot be stored.
     """
     reason = " ".join(text.split())
-    storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
-    if not 1 <= len(reason) <= MAX_REASON_LENGTH or not storable:
+    is_storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
+    if not 1 <= len(reason) <= MAX_REASON_LENGTH or not is_storable:
         raise InputError(
             f"a reason of 1 to {MAX_REASON_LENGTH} letters is needed",
-            remedy="It stands in the log, for whoever asks later",
+            remedy="It is kept in the log",
         )
     return reason
 
@@ -94,14 +93,14 @@ def log_change(
     detail: str = "",
     reason: str = "",
 ) -> None:
-    """Add a line to the log, stored with what it tells of or not at all.
+    """Add a line to the log, in the same transaction as the change.
 
     Parameters
     ----------
     by : str
         The researcher's name; empty for the command line.
     study_session : int, optional
-        The study session that it is about.
+        The study session that the change is about.
     """
     session.add(
         AuditLine(
@@ -116,15 +115,15 @@ def log_change(
 
 
 def event_label(line: AuditLine) -> str:
-    """Return what was done, in words."""
+    """Return the event in words."""
     event = Event(line.event)
     return EVENT_LABELS.get(event, event.replace("_", " "))
 
 
 def detail_label(line: AuditLine) -> str:
-    """Return what there is to know of a change, in words: whom it is about, and how."""
-    whom = "" if line.study_session is None else f"study session {line.study_session}"
-    return ", ".join(filter(None, (whom, line.detail)))
+    """Return the study session and the details of a change, in words."""
+    subject = "" if line.study_session is None else f"study session {line.study_session}"
+    return ", ".join(filter(None, (subject, line.detail)))
 
 
 def latest_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
@@ -161,19 +160,19 @@ LOOK_EVENTS: Final[dict[Way, Event]] = {
 }
 COMMAND_LINE: Final = "command line"
 MAX_LOOKS: Final = 200
-"""As many are listed on the page."""
+"""Looks listed on the page."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyState:
-    """How far the study is.
+    """The progress of the study.
 
     Attributes
     ----------
     finished, planned : int
-        Participants who have finished and hold a place, and places in all.
+        Finished participants with a place, and all places.
     answers : int
-        Answers of everybody who has not withdrawn.
+        Answers of participants who have not withdrawn.
     """
 
     finished: int
@@ -182,7 +181,7 @@ class StudyState:
 
     @property
     def is_interim(self) -> bool:
-        """Whether there are participants still to come."""
+        """Whether participants are still missing."""
         return self.finished < self.planned
 
 
@@ -194,7 +193,7 @@ def log_look(
     Parameters
     ----------
     state : StudyState
-        What the results rest on.
+        The progress of the study at the time of the results.
     by : str
         The researcher's name; empty for the command line.
     """
@@ -221,7 +220,7 @@ def latest_looks(database: Database) -> Sequence[Look]:
 
 
 def count_answers(session: Session) -> int:
-    """Return how many answers there are of those who have not withdrawn."""
+    """Count the answers of participants who have not withdrawn."""
     query = (
         select(func.count(Response.id))
         .join(Trial, Trial.id == Response.trial_id)

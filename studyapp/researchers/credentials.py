@@ -1,6 +1,6 @@
-"""What researchers show who they are by: passwords, codes of a device, and random tokens.
+"""Researchers' credentials: passwords, second factors (TOTP, RFC 6238) and random tokens.
 
-Of each, only what cannot be turned back is stored. The codes are TOTP (RFC 6238).
+Of passwords, recovery codes and tokens, only hashes are stored.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from typing import Final
 import pyotp
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
-from sqlalchemy import select
-from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
@@ -35,15 +33,12 @@ TOKEN_BYTES: Final = 32
 
 
 def new_token() -> str:
-    """Return 256 random bits as letters that an address may hold."""
+    """Return 256 random bits, safe in a URL."""
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
 def token_hash(token: str) -> str:
-    """Return what is stored of `token`, from which nobody can tell it.
-
-    It is random enough that a plain hash cannot be guessed backwards, unlike that of a password.
-    """
+    """Return the stored hash of `token`; it is too random to need a slow hash like a password."""
     return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
 
 
@@ -51,12 +46,12 @@ FIELD_WORDS: Final = (
     *("animation", "experiment", "gesture", "gestures", "institute", "jury", "motion"),
     *("motionjury", "participant", "research", "researcher", "study", "survey", "university"),
 )
-"""They are as easy to guess as the researcher's own name."""
+"""They are as easy to guess as the researcher's name."""
 
 MIN_PASSWORD_LENGTH: Final = 12
 MAX_PASSWORD_LENGTH: Final = 256
 SCORED_LENGTH: Final = 72
-"""Characters of a password that are judged; it takes longer the more there are."""
+"""Characters of a password that are scored; more take longer."""
 
 REQUIRED_SCORE: Final = 4
 """zxcvbn's best score: more than 10 to the power of 10 guesses."""
@@ -65,7 +60,7 @@ HASHER: Final = PasswordHasher()
 """Argon2id with the library's parameters, those of RFC 9106 for little memory (64 MiB)."""
 
 HASHING_SLOTS: Final = threading.BoundedSemaphore(2)
-"""Each hash takes memory: very many logins at once must not take all there is."""
+"""Limits the memory of simultaneous hashing."""
 
 DUMMY_SALT: Final = b64encode(bytes(16)).rstrip(b"=").decode()
 DUMMY_DIGEST: Final = b64encode(bytes(32)).rstrip(b"=").decode()
@@ -78,26 +73,26 @@ def check_password(password: str, *, name: str) -> None:
         raise InputError(
             f"a password has {MIN_PASSWORD_LENGTH} to {MAX_PASSWORD_LENGTH} characters, "
             f"this one has {len(password)}",
-            remedy="Several words that you do not usually say together are easy to remember",
+            remedy="Several unrelated words are easy to remember",
         )
     if _is_common(password, name):
         raise InputError(
             "this password is among the first that anybody would try",
-            remedy="Take several words that you do not usually say together",
+            remedy="Use several unrelated words",
         )
 
 
 def hash_password(password: str) -> str:
-    """Return what is stored of `password`."""
+    """Return the stored hash of `password`."""
     with HASHING_SLOTS:
         return HASHER.hash(_normalize(password))
 
 
 def verify_password(password_hash: str | None, password: str) -> bool:
-    """Tell whether `password` is the one whose hash is stored.
+    """Tell whether `password` matches the stored hash.
 
-    Where there is none, because nobody has that name, as much is computed all the same: how long
-    the answer takes must not tell who has an account.
+    Without a hash, because nobody has that name, the same work is done: the response time must not
+    reveal who has an account.
     """
     with HASHING_SLOTS:
         try:
@@ -110,24 +105,24 @@ def verify_password(password_hash: str | None, password: str) -> bool:
 
 
 def needs_rehash(password_hash: str) -> bool:
-    """Tell whether the hash was made with other parameters than those in use."""
+    """Tell whether the hash has outdated parameters."""
     return HASHER.check_needs_rehash(password_hash)
 
 
 def _dummy_hash() -> str:
-    """Return a hash that no password has, of the parameters in use."""
+    """Return a hash that no password has, with the parameters in use."""
     costs = f"m={HASHER.memory_cost},t={HASHER.time_cost},p={HASHER.parallelism}"
     return f"$argon2id$v=19${costs}${DUMMY_SALT}${DUMMY_DIGEST}"
 
 
 def _normalize(password: str) -> str:
-    """Return the same for all ways in which keyboards encode what was typed."""
+    """Return the same text for all Unicode encodings of it."""
     return unicodedata.normalize("NFKC", password)
 
 
 def _is_common(password: str, name: str) -> bool:
-    """Tell whether few guesses find the password, with its spaces and punctuation or without."""
-    # Its lists of words take memory, and passwords are chosen seldom.
+    """Tell whether the password is easy to guess, with or without spaces and punctuation."""
+    # Imported late: its word lists take memory, and passwords are rarely chosen.
     from zxcvbn import zxcvbn  # type: ignore[import-untyped]
 
     known = [name_key(name), *name.split(), *FIELD_WORDS]
@@ -137,34 +132,34 @@ def _is_common(password: str, name: str) -> bool:
 
 STEP_SECONDS: Final = 30
 ALLOWED_STEP_OFFSETS: Final = (0, -1, 1)
-"""Clocks may differ by so many steps."""
+"""Allowed differences between clocks, in steps."""
 
 RECOVERY_CODES: Final = 8
 RECOVERY_BYTES: Final = 10
 SECRET_LENGTH: Final = 32
 
 new_secret: Final = pyotp.random_base32
-"""Returns 160 random bits, from which a device makes its codes."""
+"""Returns 160 random bits, from which a device computes its codes."""
 
 
 def provisioning_uri(secret: str, *, researcher: str, study: str) -> str:
-    """Return the address that a device's program reads as a QR code."""
+    """Return the address that an authenticator app reads as a QR code."""
     return pyotp.TOTP(secret).provisioning_uri(name=researcher, issuer_name=f"Motion Jury {study}")
 
 
 def accept_code(researcher: Researcher, code: str, now: datetime) -> bool:
-    """Tell whether `code` is what the account asks for beside the password, and use it up.
+    """Use up `code`, a code of the second factor or a recovery code; tell whether it is valid.
 
-    Without a second factor, nothing is asked for. The row must be kept from other writers.
+    Without a second factor, any code is. The row must be locked.
     """
     if researcher.totp_secret is None:
         return True
-    given = "".join(code.split()).casefold()
-    step = _matching_step(researcher.totp_secret, given, now)
+    code = "".join(code.split()).casefold()
+    step = _matching_step(researcher.totp_secret, code, now)
     if step is not None and step > researcher.totp_step:
         researcher.totp_step = step
         return True
-    recovery = token_hash(given.replace("-", ""))
+    recovery = token_hash(code.replace("-", ""))
     if recovery not in researcher.recovery_hashes:
         return False
     researcher.recovery_hashes = [h for h in researcher.recovery_hashes if h != recovery]
@@ -181,12 +176,12 @@ def enable_second_factor(
     password: str,
     address: str,
 ) -> list[str]:
-    """Ask for codes from now on, and return the recovery codes, which nobody can read again.
+    """Turn the second factor on, and return the recovery codes, which are shown only once.
 
     Raises
     ------
     InputError
-        If the password is not right, or `code` is not one that `secret` makes now.
+        If the password is wrong, or `code` is not a current code of `secret`.
     """
     codes = [_recovery_code() for _ in range(RECOVERY_CODES)]
 
@@ -194,8 +189,8 @@ def enable_second_factor(
         step = _matching_step(secret, "".join(code.split()), now) if _is_secret(secret) else None
         if step is None:
             raise InputError(
-                "the code is not the one that the device should show",
-                remedy="Type the newest one; the device's clock must be right",
+                "the code is wrong",
+                remedy="Type the newest one, and check the device's clock",
             )
         researcher.totp_secret, researcher.totp_step = secret, step
         researcher.recovery_hashes = [token_hash(each.replace("-", "")) for each in codes]
@@ -208,13 +203,7 @@ def enable_second_factor(
 def disable_second_factor(
     database: Database, clock: Clock, researcher_id: int, *, password: str, address: str
 ) -> None:
-    """Ask for no codes any more.
-
-    Raises
-    ------
-    InputError
-        If the password is not right.
-    """
+    """Turn the second factor off; `InputError` if the password is wrong."""
 
     def change(researcher: Researcher, now: datetime) -> Event:
         del now
@@ -225,19 +214,12 @@ def disable_second_factor(
 
 
 def reset_second_factor(database: Database, clock: Clock, *, name: str) -> None:
-    """Take the second factor from the researcher `name`, whose device is lost.
-
-    Raises
-    ------
-    InputError
-        If there is no such researcher.
-    """
+    """Turn the second factor of the researcher `name` off, whose device is lost."""
     with database.writing() as session:
-        found = find_researcher(session, name)
-        _remove_second_factor(found)
-        log_change(
-            session, clock.now(), Event.SECOND_FACTOR_RESET, by="", detail=f"of {found.name}"
-        )
+        researcher = find_researcher(session, name)
+        _remove_second_factor(researcher)
+        detail = f"of {researcher.name}"
+        log_change(session, clock.now(), Event.SECOND_FACTOR_RESET, by="", detail=detail)
 
 
 def _change_second_factor(
@@ -248,22 +230,17 @@ def _change_second_factor(
     address: str,
     change: Callable[[Researcher, datetime], Event],
 ) -> None:
-    """Change an account whose password is given once more, and log what was done."""
+    """Check the password, change the account, and log the change."""
     now = clock.now()
     with database.reading() as session:
-        seen = session.get_one(Researcher, researcher_id)
-    count_attempt(database, name_hash(seen.name), address, now)
-    if not verify_password(seen.password_hash, password):
-        raise InputError("the password is not right", remedy="Type it once more")
+        account = session.get_one(Researcher, researcher_id)
+    count_attempt(database, name_hash(account.name), address, now)
+    if not verify_password(account.password_hash, password):
+        raise InputError("the password is wrong", remedy="Type it again")
     with database.writing() as session:
-        researcher = _kept(session, researcher_id)
+        researcher = session.get_one(Researcher, researcher_id, with_for_update=True)
         forget_attempts(session, name_hash(researcher.name), address)
         log_change(session, now, change(researcher, now), by=researcher.name)
-
-
-def _kept(session: Session, researcher_id: int) -> Researcher:
-    query = select(Researcher).where(Researcher.id == researcher_id).with_for_update()
-    return session.scalars(query).one()
 
 
 def _remove_second_factor(researcher: Researcher) -> None:
@@ -271,18 +248,18 @@ def _remove_second_factor(researcher: Researcher) -> None:
 
 
 def _matching_step(secret: str, code: str, now: datetime) -> int | None:
-    """Return the time step of which `code` is the code; None of none near `now`."""
+    """Return the time step near `now` whose code is `code`, or None."""
     present = int(now.timestamp()) // STEP_SECONDS
-    made = pyotp.TOTP(secret)
-    for off in ALLOWED_STEP_OFFSETS:
-        right = made.generate_otp(present + off)
-        if hmac.compare_digest(right.encode(), code.encode()):
-            return present + off
+    totp = pyotp.TOTP(secret)
+    for offset in ALLOWED_STEP_OFFSETS:
+        expected = totp.generate_otp(present + offset)
+        if hmac.compare_digest(expected.encode(), code.encode()):
+            return present + offset
     return None
 
 
 def _is_secret(text: str) -> bool:
-    """Tell whether `text` is such as `new_secret` returns."""
+    """Tell whether `text` has the form of a secret."""
     return len(text) == SECRET_LENGTH and set(text) <= set("ABCDEFGHIJKLMNOPQRSTUVWXYZ234567")
 
 

@@ -1,7 +1,7 @@
-"""Excluding single participants from the analysis by hand, and reinstating them.
+"""Excluding participants from the analysis by hand, and reinstating them.
 
-It decides about the analysis alone: who is under way goes on, the place stays held, and whoever
-has earned pay is paid. An exclusion rule of the study is not overruled by anything decided here.
+It only affects the analysis: participants continue, keep their places and are paid. It does not
+overrule exclusion rules.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ EVENTS: Final = {True: Event.EXCLUDED, False: Event.REINSTATED}
 def decide_exclusion(
     database: Database, clock: Clock, number: int, *, excluded: bool, by: str, reason: str
 ) -> None:
-    """Leave the participant of study session `number` out of the analysis, or take them in again.
+    """Exclude the participant of study session `number` from the analysis, or reinstate them.
 
     Parameters
     ----------
@@ -35,8 +35,8 @@ def decide_exclusion(
     Raises
     ------
     InputError
-        If there is no such study session, its participant withdrew, no reason is given, or it is
-        so already.
+        If there is no such study session, its participant withdrew, there is no reason, or nothing
+        would change.
     """
     reason = read_reason(reason)
     with database.writing() as session:
@@ -44,7 +44,7 @@ def decide_exclusion(
         if _is_excluded(session, number) is excluded:
             raise InputError(
                 f"study session {number} is {'' if excluded else 'not '}excluded already",
-                remedy="Somebody else may have decided it",
+                remedy="Somebody else may have changed it",
             )
         now = clock.now()
         session.add(
@@ -56,7 +56,7 @@ def decide_exclusion(
 
 
 def exclusion_decisions(session: Session, number: int) -> Sequence[ExclusionDecision]:
-    """Return what was decided about study session `number`, the newest first."""
+    """Return the decisions about study session `number`, the newest first."""
     query = (
         select(ExclusionDecision)
         .where(ExclusionDecision.study_session_id == number)
@@ -66,7 +66,7 @@ def exclusion_decisions(session: Session, number: int) -> Sequence[ExclusionDeci
 
 
 def current_exclusions() -> Select[int, str, datetime]:
-    """Select who is excluded by hand now: ``study_session_id``, ``reason`` and ``at``."""
+    """Select the participants excluded by hand: ``study_session_id``, ``reason`` and ``at``."""
     newest = select(func.max(ExclusionDecision.id)).group_by(ExclusionDecision.study_session_id)
     return select(
         ExclusionDecision.study_session_id, ExclusionDecision.reason, ExclusionDecision.at
@@ -74,7 +74,7 @@ def current_exclusions() -> Select[int, str, datetime]:
 
 
 def erase_decisions(session: Session, number: int) -> None:
-    """Erase what was decided about study session `number`, and the reasons from the log."""
+    """Erase the decisions about study session `number`, and their reasons from the log."""
     session.execute(delete(ExclusionDecision).where(ExclusionDecision.study_session_id == number))
     session.execute(
         update(AuditLine)
@@ -84,19 +84,17 @@ def erase_decisions(session: Session, number: int) -> None:
 
 
 def _require_participant(session: Session, number: int) -> None:
-    """Raise `InputError` unless there is somebody to decide about; keep other writers away."""
-    found = session.scalars(
-        select(StudySession).where(StudySession.id == number).with_for_update()
-    ).first()
-    if found is None:
+    """Lock study session `number`; `InputError` if there is none, or its participant withdrew."""
+    study_session = session.get(StudySession, number, with_for_update=True)
+    if study_session is None:
         raise InputError(
             f"there is no study session {number}",
-            remedy="The researchers' pages list those that there are",
+            remedy="The researchers' pages list all study sessions",
         )
-    if found.withdrawn_at is not None:
+    if study_session.withdrawn_at is not None:
         raise InputError(
             f"the participant of study session {number} has withdrawn",
-            remedy="Nothing of who withdrew is analysed in any case",
+            remedy="Answers of participants who withdrew are never analysed",
         )
 
 

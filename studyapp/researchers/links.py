@@ -1,6 +1,6 @@
-"""One-time links: how the first owner and all others join, and how a lost password is replaced.
+"""One-time links, with which researchers join a study or replace a lost password.
 
-What is stored of a link is a hash. It can be used once, and not after it has expired.
+A link works once, until it expires; only its hash is stored.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Final, Literal, cast
 
-from sqlalchemy import Select, delete, func, select
+from sqlalchemy import Select, delete, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -18,6 +18,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLink
 from studyapp.researchers.account import (
+    OWNERS,
     Role,
     end_logins,
     find_researcher,
@@ -39,14 +40,14 @@ LIFETIME: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """One link that can be used.
+    """One usable link.
 
     Attributes
     ----------
     role : Role or None
-        Of the account it makes.
+        Role of the new account.
     name : str
-        Whose password it replaces; empty where it makes an account.
+        The researcher whose password it replaces; empty for a new account.
     """
 
     id: int
@@ -58,33 +59,30 @@ class Link:
 
 
 class UnusableLinkError(InputError):
-    """The link was used, has expired, was taken back, or never was one."""
+    """The link was used or revoked, has expired, or never existed."""
 
     def __init__(self) -> None:
         super().__init__(
-            "this link cannot be used: it works once, and not for ever",
-            remedy="Ask an owner of the study for another one; who runs the server can make one "
-            "with 'motionjury researchers'",
+            "this link does not work: it has been used, or has expired",
+            remedy="Ask an owner of the study for a new one; whoever runs the server can create "
+            "one with 'motionjury researchers'",
         )
 
 
 def first_owner_link(database: Database, clock: Clock) -> str | None:
-    """Return the token of a link that makes the first owner, None where there is an owner.
+    """Return the token of a link for the first owner; None if there is an owner.
 
-    Links that were made for the same before cannot be used any more.
+    Earlier links for the first owner stop working.
     """
     with database.writing() as session:
-        owners = select(func.count()).where(
-            Researcher.role == "owner", Researcher.disabled_at.is_(None)
-        )
-        if session.scalar(owners):
+        if session.scalar(OWNERS.limit(1)) is not None:
             return None
         session.execute(delete(ResearcherLink).where(ResearcherLink.purpose == "first_owner"))
         return _create_link(session, clock.now(), "first_owner", role="owner", made_by="")
 
 
 def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
-    """Return the token of a link that makes an account of `role`."""
+    """Return the token of a link for a new account with `role`."""
     now = clock.now()
     with database.writing() as session:
         log_change(session, now, Event.INVITED, by=by, detail=f"as {role}")
@@ -92,49 +90,48 @@ def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
 
 
 def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) -> str:
-    """Return the token of a link with which the researcher `name` chooses a new password.
+    """Return the token of a link for a new password of the researcher `name`.
 
     Raises
     ------
     InputError
-        If there is no such researcher, or the account is shut out.
+        If there is no such researcher, or they have no access.
     """
     now = clock.now()
     with database.writing() as session:
-        found = find_researcher(session, name)
-        if found.disabled_at is not None:
-            raise InputError(f"{found.name!r} has no access", remedy="An owner can restore it")
-        session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))
-        log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {found.name}")
-        return _create_link(session, now, "new_password", researcher_id=found.id, made_by=by)
+        researcher = find_researcher(session, name)
+        if researcher.disabled_at is not None:
+            raise InputError(f"{researcher.name!r} has no access", remedy="An owner can restore it")
+        earlier = ResearcherLink.researcher_id == researcher.id
+        session.execute(delete(ResearcherLink).where(earlier))
+        log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {researcher.name}")
+        return _create_link(session, now, "new_password", researcher_id=researcher.id, made_by=by)
 
 
 def list_usable_links(database: Database, now: datetime) -> list[Link]:
-    """Return the links that can be used, the one that expires first at the top."""
+    """Return the usable links, the first to expire at the top."""
     query = _usable_links_query(now).order_by(ResearcherLink.expires_at, ResearcherLink.id)
     with database.reading() as session:
         return [_link(row, name) for row, name in session.execute(query)]
 
 
 def find_link(database: Database, token: str, now: datetime) -> Link:
-    """Return the link whose token this is; looking at it does not use it.
-
-    Raises
-    ------
-    UnusableLinkError
-        If it cannot be used.
-    """
+    """Return the link with this token, without using it, or raise `UnusableLinkError`."""
+    query = _usable_links_query(now).where(ResearcherLink.token_hash == token_hash(token))
     with database.reading() as session:
-        return _found(session, token, now)
+        row = session.execute(query).first()
+    if row is None:
+        raise UnusableLinkError
+    return _link(*row)
 
 
 def revoke_link(database: Database, clock: Clock, link_id: int, *, by: str) -> None:
-    """Make a link unusable; one that has been used is left as it is."""
+    """Revoke a link that has not been used."""
     with database.writing() as session:
-        found = session.get(ResearcherLink, link_id)
-        if found is not None:
-            session.delete(found)
-            detail = f"{found.purpose.replace('_', ' ')} of {found.made_by or 'the server'}"
+        link = session.get(ResearcherLink, link_id)
+        if link is not None:
+            session.delete(link)
+            detail = f"{link.purpose.replace('_', ' ')} of {link.made_by or 'the server'}"
             log_change(session, clock.now(), Event.LINK_TAKEN_BACK, by=by, detail=detail)
 
 
@@ -147,18 +144,18 @@ def join(
     password: str,
     identity: str | None = None,
 ) -> str:
-    """Make an account by a link, and return the token of its first login.
+    """Create an account with a link, and return the token of its first login.
 
     Parameters
     ----------
     identity : str, optional
-        Of the person, where they have an account elsewhere; see
+        The person's identity, if they have an account elsewhere; see
         `studyapp.database.tables.Researcher`.
 
     Raises
     ------
     InputError
-        If the link cannot be used, the name is taken, or name or password may not be one.
+        If the link is unusable, the name is taken, or name or password is not acceptable.
     """
     now = clock.now()
     link = find_link(database, token, now)
@@ -184,19 +181,19 @@ def join(
             return begin_login(session, researcher.id, now)
     except IntegrityError:
         raise InputError(
-            f"there is a researcher {name!r} already", remedy="Choose another name"
+            f"a researcher {name!r} already exists", remedy="Choose another name"
         ) from None
 
 
 def choose_password(database: Database, clock: Clock, token: str, *, password: str) -> str | None:
-    """Give a researcher the password chosen by a link, and return the token of a new login.
+    """Set the password of a researcher with a link, and return the token of a new login.
 
-    Who has a second factor gets none: they log in with it.
+    Researchers with a second factor get no token: they log in with it.
 
     Raises
     ------
     InputError
-        If the link cannot be used, or the password may not be one.
+        If the link is unusable, or the password is not acceptable.
     """
     now = clock.now()
     link = find_link(database, token, now)
@@ -241,7 +238,7 @@ def _create_link(
 
 
 def _use_link(session: Session, token: str, now: datetime) -> int | None:
-    """Remove the link, and return whose password it is about; of two at once one finds it."""
+    """Remove the link, and return its researcher; of two simultaneous uses, only one succeeds."""
     used = session.execute(
         delete(ResearcherLink)
         .where(ResearcherLink.token_hash == token_hash(token), ResearcherLink.expires_at > now)
@@ -258,14 +255,6 @@ def _usable_links_query(now: datetime) -> Select[ResearcherLink, str]:
         .outerjoin(Researcher, Researcher.id == ResearcherLink.researcher_id)
         .where(ResearcherLink.expires_at > now, Researcher.disabled_at.is_(None))
     )
-
-
-def _found(session: Session, token: str, now: datetime) -> Link:
-    query = _usable_links_query(now).where(ResearcherLink.token_hash == token_hash(token))
-    found = session.execute(query).first()
-    if found is None:
-        raise UnusableLinkError
-    return _link(*found)
 
 
 def _link(row: ResearcherLink, name: str | None) -> Link:

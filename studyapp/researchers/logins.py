@@ -1,7 +1,4 @@
-"""Logging in with name and password, and the logins that last from then on.
-
-Which browsers a researcher is logged in with is kept here, not in the browser.
-"""
+"""Logging in with name and password, and the logins that follow, which are kept on the server."""
 
 from __future__ import annotations
 
@@ -33,24 +30,24 @@ from studyapp.researchers.credentials import (
 )
 
 MAX_IDLE: Final = timedelta(hours=1)
-"""Without a page asked for by hand; what a page asks for by itself does not count."""
+"""A login ends after so long without a page opened by hand."""
 
 MAX_DURATION: Final = timedelta(hours=12)
-"""However busy: a working day."""
+"""A login never lasts longer than a working day."""
 
 ACTIVITY_INTERVAL: Final = timedelta(minutes=1)
-"""Activity is stored no more often."""
+"""Activity is stored at most this often."""
 
 
 def begin_login(
     session: Session, researcher_id: int, now: datetime, token: str | None = None
 ) -> str:
-    """Return the token of a new login, which nobody has seen before.
+    """Begin a login and return its token.
 
     Parameters
     ----------
     token : str, optional
-        Of a login that follows from another one, in place of one that is drawn.
+        The token of a login derived from another one; by default, a new one.
     """
     session.execute(delete(ResearcherLogin).where(_is_over(now)))
     token = token or new_token()
@@ -68,12 +65,12 @@ def begin_login(
 def find_account_by_login(
     database: Database, token: str, now: datetime, *, by_hand: bool
 ) -> Account | None:
-    """Return who is logged in with `token`, None where nobody is, or no longer.
+    """Return the account that is logged in with `token`, or None.
 
     Parameters
     ----------
     by_hand : bool
-        Whether the researcher asked; False where a page refreshes itself.
+        Whether the researcher opened a page; False if a page refreshes itself.
     """
     query = (
         select(ResearcherLogin.id, ResearcherLogin.last_active_at, Researcher)
@@ -85,22 +82,22 @@ def find_account_by_login(
         )
     )
     with database.reading() as session:
-        found = session.execute(query).first()
-    if found is None:
+        row = session.execute(query).first()
+    if row is None:
         return None
-    login, last_active_at, researcher = found
+    login_id, last_active_at, researcher = row
     if by_hand and has_passed(ACTIVITY_INTERVAL, last_active_at, now):
         with database.writing() as session:
             session.execute(
                 update(ResearcherLogin)
-                .where(ResearcherLogin.id == login)
+                .where(ResearcherLogin.id == login_id)
                 .values(last_active_at=now)
             )
     return account_of(researcher)
 
 
 def end_login(database: Database, *tokens: str) -> None:
-    """Log out: the tokens are worth nothing from here on, in whichever browser."""
+    """End the logins with these tokens."""
     with database.writing() as session:
         session.execute(
             delete(ResearcherLogin).where(ResearcherLogin.token_hash.in_(map(token_hash, tokens)))
@@ -115,12 +112,12 @@ def _is_over(now: datetime) -> ColumnElement[bool]:
 
 
 class WrongLoginError(InputError):
-    """Name, password and code do not go together; nobody is told which of them is wrong."""
+    """Name, password or code is wrong; nobody is told which."""
 
     def __init__(self) -> None:
         super().__init__(
-            "name and password do not go together, or the code is missing or was used",
-            remedy="Look at all of it once more; an owner can make a link for a new password",
+            "the name, password or code is wrong, or the code was used before",
+            remedy="Check all three; an owner can create a link to set a new password",
         )
 
 
@@ -129,35 +126,36 @@ def log_in(
 ) -> str:
     """Return the token of a new login.
 
+    An unknown name, a wrong password and an account without access get the same answer after the
+    same work.
+
     Parameters
     ----------
     code : str
-        Of the second factor, where the account has one, or a recovery code.
-
-    An unknown name, a wrong password and an account that is shut out get the same answer after
-    the same work.
+        A code of the second factor, if the account has one, or a recovery code.
 
     Raises
     ------
     WrongLoginError
-        If there is no such login.
+        If the login is refused.
     TooManyAttemptsError
-        If there were too many attempts lately; then not even the right password helps.
+        If there were too many attempts; then not even the right password helps.
     """
     now = clock.now()
     count_attempt(database, name_hash(name), address, now)
+    query = select(Researcher).where(Researcher.name_key == name_key(name))
     with database.reading() as session:
-        found = _find_by_name(session, name)
-    right = verify_password(None if found is None else found.password_hash, password)
-    if found is None or not right or found.disabled_at is not None:
+        account = session.scalars(query).first()
+    is_right = verify_password(None if account is None else account.password_hash, password)
+    if account is None or not is_right or account.disabled_at is not None:
         raise WrongLoginError
-    better = hash_password(password) if needs_rehash(found.password_hash) else None
+    new_hash = hash_password(password) if needs_rehash(account.password_hash) else None
     with database.writing() as session:
-        researcher = _lock_unchanged(session, found)
+        researcher = _lock_unchanged(session, account)
         if not accept_code(researcher, code, now):
             raise WrongLoginError
-        if better is not None:
-            researcher.password_hash = better
+        if new_hash is not None:
+            researcher.password_hash = new_hash
         forget_attempts(session, name_hash(name), address)
         log_change(session, now, Event.LOGGED_IN, by=researcher.name)
         return begin_login(session, researcher.id, now)
@@ -166,30 +164,30 @@ def log_in(
 def change_password(
     database: Database, clock: Clock, *, researcher_id: int, old: str, new: str, address: str
 ) -> str:
-    """Give a researcher a new password, log them out everywhere, and return a new login's token.
+    """Change a researcher's password, log them out everywhere, and return a new login's token.
 
     Raises
     ------
     InputError
-        If `old` is not the password, or `new` may not be one.
+        If `old` is not the password, or `new` is not acceptable.
     """
     now = clock.now()
     with database.reading() as session:
-        found = session.get_one(Researcher, researcher_id)
-    count_attempt(database, name_hash(found.name), address, now)
-    if not verify_password(found.password_hash, old):
-        raise InputError("the old password is not right", remedy="Type it once more")
-    check_password(new, name=found.name)
+        account = session.get_one(Researcher, researcher_id)
+    count_attempt(database, name_hash(account.name), address, now)
+    if not verify_password(account.password_hash, old):
+        raise InputError("the old password is wrong", remedy="Type it again")
+    check_password(new, name=account.name)
     password_hash = hash_password(new)
     with database.writing() as session:
-        researcher = _lock_unchanged(session, found)
+        researcher = _lock_unchanged(session, account)
         return set_password(session, researcher, password_hash, now)
 
 
 def set_password(
     session: Session, researcher: Researcher, password_hash: str, now: datetime
 ) -> str:
-    """Store a new password, end all logins with the old one, and return a new login's token."""
+    """Store a new password, end all logins, and return a new login's token."""
     researcher.password_hash = password_hash
     end_logins(session, researcher.id)
     forget_all_attempts(session, name_hash(researcher.name))
@@ -197,37 +195,21 @@ def set_password(
     return begin_login(session, researcher.id, now)
 
 
-def _find_by_name(session: Session, name: str) -> Researcher | None:
-    return session.scalars(select(Researcher).where(Researcher.name_key == name_key(name))).first()
-
-
-def _lock_unchanged(session: Session, seen: Researcher) -> Researcher:
-    """Return the row of `seen`, kept from other writers, if its password is still the same one."""
-    query = select(Researcher).where(Researcher.id == seen.id).with_for_update()
-    found = session.scalars(query.execution_options(populate_existing=True)).first()
-    same = found is not None and found.password_hash == seen.password_hash
-    if found is None or not same or found.disabled_at is not None:
+def _lock_unchanged(session: Session, account: Researcher) -> Researcher:
+    """Lock and return the row of `account`; its password and access must not have changed."""
+    query = select(Researcher).where(Researcher.id == account.id).with_for_update()
+    row = session.scalars(query.execution_options(populate_existing=True)).first()
+    if row is None or row.password_hash != account.password_hash or row.disabled_at is not None:
         raise WrongLoginError
-    return found
+    return row
 
 
 UNBLINDED_FOR: Final = timedelta(hours=1)
-"""So long, looking again in the same login needs no new reason; each look is logged anyway."""
+"""Further looks in the same login need no new reason for so long; each is logged anyway."""
 
 
 def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: str) -> None:
-    """Let the login of `token` see results for a while.
-
-    Parameters
-    ----------
-    by : str
-        The researcher's name, for the log.
-
-    Raises
-    ------
-    InputError
-        If no reason is given.
-    """
+    """Let the login with `token` see results for a while; `InputError` without a reason."""
     reason = read_reason(reason)
     with database.writing() as session:
         now = clock.now()
@@ -240,7 +222,7 @@ def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: st
 
 
 def unblinding_reason(database: Database, token: str, now: datetime) -> str:
-    """Return for which reason the login of `token` sees results; empty where it does not."""
+    """Return the reason for which the login with `token` sees results; empty if it does not."""
     query = select(ResearcherLogin.unblinding_reason).where(
         ResearcherLogin.token_hash == token_hash(token),
         ResearcherLogin.unblinded_at > now - UNBLINDED_FOR,

@@ -1,4 +1,4 @@
-"""Pseudonyms: what exports call participants, which nobody can turn back without the key."""
+"""Pseudonyms of participants in exports, which nobody can reverse without the key."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ PSEUDONYM_LENGTH: Final = 17
 REPEAT_SUFFIX: Final = "x"
 
 FOLDER: Final = "sub-"
-"""Before the pseudonym in folders for another lab."""
+"""Prefix of pseudonyms in folders for another lab."""
 
 PREFIX: Final = "p"
-"""A letter first, so that no spreadsheet takes a pseudonym for a number."""
+"""A letter, so that no spreadsheet mistakes a pseudonym for a number."""
 
 OTHER_USERS: Final = 0o077
 
 
 class Identified(Protocol):
-    """What tells a participant apart: of a study session, stored or read column by column."""
+    """The columns of a study session that identify its participant."""
 
     @property
     def id(self) -> int:
@@ -58,24 +58,18 @@ class Identified(Protocol):
 
 @dataclass(frozen=True)
 class PseudonymKey:
-    """A study's key: with it, and only with it, a pseudonym can be found for a name.
-
-    Attributes
-    ----------
-    secret : bytes
-        Random; never printed.
-    """
+    """A study's secret key, from which pseudonyms are computed."""
 
     secret: bytes = field(repr=False)
 
     @classmethod
     def read(cls, path: Path) -> Self | None:
-        """Read the key in `path`; None where there is none yet.
+        """Read the key in `path`; None if there is none yet.
 
         Raises
         ------
         InputError
-            If the file is no key, or others than its owner may read it.
+            If the file is not a key, or other users may read it.
         """
         try:
             text = path.read_text("ascii").strip()
@@ -86,9 +80,9 @@ class PseudonymKey:
             text, mode = "", 0
         if mode & OTHER_USERS:
             raise InputError(
-                "others on this machine may read the key of the pseudonyms",
+                "other users of this machine can read the key of the pseudonyms",
                 where=path,
-                remedy=f"Take that right from them: chmod 600 {path}",
+                remedy=f"Protect it: chmod 600 {path}",
             )
         try:
             secret = bytes.fromhex(text)
@@ -98,17 +92,17 @@ class PseudonymKey:
             raise InputError(
                 "this is not a key of pseudonyms",
                 where=path,
-                remedy="Put a backup of it in its place; without it, participants get other "
-                "pseudonyms than in earlier exports, and then it may be removed",
+                remedy="Restore it from a backup; or remove it, and participants get other "
+                "pseudonyms than in earlier exports",
             )
         return cls(secret)
 
     @classmethod
     def read_or_make(cls, path: Path) -> Self:
-        """Read the key in `path`; where there is none, draw one that only the owner may read."""
-        found = cls.read(path)
-        if found is not None:
-            return found
+        """Read the key in `path`, or create one that only the owner can read."""
+        existing = cls.read(path)
+        if existing is not None:
+            return existing
         draft = path.with_name(f".{path.name}-{secrets.token_hex(8)}")
         handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         try:
@@ -116,21 +110,21 @@ class PseudonymKey:
                 stream.write(secrets.token_bytes(KEY_BYTES).hex() + "\n")
                 stream.flush()
                 os.fsync(stream.fileno())
-            # Of two exports at once, the first key stands.
+            # Of two simultaneous exports, the first key wins.
             with suppress(FileExistsError):
                 os.link(draft, path)
         finally:
             draft.unlink()
-        made = cls.read(path)
-        if made is None:
-            raise InputError("the key cannot be kept", where=path, remedy="Check the folder")
-        return made
+        created = cls.read(path)
+        if created is None:
+            raise InputError("the key cannot be stored", where=path, remedy="Check the folder")
+        return created
 
     def pseudonym(self, participant: Identified) -> str:
         """Return the participant's pseudonym: ``p`` and sixteen letters and digits.
 
         It is the first 80 bits of an HMAC with SHA-256 (RFC 2104) of the recruiter's name for the
-        person, or of the random visit where there is no recruiter: the same in every export.
+        person, or of the random visit: the same in every export.
         """
         identity = ("token", participant.token)
         if participant.recruiter_participant is not None:
@@ -143,8 +137,8 @@ class PseudonymKey:
     def pseudonyms(self, study_sessions: Iterable[Identified]) -> dict[int, str]:
         """Return a name for each study session, by its number.
 
-        That is the participant's pseudonym. Who came in several of a recruiter's studies has
-        several study sessions; the second is called by the pseudonym and ``x2``, and so on.
+        It is the participant's pseudonym, with ``x2`` and so on for further study sessions of the
+        same participant.
         """
         names: dict[int, str] = {}
         times: Counter[str] = Counter()
@@ -156,13 +150,13 @@ class PseudonymKey:
         return names
 
     def is_called(self, participant: Identified, name: str) -> bool:
-        """Tell whether `name`, as an export has it, is one of the participant's."""
+        """Tell whether `name`, from an export, is one of the participant's."""
         pseudonym = name.removeprefix(FOLDER)[:PSEUDONYM_LENGTH]
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())
 
 
 class _Identity(NamedTuple):
-    """What tells the participant of a study session apart."""
+    """See `Identified`."""
 
     id: int
     token: str
@@ -173,9 +167,9 @@ class _Identity(NamedTuple):
 def pseudonyms_of(
     database: Database, key: PseudonymKey, numbers: Collection[int]
 ) -> Mapping[int, str]:
-    """Return the pseudonym of each of the study sessions `numbers`, as exports have it."""
+    """Return the names of the study sessions `numbers` in exports."""
     chosen = StudySession.id.in_(numbers)
-    # Who came twice is called x2 the second time: their other study sessions count too.
+    # The suffix of a repeated participant depends on their other study sessions.
     names = select(StudySession.recruiter_participant).where(
         chosen, StudySession.recruiter_participant.is_not(None)
     )
@@ -186,24 +180,24 @@ def pseudonyms_of(
 
 
 def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -> int | None:
-    """Return the study session that is called `name`; None where there is none.
+    """Return the number of the study session called `name`; None if there is none.
 
     Parameters
     ----------
     key : PseudonymKey or None
-        By which pseudonyms are found; None where nobody may look for them, or there are none.
+        None if pseudonyms may not be used, or there are none.
     name : str
-        Its number, or the participant's pseudonym as an export or a folder of it has it.
+        Its number, or the participant's pseudonym in an export or its folders.
     """
     name = name.strip().removeprefix(FOLDER).lower()
     if name.isascii() and name.isdecimal():
         return _existing_number(session, name)
     named = {} if key is None else key.pseudonyms(_identities(session, true()))
-    return next((number for number, found in named.items() if found == name), None)
+    return next((number for number, pseudonym in named.items() if pseudonym == name), None)
 
 
 def find_number_by_recruiter(session: Session, name: str) -> int | None:
-    """Return the last study session of whom a recruiter calls `name`; None where there is none."""
+    """Return the last study session of the participant whom a recruiter calls `name`, or None."""
     return session.scalar(
         select(func.max(StudySession.id)).where(StudySession.recruiter_participant == name.strip())
     )
@@ -222,7 +216,7 @@ def _identities(session: Session, chosen: ColumnElement[bool]) -> list[_Identity
 
 
 def _existing_number(session: Session, digits: str) -> int | None:
-    """Return the number if there is such a study session; no database has one of many digits."""
+    """Return the number if there is such a study session; overlong numbers match none."""
     if len(digits) >= len(str(2**31)):
         return None
     return session.scalars(select(StudySession.id).where(StudySession.id == int(digits))).first()

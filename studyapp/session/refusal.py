@@ -103,8 +103,8 @@ KINDS: Final[Mapping[type[RefusalError], str]] = {
     UnacceptableError: "unacceptable",
     TooMuchWatchedError: "too-much-watched",
 }
-"""The logged refusals. A full study, an ineligible participant, or a report that crosses with *Next*
-is nobody's mistake."""
+"""The logged refusals. A full study, an ineligible participant, and a report that crosses with
+*Next* are nobody's mistakes."""
 
 LOG: Final = logging.getLogger(__name__)
 

@@ -1,8 +1,8 @@
-"""Who is screened out, and how many at which stage.
+"""Screening: who is screened out, and how many people at which stage.
 
-Who was screened out stays so, where somebody sent them by name. The code that a recruiter wants for
-it is shown only once this is stored: nobody gets it and then goes back and answers otherwise. Of
-everybody else only a count is kept, and no count says who.
+A screen-out is final for participants with a name or an invitation. The recruiter's screen-out
+code is shown only once it is stored: nobody can get it, go back and change their answers.
+Everybody else is only counted.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ COUNTS: Final[Mapping[Stage, InstrumentedAttribute[int]]] = MappingProxyType(
         "comprehension": StudyVersion.screened_by_comprehension,
     }
 )
-"""Where those are counted who are screened out at each stage."""
+"""The column that counts screen-outs at each stage."""
 
 
 def was_screened_out(database: Database, arrival: Arrival) -> bool:
-    """Tell whether the arriving person was screened out before, under the name that they have."""
+    """Tell whether the arriving person was screened out before."""
     with database.reading() as session:
         return _is_stored(session, arrival.name)
 
@@ -46,7 +46,7 @@ def note_screen_out(
     Parameters
     ----------
     named : bool
-        Whether their name is stored, so that they stay screened out and are counted once.
+        Whether to store their name, so that they stay screened out and are counted once.
     """
     try:
         with database.writing() as session:
@@ -57,7 +57,7 @@ def note_screen_out(
 
 
 def screen_out(session: Session, name: str | None, stage: Stage, now: datetime) -> None:
-    """Count one more, and store their name if they have one."""
+    """Count a screen-out, and store the person's name if there is one."""
     if name is not None:
         session.add(ScreenOut(participant=name, screened_out_at=now))
         session.flush()
@@ -69,7 +69,7 @@ def screen_out(session: Session, name: str | None, stage: Stage, now: datetime) 
 
 
 def count_screened_out(session: Session) -> dict[str, int]:
-    """Return how many were screened out at each stage, in all versions of the study."""
+    """Count the screen-outs at each stage, in all versions of the study."""
     sums = [func.coalesce(func.sum(count), 0) for count in COUNTS.values()]
     return dict(zip(COUNTS, map(int, session.execute(select(*sums)).one()), strict=True))
 

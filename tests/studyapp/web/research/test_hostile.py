@@ -106,7 +106,7 @@ def test_a_name_that_no_database_can_store_is_only_wrong(browser: ResearchBrowse
             data={"form_code": browser.code(), "name": sent, "password": sent},
         )
         assert answer.status_code == 403
-        assert "do not go together" in answer.text
+        assert "password or code is wrong" in answer.text
 
 
 def test_a_rehearsal_has_no_pages_for_researchers(serve: Serve) -> None:
