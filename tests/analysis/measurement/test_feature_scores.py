@@ -9,12 +9,8 @@ import pytest
 
 from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
-from analysis.measurement.feature_scores import (
-    FeatureScores,
-    feature_scores,
-    scores_without_network,
-)
-from analysis.measurement.scores import ConditionScore
+from analysis.measurement.feature_scores import feature_scores, scores_without_network
+from tests.analysis.measurement.reading import score_of
 
 LABELS = ("neutral", "anger", "fear")
 
@@ -45,40 +41,36 @@ def clips(
     return found
 
 
-def of(scores: FeatureScores, condition: str, name: str) -> ConditionScore:
-    return next(s for s in scores.conditions if (s.condition, s.name) == (condition, name))
-
-
 def test_what_is_further_from_the_recordings_scores_worse_in_all_distances() -> None:
     recorded = clips(30)
     conditions = {"near": clips(30, seed=1), "far": clips(30, seed=2, shift=2.0)}
     found = feature_scores(network(), conditions, recorded)
     for name in (names.FGD, "FGD∞ (gesture autoencoder)", names.kernel_of(names.GESTURE)):
-        near, far = (of(found, condition, name) for condition in ("near", "far"))
+        near, far = (score_of(found, condition, name) for condition in ("near", "far"))
         assert near.value < far.value
         assert near.better == "lower"
         assert near.settings["a"] == "b"
-    interval = of(found, "far", names.FGD).interval
+    interval = score_of(found, "far", names.FGD).interval
     assert interval is not None
-    assert interval[0] > of(found, "near", names.FGD).value
+    assert interval[0] > score_of(found, "near", names.FGD).value
 
 
 def test_every_condition_is_compared_over_equally_many_windows() -> None:
     conditions = {"all": clips(30, seed=1), "fewer": clips(20, seed=2)}
     found = feature_scores(network(), conditions, clips(40))
     for condition in conditions:
-        settings = of(found, condition, names.FGD).settings
+        settings = score_of(found, condition, names.FGD).settings
         assert settings["samples"] == "40 windows of recorded motion and of every condition"
 
 
 def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others() -> None:
     conditions = {"all": clips(30, seed=1), "catch": clips(3, seed=2)}
     found = feature_scores(network(), conditions, clips(30))
-    few = of(found, "catch", names.FGD)
+    few = score_of(found, "catch", names.FGD)
     assert math.isnan(few.value)
     assert "6 windows are fewer than half of what others have" in few.reason
-    assert "60 windows" in of(found, "all", names.FGD).settings["samples"]
-    assert not math.isnan(of(found, "catch", names.kernel_of(names.GESTURE)).value)
+    assert "60 windows" in score_of(found, "all", names.FGD).settings["samples"]
+    assert not math.isnan(score_of(found, "catch", names.kernel_of(names.GESTURE)).value)
 
 
 def test_recorded_motion_has_a_variance_but_no_distance_from_itself() -> None:
@@ -93,18 +85,20 @@ def test_recorded_motion_has_a_variance_but_no_distance_from_itself() -> None:
 
 def test_without_recordings_the_distances_say_so() -> None:
     found = feature_scores(network(), {"ours": clips(10)}, {})
-    assert of(found, "ours", names.FGD).reason == "there is no recorded motion to compare with"
-    assert of(found, "ours", "variance of features (gesture autoencoder)").value > 0
+    assert (
+        score_of(found, "ours", names.FGD).reason == "there is no recorded motion to compare with"
+    )
+    assert score_of(found, "ours", "variance of features (gesture autoencoder)").value > 0
 
 
 def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason() -> None:
     own = clips(10, seed=1) | {"short": ClipFeatures(reason="the clip is too short")}
     found = feature_scores(network(), {"ours": own}, clips(10))
-    score = of(found, "ours", names.FGD)
+    score = score_of(found, "ours", names.FGD)
     assert (score.scored, score.clips) == (10, 11)
     assert "left out: the clip is too short (1 of 11 clips)" in score.remark
     none = feature_scores(network(), {"ours": {"short": own["short"]}}, clips(10))
-    assert "the clip is too short (1 of 1 clips)" in of(none, "ours", names.FGD).reason
+    assert "the clip is too short (1 of 1 clips)" in score_of(none, "ours", names.FGD).reason
 
 
 def test_named_emotions_are_counted_by_clip_and_in_a_confusion() -> None:
@@ -115,7 +109,7 @@ def test_named_emotions_are_counted_by_clip_and_in_a_confusion() -> None:
         clips(4, named=[0, 0, 0, 0]),
         emotions=emotions,
     )
-    assert of(found, "ours", names.EMOTION_ACCURACY).value == pytest.approx(0.75)
+    assert score_of(found, "ours", names.EMOTION_ACCURACY).value == pytest.approx(0.75)
     assert [score.result.value for score in found.clips] == [1, 0, 1]
     assert found.clips[1].result.remark == "spoken: anger, named: fear"
     assert found.confusions[0].counts == ((0, 1, 1), (0, 0, 1))

@@ -15,11 +15,7 @@ from analysis.evaluators.evaluator_file import (
     TrainingFacts,
 )
 from analysis.evaluators.examples import Normalisation
-from analysis.measurement.measured_clips import DEPTHS as DEPTHS_KIND
-from analysis.measurement.measured_clips import FEATURES as FEATURES_KIND
-from analysis.measurement.measured_clips import JOINTS as JOINTS_KIND
-from analysis.measurement.measured_clips import LANDMARKS as LANDMARKS_KIND
-from analysis.measurement.measured_clips import ONSETS as ONSETS_KIND
+from analysis.measurement import measured_clips
 from analysis.metrics.joint_motion import joint_motion
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio_analysis import speech_onsets
@@ -86,13 +82,13 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
 def test_joints_that_lie_elsewhere_have_another_version() -> None:
     found = joint_motion(moving(40), 30)
     assert fingerprint(found.relative, found.pelvis) == pytest.approx(
-        JOINTS[JOINTS_KIND.version], abs=1e-5
+        JOINTS[measured_clips.JOINTS.version], abs=1e-5
     )
 
 
 def test_onsets_that_are_found_elsewhere_have_another_version() -> None:
     onsets = speech_onsets(syllables(6.0, 1))
-    assert fingerprint(onsets) == pytest.approx(ONSETS[ONSETS_KIND.version], abs=1e-4)
+    assert fingerprint(onsets) == pytest.approx(ONSETS[measured_clips.ONSETS.version], abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -103,12 +99,16 @@ def test_a_network_that_sees_other_features_has_another_version(
 ) -> None:
     seen = network(kind, channels)
     found = [seen.embed(moving())] + ([seen.classify(moving())] if seen.labels else [])
-    assert fingerprint(*found) == pytest.approx(FEATURES[FEATURES_KIND.version][channels], abs=1e-5)
+    assert fingerprint(*found) == pytest.approx(
+        FEATURES[measured_clips.FEATURES.version][channels], abs=1e-5
+    )
 
 
 def test_landmarks_that_lie_elsewhere_have_another_version() -> None:
     found = FaceLandmarks.of(read_body(default_body())).positions(moving().frames(slice(0, 30)))
-    assert fingerprint(found) == pytest.approx(LANDMARKS[LANDMARKS_KIND.version], abs=1e-5)
+    assert fingerprint(found) == pytest.approx(
+        LANDMARKS[measured_clips.LANDMARKS.version], abs=1e-5
+    )
 
 
 def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
@@ -117,4 +117,4 @@ def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
     clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)
     depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
     assert depths.max() > 0.01
-    assert fingerprint(depths) == pytest.approx(DEPTHS[DEPTHS_KIND.version], abs=1e-5)
+    assert fingerprint(depths) == pytest.approx(DEPTHS[measured_clips.DEPTHS.version], abs=1e-5)

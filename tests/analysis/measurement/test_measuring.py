@@ -11,11 +11,11 @@ from analysis.measurement import measured_clips
 from analysis.measurement.measured_clips import Excerpt
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS
-from analysis.measurement.scores import ConditionScore, StudyMetrics
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import write_clip
+from tests.analysis.measurement.reading import score_of
 
 Clips = dict[str, dict[str, Path]]
 Speech = dict[str, Excerpt]
@@ -45,10 +45,6 @@ def study(tmp_path: Path, clicks: Path, waving: Callable[..., MotionClip]) -> St
     return clips, dict.fromkeys("ab", (clicks, 0.0, 4.0))
 
 
-def of(metrics: StudyMetrics, condition: str, name: str) -> ConditionScore:
-    return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
-
-
 def test_every_condition_gets_every_metric(study: Study) -> None:
     metrics = study_metrics(*study)
     names = {s.name for s in metrics.conditions}
@@ -66,7 +62,7 @@ def test_a_condition_is_the_mean_over_its_clips(study: Study) -> None:
         for s in metrics.clips
         if s.condition == "waving" and s.result.name == "jerk (hands)"
     ]
-    found = of(metrics, "waving", "jerk (hands)")
+    found = score_of(metrics, "waving", "jerk (hands)")
     assert len(values) == 2
     assert found.value == pytest.approx(np.mean(values))
     assert found.spread == pytest.approx(np.std(values, ddof=1))
@@ -76,7 +72,7 @@ def test_a_condition_is_the_mean_over_its_clips(study: Study) -> None:
 def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clips(
     study: Study,
 ) -> None:
-    found = of(study_metrics(*study), "static", "beat alignment above chance (amuse)")
+    found = score_of(study_metrics(*study), "static", "beat alignment above chance (amuse)")
     assert math.isnan(found.value)
     assert found.scored == 0
     assert found.reason == "the motion has no beat (2 of 2 clips)"
@@ -85,7 +81,7 @@ def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clip
 def test_without_speech_there_is_no_beat_alignment(study: Study) -> None:
     metrics = study_metrics(study[0], {})
     assert not any("beat" in s.name for s in metrics.conditions)
-    assert of(metrics, "waving", "jerk (hands)").scored == 2
+    assert score_of(metrics, "waving", "jerk (hands)").scored == 2
 
 
 def test_no_clips_are_no_metrics() -> None:
@@ -132,16 +128,16 @@ def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(
     clips, _, recorded = recorded_study
     metrics = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
     for name in ERRORS:
-        assert of(metrics, "copied", name).value == 0
-        assert of(metrics, "waving", name).value > 0
-        assert of(metrics, "waving", name).better == "lower"
+        assert score_of(metrics, "copied", name).value == 0
+        assert score_of(metrics, "waving", name).value > 0
+        assert score_of(metrics, "waving", name).better == "lower"
     for preset in ("amuse", "beat", "diffsheg"):
         name = f"percent of correct motion ({preset})"
-        assert of(metrics, "copied", name).value == 1
-        assert of(metrics, "waving", name).value < 1
-        assert "left_wrist" in of(metrics, "copied", name).settings["joints"]
+        assert score_of(metrics, "copied", name).value == 1
+        assert score_of(metrics, "waving", name).value < 1
+        assert "left_wrist" in score_of(metrics, "copied", name).settings["joints"]
     assert not {s.name for s in metrics.conditions if s.condition == "recorded"} & ERRORS
-    assert of(metrics, "recorded", "foot sliding").value == 0
+    assert score_of(metrics, "recorded", "foot sliding").value == 0
     assert all(s.settings["frame rate"] for s in metrics.conditions if not s.reason)
 
 
@@ -166,9 +162,9 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     assert sorted(file.where for file in metrics.skipped) == sorted(
         map(str, (bad, torn, tmp_path / "silent.wav"))
     )
-    assert of(metrics, "waving", "jerk (hands)").scored == 2
-    assert of(metrics, "static", "jerk (hands)").scored == 1
-    assert of(metrics, "waving", "beat alignment (amuse)").clips == 1
+    assert score_of(metrics, "waving", "jerk (hands)").scored == 2
+    assert score_of(metrics, "static", "jerk (hands)").scored == 1
+    assert score_of(metrics, "waving", "beat alignment (amuse)").clips == 1
 
 
 def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path: Path) -> None:
@@ -235,7 +231,7 @@ def test_clips_of_many_rates_are_compared_at_the_slowest(
     write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
     metrics = study_metrics(clips, speech)
     assert metrics.frame_rate == 20.0
-    assert of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
+    assert score_of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
 
 
 def test_what_metrics_lack_is_said(recorded_study: RecordedStudy) -> None:
@@ -257,7 +253,9 @@ def test_files_are_taken_to_have_the_frame_rate_that_is_given(study: Study, tmp_
     slow = study_metrics(*study, file_rate=15.0, kept=folder)
     assert (fast.frame_rate, slow.frame_rate) == (30, 15)
     name = "jerk (hands, unfiltered)"
-    assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)
+    assert score_of(fast, "waving", name).value == pytest.approx(
+        8 * score_of(slow, "waving", name).value
+    )
 
 
 def test_semantic_scores_choose_which_frames_are_recalled(
@@ -272,10 +270,10 @@ def test_semantic_scores_choose_which_frames_are_recalled(
         clips, {}, recorded=recorded, semantics=semantics, presets=("amuse", "beat")
     )
     for preset in ("amuse", "beat"):
-        copied = of(metrics, "copied", f"semantic-relevant gesture recall ({preset})")
+        copied = score_of(metrics, "copied", f"semantic-relevant gesture recall ({preset})")
         assert copied.value == 1
         assert copied.reason == "no frame has a semantic score above 0 (1 of 2 clips)"
-        waving = of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
+        waving = score_of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
         assert waving.value == pytest.approx(
             next(
                 s.result.value

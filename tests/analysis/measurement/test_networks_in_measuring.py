@@ -13,11 +13,11 @@ from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import networks
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics
-from analysis.measurement.scores import ConditionScore, StudyMetrics
 from motion.clip import MotionClip, arkit_index
 from motion.errors import InputError
 from motion.formats import write_clip
 from renderer.look import default_body
+from tests.analysis.measurement.reading import score_of
 
 Clips = dict[str, dict[str, Path]]
 
@@ -74,10 +74,6 @@ def study(tmp_path: Path, waving: Callable[..., MotionClip]) -> Clips:
     return clips
 
 
-def of(metrics: StudyMetrics, condition: str, name: str) -> ConditionScore:
-    return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
-
-
 def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
     study: Clips, network_file: NetworkFile, tmp_path: Path
 ) -> None:
@@ -90,11 +86,11 @@ def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
         for _ in range(2)
     )
     assert len(opened[path].seen) == 12
-    assert of(first, "ours", names.FGD).value > 0
+    assert score_of(first, "ours", names.FGD).value > 0
     assert [s.value for s in first.conditions] == pytest.approx(
         [s.value for s in second.conditions], nan_ok=True
     )
-    assert of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
+    assert score_of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
 
 
 def test_what_a_study_holds_still_is_still_for_the_network(
@@ -111,7 +107,7 @@ def test_a_clip_that_is_too_short_is_left_out_with_its_reason(
     path, _ = network_file
     write_clip(study["ours"]["s0"], waving(seconds=1.0))
     found = study_metrics(study, {}, recorded=study["truth"], evaluators=[path])
-    assert "shorter than a window (1 of 6 clips)" in of(found, "ours", names.FGD).remark
+    assert "shorter than a window (1 of 6 clips)" in score_of(found, "ours", names.FGD).remark
 
 
 def test_two_networks_of_one_kind_are_told_apart_by_their_hash(
@@ -131,7 +127,7 @@ def test_two_networks_of_one_kind_are_told_apart_by_their_hash(
 
 def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study: Clips) -> None:
     found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue"])
-    missing = of(found, "ours", names.FLD)
+    missing = score_of(found, "ours", names.FLD)
     assert "'motionjury train evaluator face' trains one" in missing.reason
     assert not any(s.condition == "truth" and s.name == names.FLD for s in found.conditions)
 
@@ -174,9 +170,9 @@ def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres
         face=LandmarkBody(path=default_body()),
     )
     for name in LANDMARK_ERRORS:
-        assert of(found, "copied", name).value == 0
-        assert of(found, "shy", name).value > 0.1
-    assert of(found, "shy", LANDMARK_ERRORS[0]).settings["frame rate"] == "15 fps"
+        assert score_of(found, "copied", name).value == 0
+        assert score_of(found, "shy", name).value > 0.1
+    assert score_of(found, "shy", LANDMARK_ERRORS[0]).settings["frame rate"] == "15 fps"
 
 
 @pytest.mark.parametrize(
@@ -193,7 +189,7 @@ def test_where_there_are_no_landmarks_the_errors_say_why(
         talking, {}, recorded=talking["truth"], presets=["s2ue"], face=face, frozen=frozen
     )
     for name in LANDMARK_ERRORS:
-        assert said in of(found, "shy", name).reason
+        assert said in score_of(found, "shy", name).reason
 
 
 def test_a_face_that_is_told_in_other_terms_has_no_landmarks(
@@ -207,17 +203,19 @@ def test_a_face_that_is_told_in_other_terms_has_no_landmarks(
         presets=["s2ue"],
         face=LandmarkBody(path=default_body()),
     )
-    score = of(found, "shy", LANDMARK_ERRORS[0])
+    score = score_of(found, "shy", LANDMARK_ERRORS[0])
     assert (score.scored, score.clips) == (1, 2)
     assert "tells no face" in score.reason
 
 
 def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -> None:
     name = "mean distance between clips (expressions)"
-    moving = of(study_metrics(talking, {}, presets=["diffsheg"]), "truth", name)
+    moving = score_of(study_metrics(talking, {}, presets=["diffsheg"]), "truth", name)
     assert moving.value > 0
     assert moving.settings["face"] == "ARKit weights"
-    still = of(study_metrics(talking, {}, presets=["diffsheg"], frozen=("face",)), "truth", name)
+    still = score_of(
+        study_metrics(talking, {}, presets=["diffsheg"], frozen=("face",)), "truth", name
+    )
     assert still.reason == "the study holds the face still"
 
 
@@ -230,8 +228,8 @@ def test_penetration_is_measured_where_a_body_is_given_and_kept(
         "kept": tmp_path / "kept",
     }
     found = study_metrics(talking, {}, **wanted)
-    assert of(found, "shy", "self-penetration, depth").value == 0
-    assert of(found, "shy", "self-penetration, depth").scored == 2
+    assert score_of(found, "shy", "self-penetration, depth").value == 0
+    assert score_of(found, "shy", "self-penetration, depth").scored == 2
     monkeypatch.setattr("analysis.measurement.measured_clips.penetrable_body", lambda body: None)
     again = study_metrics(talking, {}, **wanted)
-    assert of(again, "shy", "self-penetration, share of frames").value == 0
+    assert score_of(again, "shy", "self-penetration, share of frames").value == 0

@@ -25,15 +25,21 @@ from tests.analysis.report.subjects import headline
 Sections = Mapping[str, tuple[Section, ...]]
 
 
+@pytest.fixture
+def section(sections: Sections) -> Section:
+    """Return the section of all pairs."""
+    (section,) = sections["all pairs"]
+    return section
+
+
 def results(report: TableReport) -> PairwiseResults:
     assert isinstance(report.results, PairwiseResults)
     return report.results
 
 
 def test_hints_and_the_text_alternative_have_every_number(
-    all_pairs: TableReport, sections: Sections
+    all_pairs: TableReport, section: Section
 ) -> None:
-    (section,) = sections["all pairs"]
     picture = named_picture(section, "preferences")
     assert len(hints(picture)) == 3 * 2 * 5
     for comparison in results(all_pairs).comparisons:
@@ -46,9 +52,8 @@ def test_hints_and_the_text_alternative_have_every_number(
 
 
 def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
-    all_pairs: TableReport, sections: Sections
+    all_pairs: TableReport, section: Section
 ) -> None:
-    (section,) = sections["all pairs"]
     (group,) = pairwise_groups(results(all_pairs), None)
     picture = named_picture(section, "preferences")
     for row, label in enumerate(group.labels):
@@ -61,9 +66,8 @@ def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
 
 
 def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
-    all_pairs: TableReport, sections: Sections
+    all_pairs: TableReport, section: Section
 ) -> None:
-    (section,) = sections["all pairs"]
     said = words(named_picture(section, "preferences"))
     assert said.index("Emotion") < said.index("Rhythm")
     shares = [
@@ -127,9 +131,8 @@ def test_the_sums_of_table_a5_are_those_of_the_results(
 
 
 def test_as_published_is_labelled_and_says_what_it_ignores(
-    all_pairs: TableReport, sections: Sections
+    all_pairs: TableReport, section: Section
 ) -> None:
-    (section,) = sections["all pairs"]
     table = named_table(section, "as-published")
     assert ("as published, p", 2) in table.groups
     assert any("resemble each other" in note for note in table.notes)
@@ -160,9 +163,8 @@ def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
 
 
 def test_strengths_stand_with_the_ranks_that_they_allow(
-    all_pairs: TableReport, sections: Sections
+    all_pairs: TableReport, section: Section
 ) -> None:
-    (section,) = sections["all pairs"]
     found = results(all_pairs).bradley_terry.of_set(None)["emotion"]
     said = words(named_picture(section, "strengths"))
     assert "rank" in " ".join(said)
@@ -171,8 +173,7 @@ def test_strengths_stand_with_the_ranks_that_they_allow(
     assert {row[1] for row in rows} == {"ours", "other", "static"}
 
 
-def test_a_mark_stays_with_every_figure(sections: Sections) -> None:
-    (section,) = sections["all pairs"]
+def test_a_mark_stays_with_every_figure(section: Section) -> None:
     for picture in section.pictures:
         assert "no person answered" in drawn(picture).get_text()
 

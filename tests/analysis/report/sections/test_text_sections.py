@@ -186,9 +186,14 @@ def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
     )
 
 
-def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture() -> None:
-    section = stills_section(subject_with_stills("ours", "theirs"))
+def stills(*conditions: str, **settings: Any) -> Section:
+    section = stills_section(subject_with_stills(*conditions, **settings))
     assert section is not None
+    return section
+
+
+def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture() -> None:
+    section = stills("ours", "theirs")
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
     assert 'alt="theirs after 1.2 seconds"' in strip.svg
@@ -198,22 +203,17 @@ def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_p
 
 
 def test_a_condition_without_video_is_named() -> None:
-    section = stills_section(subject_with_stills("ours"))
-    assert section is not None
-    assert section.paragraphs[1] == ("There is no readable video of this segment of theirs.")
+    assert stills("ours").paragraphs[1] == ("There is no readable video of this segment of theirs.")
 
 
 def test_without_stills_the_reason_stands_in_their_place_and_a_table_has_no_such_section() -> None:
-    section = stills_section(subject_with_stills(no_stills="There are no videos yet."))
-    assert section is not None
+    section = stills(no_stills="There are no videos yet.")
     assert section.paragraphs == ("There are no videos yet.",)
     assert stills_section(subject_with_stills()) is None
 
 
 def test_names_cannot_become_markup() -> None:
-    section = stills_section(subject_with_stills("<b>ours</b>"))
-    assert section is not None
-    assert "<b>" not in section.pictures[0].svg
+    assert "<b>" not in stills("<b>ours</b>").pictures[0].svg
 
 
 def with_and_without(folder: Path, protocol: str, *, below: float = 0.9) -> Section | None:

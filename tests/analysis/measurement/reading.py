@@ -1,0 +1,10 @@
+"""Scores of conditions, by name."""
+
+from __future__ import annotations
+
+from analysis.measurement.feature_scores import FeatureScores
+from analysis.measurement.scores import ConditionScore, StudyMetrics
+
+
+def score_of(metrics: StudyMetrics | FeatureScores, condition: str, name: str) -> ConditionScore:
+    return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
