@@ -38,26 +38,26 @@ ResultT = TypeVar("ResultT", Comparison, MatchedCondition)
 
 @dataclass(frozen=True, kw_only=True)
 class PreferenceRow:
-    """The answers to one question about two sides, `one` against `other`.
+    """The answers to one question about two sides, `first` against `second`.
 
     Attributes
     ----------
     label : str
         Names the row within its group.
-    one, other : str
+    first, second : str
         The names of the sides.
     result : Comparison or MatchedCondition
-        From the side of `one`.
+        From the side of `first`.
     """
 
     label: str
-    one: str
-    other: str
+    first: str
+    second: str
     result: Comparison | MatchedCondition
 
     @property
     def levels(self) -> tuple[int, ...]:
-        """How many answered clearly one, slightly one, no difference, slightly, clearly other."""
+        """Answers: clearly and slightly first, no difference, slightly and clearly second."""
         return tuple(self.result.counts.values())
 
     @property
@@ -67,11 +67,11 @@ class PreferenceRow:
 
     @property
     def sides(self) -> tuple[float, ...]:
-        """Percent for one, for other and for neither; NaN without answers."""
+        """Percent for first, for second and for neither; NaN without answers."""
         if not self.result.n:
             return (math.nan,) * 3
-        clearly, slightly, neither, slightly_other, clearly_other = self.percentages
-        return clearly + slightly, slightly_other + clearly_other, neither
+        clearly, slightly, neither, slightly_second, clearly_second = self.percentages
+        return clearly + slightly, slightly_second + clearly_second, neither
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ class PreferenceGroup:
     ----------
     set : str or None
         None without sets.
-    one, other : str
+    first, second : str
         Names of the two sides that fit every row.
     heading : str
         Of the column that names the rows.
@@ -94,8 +94,8 @@ class PreferenceGroup:
     """
 
     set: str | None
-    one: str
-    other: str
+    first: str
+    second: str
     heading: str
     data: str
     rows: tuple[PreferenceRow, ...]
@@ -125,14 +125,14 @@ class PreferenceGroup:
         )
 
 
-def levels(one: str, other: str) -> tuple[str, ...]:
+def levels(first: str, second: str) -> tuple[str, ...]:
     """Return the names of the five answers."""
     return (
-        f"clearly {one}",
-        f"slightly {one}",
+        f"clearly {first}",
+        f"slightly {first}",
         "no difference",
-        f"slightly {other}",
-        f"clearly {other}",
+        f"slightly {second}",
+        f"clearly {second}",
     )
 
 
@@ -151,9 +151,9 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
 
 def _row(comparison: Comparison, reference: str | None) -> PreferenceRow:
     result = comparison.mirrored() if comparison.b == reference else comparison
-    one, other = wording.condition(result.a), wording.condition(result.b)
-    label = f"{one} against {other}" if reference is None else other
-    return PreferenceRow(label=label, one=one, other=other, result=result)
+    first, second = wording.condition(result.a), wording.condition(result.b)
+    label = f"{first} against {second}" if reference is None else second
+    return PreferenceRow(label=label, first=first, second=second, result=result)
 
 
 def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
@@ -174,13 +174,15 @@ def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> st
 
 def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
     """Return the conditions of each set, from the side of their own speech."""
-    one, other = "own speech", "other speech"
+    first, second = "own speech", "other speech"
     return tuple(
         _group(
-            (one, other, "condition"),
+            (first, second, "condition"),
             "conditions.csv",
             [
-                PreferenceRow(label=wording.condition(c.condition), one=one, other=other, result=c)
+                PreferenceRow(
+                    label=wording.condition(c.condition), first=first, second=second, result=c
+                )
                 for c in conditions
             ],
         )
@@ -206,11 +208,11 @@ def _group(
     def order(row: PreferenceRow) -> tuple[int, float]:
         return ordered.index(row.result.question), -shares.get(row.label, -1.0)
 
-    one, other, heading = names
+    first, second, heading = names
     return PreferenceGroup(
         set=rows[0].result.set,
-        one=one,
-        other=other,
+        first=first,
+        second=second,
         heading=heading,
         data=data,
         rows=tuple(sorted(rows, key=order)),
@@ -289,7 +291,7 @@ def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Secti
 
 
 def _tables(group: PreferenceGroup, name: str) -> list[Table]:
-    answers = levels(group.one, group.other)
+    answers = levels(group.first, group.second)
     return [
         table("preferences", group.rows, group=group, name=name),
         *(
@@ -320,11 +322,11 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
     return bar_pictures(
         panels,
         [Row(label, f"n = {participants[label]}") for label in group.labels],
-        dict(zip(levels(group.one, group.other), DIVERGING, strict=True)),
+        dict(zip(levels(group.first, group.second), DIVERGING, strict=True)),
         Scale(
             limits=(-limit, limit),
             ticks={-50: "50%", 0: "0", 50: "50%"},
-            ends=(group.one.removeprefix("the "), group.other.removeprefix("the ")),
+            ends=(group.first.removeprefix("the "), group.second.removeprefix("the ")),
             line=0,
         ),
         _SHARES,
@@ -336,7 +338,7 @@ def _bar(row: PreferenceRow | None) -> Bar:
     if row is None or not row.result.n:
         return Bar()
     percents = row.percentages
-    parts = zip(percents, DIVERGING, row.levels, levels(row.one, row.other), strict=True)
+    parts = zip(percents, DIVERGING, row.levels, levels(row.first, row.second), strict=True)
     return Bar(
         start=-(percents[0] + percents[1] + percents[2] / 2),
         parts=tuple(

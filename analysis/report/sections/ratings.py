@@ -115,7 +115,9 @@ def distribution_pictures(
         legend = [f"{score} {label}" for score, label in zip(scores, first, strict=True)]
     else:
         legend[0], legend[-1] = f"{legend[0]} (worst)", f"{legend[-1]} (best)"
-    in_caption = {q: own for q, own in by_question.items() if others and len(own) == len(scores)}
+    in_caption = {
+        q: words for q, words in by_question.items() if others and len(words) == len(scores)
+    }
     ends = (scores[0], scores[-1])
     panels, rows = condition_bars(conditions, dict.fromkeys(c.condition for c in conditions), _bar)
     return bar_pictures(

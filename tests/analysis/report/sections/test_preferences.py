@@ -85,7 +85,7 @@ def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
 ) -> None:
     found = results(against_one)
     (group,) = pairwise_groups(found, None)
-    assert group.one == "static"
+    assert group.first == "static"
     turned = 0
     for row in group.rows:
         one = next(c for c in found.comparisons if row.label in {c.a, c.b})
@@ -108,7 +108,7 @@ def test_a_reference_that_not_all_comparisons_show_turns_none_of_them(
     all_pairs: TableReport,
 ) -> None:
     (group,) = pairwise_groups(results(all_pairs), "ours")
-    assert group.one == "the first"
+    assert group.first == "the first"
     assert {row.label for row in group.rows} == {
         f"{c.a} against {c.b}" for c in results(all_pairs).comparisons
     }
