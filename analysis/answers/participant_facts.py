@@ -1,4 +1,4 @@
-"""What exclusion rules know of one participant; loaded without pandas, since the server asks."""
+"""What exclusion rules know of one participant; loads without pandas, since the server uses it."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ class KnownFacts:
 
     Attributes
     ----------
-    trials, settled : int
+    trials, settled : int or None
         Trials of the whole study session, and how many of them the participant is done with:
-        answered, or said that a video does not play.
+        answered, or said that a video does not play; None where that is not known.
     failed_catch, failed_attention : int or None
-        Catch trials and attention checks that were failed, as the study's protocol judges them;
-        None where the study has none.
+        Catch trials and attention checks that were failed; None where there are none, or that is
+        not known.
     decided : str
         Why a researcher excluded the participant by hand; empty where nobody did.
     """
 
-    trials: int
-    settled: int
-    failed_catch: int | None
-    failed_attention: int | None
+    trials: int | None = None
+    settled: int | None = None
+    failed_catch: int | None = None
+    failed_attention: int | None = None
     decided: str = ""
 
 
@@ -51,12 +51,8 @@ class SameAnswer:
     share: float
 
 
-def _no_times() -> NDArray[np.float64]:
-    return np.zeros(0)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ParticipantFacts:
+class ParticipantFacts(KnownFacts):
     """The facts of one participant that rules decide from.
 
     Attributes
@@ -65,12 +61,6 @@ class ParticipantFacts:
         Who.
     marked : str
         Why the table itself excludes the participant; empty where it does not.
-    decided : str
-        As in `KnownFacts`; empty where that is not known.
-    trials, settled : int or None
-        As in `KnownFacts`; None where that is not known.
-    failed_catch, failed_attention : int or None
-        How many were failed; None where that is not known.
     watched : float
         Mean share of the videos that was watched, over the answers of main and repeated trials,
         in [0, 1]; NaN where that is not known.
@@ -83,11 +73,6 @@ class ParticipantFacts:
 
     participant: str
     marked: str = ""
-    decided: str = ""
-    trials: int | None = None
-    settled: int | None = None
-    failed_catch: int | None = None
-    failed_attention: int | None = None
     watched: float = math.nan
-    seconds: NDArray[np.float64] = field(default_factory=_no_times)
+    seconds: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     same_answers: tuple[SameAnswer, ...] | None = None

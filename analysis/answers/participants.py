@@ -130,7 +130,7 @@ def table_rules(
 
 @dataclass(frozen=True, kw_only=True)
 class ArmState:
-    """What a study knows of the participants of one arm.
+    """What a study knows of the participants of one arm; None where a table does not.
 
     Attributes
     ----------
@@ -138,42 +138,15 @@ class ArmState:
         Its name; `EVERYBODY` where there is one.
     places : int or None
         How many participants it waits for; None for an arm that the study no longer has.
-    opened : int
+    opened : int or None
         Study sessions begun.
-    withdrawn, earlier : int
+    withdrawn, earlier : int or None
         Those of them whose participants withdrew; that belong to an earlier design of the study
         and are not analysed.
-    unwatched : int
+    unwatched : int or None
         Those that ended before, since too many videos were said not to play.
-    completed : int
+    completed : int or None
         Those of all others that reached the end.
-    """
-
-    arm: str
-    places: int | None
-    opened: int
-    withdrawn: int
-    earlier: int
-    unwatched: int
-    completed: int
-
-
-@dataclass(frozen=True, kw_only=True)
-class Flow:
-    """The participants of one arm, from their arrival to the analysis.
-
-    Attributes
-    ----------
-    arm : str
-        Its name; empty for a table, and for a study with one arm.
-    places, opened, withdrawn, earlier, unwatched, completed : int or None
-        As in `ArmState`; None for a table.
-    answered : int
-        How many gave an answer, and did not withdraw.
-    removed : tuple of int
-        How many of them each rule removed, in the order of the rules.
-    analysed : int
-        How many every rule kept.
     """
 
     arm: str
@@ -183,13 +156,29 @@ class Flow:
     earlier: int | None = None
     unwatched: int | None = None
     completed: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flow(ArmState):
+    """The participants of one arm, from their arrival to the analysis.
+
+    Attributes
+    ----------
+    answered : int
+        How many gave an answer, and did not withdraw.
+    removed : tuple of int
+        How many of them each rule removed, in the order of the rules.
+    analysed : int
+        How many every rule kept.
+    """
+
     answered: int
     removed: tuple[int, ...]
     analysed: int
 
     @property
     def silent(self) -> int | None:
-        """How many came and are there, but gave no answer."""
+        """How many came and did not withdraw, but gave no answer."""
         if self.opened is None or self.withdrawn is None or self.earlier is None:
             return None
         return self.opened - self.withdrawn - self.earlier - self.answered
@@ -214,21 +203,21 @@ def participant_flow(
     arm_of : mapping of str to str
         The arm of each participant.
     """
-    belongs = arm_of or {}
-    answered = Counter(belongs.get(who, EVERYBODY) for who in table.participants)
+    arm_of = arm_of or {}
+    answered = Counter(arm_of.get(name, EVERYBODY) for name in table.participants)
     removed = Counter(
-        (belongs.get(who, EVERYBODY), place) for who, place in left_out.removed_by.items()
+        (arm_of.get(name, EVERYBODY), rule) for name, rule in left_out.removed_by.items()
     )
+    states = {state.arm: state for state in arms}
     flows = []
-    for name in dict.fromkeys((*(one.arm for one in arms), *answered)) or (EVERYBODY,):
-        known = next((vars(one) for one in arms if one.arm == name), {"arm": name})
-        counts = tuple(removed[name, place] for place in range(len(left_out.rules)))
+    for arm in dict.fromkeys((*states, *answered)) or (EVERYBODY,):
+        counts = tuple(removed[arm, rule] for rule in range(len(left_out.rules)))
         flows.append(
             Flow(
-                **known,
-                answered=answered[name],
+                **vars(states.get(arm, ArmState(arm=arm))),
+                answered=answered[arm],
                 removed=counts,
-                analysed=answered[name] - sum(counts),
+                analysed=answered[arm] - sum(counts),
             )
         )
     return tuple(flows)

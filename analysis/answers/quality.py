@@ -1,4 +1,4 @@
-"""How participants answered: how fast, how much alike, and the facts that exclusion rules know."""
+"""How fast and how uniformly participants answered, and the facts that exclusion rules use."""
 
 from __future__ import annotations
 
@@ -76,14 +76,14 @@ def response_times(seconds: Floats, participants: Sequence[str] | pd.Categorical
         low_quartile=low,
         high_quartile=high,
         limit=limit,
-        too_fast={str(name): float(own) for name, own in medians.items() if own < limit},
+        too_fast={str(name): float(median) for name, median in medians.items() if median < limit},
         n=len(known),
         missing=missing,
     )
 
 
 def straight_lining(answers: pd.DataFrame, question: str = "") -> dict[str, SameAnswer]:
-    """Measure how alike each participant's answers are, in the order of appearance.
+    """Measure how often each participant gave the same answer, in the order of appearance.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def quality(everyone: pd.DataFrame) -> Quality:
         response_seconds=response_times(everyone["seconds"].to_numpy(np.float64), people),
         straight_lining=StraightLining(
             limit=ALIKE,
-            participants={who: one.share for who, one in lines.items() if one.share >= ALIKE},
+            participants={name: same.share for name, same in lines.items() if same.share >= ALIKE},
         ),
     )
 
@@ -172,41 +172,40 @@ def facts_of(
     answers = table.answers
     analysed = answers[answers["kind"].isin(ANALYSED_KINDS)]
     catch = _failed(answers[answers["kind"] == "catch"], _wrong_side)
-    attention = _failed(answers[answers["kind"] == "attention"], _disobedient)
-    watched = _mean(analysed, "watched")
-    seconds = _times(analysed)
+    attention = _failed(answers[answers["kind"] == "attention"], _disobeyed)
+    by_participant = analysed.groupby("participant", observed=True)
+    watched = by_participant["watched"].mean().to_dict()
+    seconds = {
+        str(name): np.sort(times.dropna().to_numpy(np.float64))
+        for name, times in by_participant["seconds"]
+    }
     same = _same_answers(table, analysed)
     participants = []
-    for who in table.participants:
-        judged: dict[str, Any] = {
-            "failed_catch": _failures(catch, who),
-            "failed_attention": _failures(attention, who),
+    for name in table.participants:
+        failures: dict[str, Any] = {
+            "failed_catch": None if catch is None else catch.get(name, 0),
+            "failed_attention": None if attention is None else attention.get(name, 0),
         }
         participants.append(
             ParticipantFacts(
-                participant=who,
-                marked=table.marked.get(who, ""),
-                watched=watched.get(who, math.nan),
-                seconds=seconds.get(who, np.zeros(0)),
-                same_answers=None if same is None else same.get(who, ()),
-                **judged | (vars(known[who]) if who in known else {}),
+                participant=name,
+                marked=table.marked.get(name, ""),
+                watched=watched.get(name, math.nan),
+                seconds=seconds.get(name, np.zeros(0)),
+                same_answers=None if same is None else same.get(name, ()),
+                **failures | (vars(known[name]) if name in known else {}),
             )
         )
     return tuple(participants)
 
 
-def _failures(failed: Mapping[str, int] | None, who: str) -> int | None:
-    """Return how many presentations `who` failed; None where the table judges nobody's."""
-    return None if failed is None else failed.get(who, 0)
-
-
 def _wrong_side(catch: pd.DataFrame) -> NDArray[np.bool_]:
     """Tell which answers do not prefer the correct side, weakly or strongly."""
-    towards = np.where(catch["correct_side"].astype(object) == "right", 1, -1)
-    return np.asarray((catch["value"].to_numpy() - MIDDLE) * towards <= 0, bool)
+    sign = np.where(catch["correct_side"].astype(object) == "right", 1, -1)
+    return np.asarray((catch["value"].to_numpy() - MIDDLE) * sign <= 0, bool)
 
 
-def _disobedient(attention: pd.DataFrame) -> NDArray[np.bool_]:
+def _disobeyed(attention: pd.DataFrame) -> NDArray[np.bool_]:
     """Tell which answers are not the one asked for; where none is asked for, any will do."""
     asked = attention["instructed"].to_numpy(np.float64)
     given = attention["value"].to_numpy(np.float64)
@@ -219,18 +218,16 @@ def _failed(
     """Return how many presentations each participant failed; one wrong answer is enough."""
     if answers.empty:
         return None
-    found = pd.DataFrame(
+    judged = pd.DataFrame(
         {
             "participant": answers["participant"].astype(object),
             "presentation": _presentations(answers),
             "wrong": wrong(answers),
         }
     )
-    each = found.groupby("presentation", sort=False).agg(
-        participant=("participant", "first"), wrong=("wrong", "any")
-    )
-    counts = each.groupby("participant", sort=False)["wrong"].sum()
-    return {str(who): int(count) for who, count in counts.items()}
+    failed = judged.groupby(["participant", "presentation"], sort=False)["wrong"].any()
+    counts = failed.groupby("participant", sort=False).sum()
+    return {str(name): int(count) for name, count in counts.items()}
 
 
 def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
@@ -246,29 +243,15 @@ def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
     return np.asarray(numbers.to_numpy(), np.int64)
 
 
-def _mean(analysed: pd.DataFrame, column: str) -> dict[str, float]:
-    means = analysed.groupby("participant", observed=True)[column].mean()
-    return {str(who): float(mean) for who, mean in means.items()}
-
-
-def _times(analysed: pd.DataFrame) -> dict[str, NDArray[np.float64]]:
-    """Return how long each participant's answers took, ascending, as far as that is known."""
-    known = analysed.loc[analysed["seconds"].notna(), ["participant", "seconds"]]
-    return {
-        str(who): np.sort(times.to_numpy(np.float64))
-        for who, times in known.groupby("participant", observed=True)["seconds"]
-    }
-
-
 def _same_answers(
     table: AnswerTable, analysed: pd.DataFrame
 ) -> dict[str, tuple[SameAnswer, ...]] | None:
     """Return how alike each participant's answers are; None of rankings, whose ranks differ."""
     if table.protocol == "ranking":
         return None
-    found: dict[str, list[SameAnswer]] = {}
+    by_participant: dict[str, tuple[SameAnswer, ...]] = {}
     for question in table.questions:
-        own = analysed[analysed["question"] == question]
-        for who, same in straight_lining(own, question).items():
-            found.setdefault(who, []).append(same)
-    return {who: tuple(each) for who, each in found.items()}
+        answers = analysed[analysed["question"] == question]
+        for name, same in straight_lining(answers, question).items():
+            by_participant[name] = (*by_participant.get(name, ()), same)
+    return by_participant

@@ -188,12 +188,14 @@ def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> 
 
 
 def _refuse_contradictions(layout: Layout, checking: Checking, answers: pd.DataFrame) -> None:
-    checking.refuse(
-        checking.analysed & layout.wrong(answers),
-        layout.columns[-2].name,
-        lambda _: layout.contradiction,
-        "Correct the row, or remove it",
-    )
+    if layout.distinct is not None:
+        left, right = (answers[name].astype(object) for name in layout.distinct)
+        checking.refuse(
+            checking.analysed & (left == right).to_numpy(bool),
+            layout.distinct[1],
+            lambda _: layout.contradiction,
+            "Correct the row, or remove it",
+        )
 
 
 def _refuse_unjudged(checking: Checking, answers: pd.DataFrame) -> None:

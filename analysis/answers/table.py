@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
@@ -174,10 +174,10 @@ class Layout:
     answered_once : bool
         Whether a participant answers one question about a segment's condition once, so that
         rows need no trial to belong together.
-    wrong : callable
-        From the answers of main and repeated trials, which rows contradict themselves.
+    distinct : (str, str) or None
+        Two columns that differ in every row of main and repeated trials.
     contradiction : str
-        What is wrong with such a row.
+        What is wrong with a row where they do not.
     """
 
     protocol: str
@@ -186,7 +186,7 @@ class Layout:
     others: tuple[Column, ...] = ()
     has_sides: bool
     answered_once: bool = False
-    wrong: Callable[[pd.DataFrame], Rows]
+    distinct: tuple[str, str] | None = None
     contradiction: str = ""
 
     @property
@@ -195,21 +195,12 @@ class Layout:
         return (*self.conditions, *self.others, self.value)
 
 
-def nothing_wrong(answers: pd.DataFrame) -> Rows:
-    """Find no row that contradicts itself."""
-    return np.zeros(len(answers), bool)
-
-
-def _same(answers: pd.DataFrame, left: str, right: str) -> Rows:
-    return np.asarray(answers[left].astype(object) == answers[right].astype(object), bool)
-
-
 PAIRWISE: Final = Layout(
     protocol="pairwise",
     conditions=(name_column("left"), name_column("right")),
     value=PREFERENCE,
     has_sides=True,
-    wrong=lambda answers: _same(answers, "left", "right"),
+    distinct=("left", "right"),
     contradiction="left and right are the same condition",
 )
 
@@ -218,7 +209,6 @@ RATING_OF_ONE: Final = Layout(
     conditions=(name_column("condition"),),
     value=RATING,
     has_sides=False,
-    wrong=nothing_wrong,
 )
 
 RANKING: Final = Layout(
@@ -227,7 +217,6 @@ RANKING: Final = Layout(
     value=RANK,
     has_sides=False,
     answered_once=True,
-    wrong=nothing_wrong,
 )
 
 MISMATCH: Final = Layout(
@@ -236,7 +225,7 @@ MISMATCH: Final = Layout(
     value=PREFERENCE,
     others=(speech_column("left_speech"), speech_column("right_speech")),
     has_sides=True,
-    wrong=lambda answers: _same(answers, "left_speech", "right_speech"),
+    distinct=("left_speech", "right_speech"),
     contradiction="left_speech and right_speech are the same; one is own, the other is other",
 )
 

@@ -34,7 +34,7 @@ LEVEL: Final = 0.05
 """Corrected p values below it decide."""
 
 ROUNDS: Final = 8
-"""Companies that each block is corrected in."""
+"""Random families that each block is corrected in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,16 +83,16 @@ class DecidingTests:
         trials = self.part.trials
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
 
-    def quick(self, answers: Floats) -> Findings:
+    def quick(self, answers: Floats) -> TestResults:
         """Test all studies of `answers`, as `drawn_answers` gives them."""
-        found = [
-            self._mean(answers, rows, pair, modelled)
+        tests = [
+            self._clustered(answers, rows, pair, modelled)
             for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
         ]
-        means, p_values = zip(*found, strict=True)
-        return Findings(p_values=np.column_stack(p_values), signs=np.sign(np.column_stack(means)))
+        means, p_values = (np.column_stack(column) for column in zip(*tests, strict=True))
+        return TestResults(p_values=p_values, signs=np.sign(means))
 
-    def exact(self, answers: Floats, sides: NDArray[np.bool_]) -> Findings:
+    def exact(self, answers: Floats, sides: NDArray[np.bool_]) -> TestResults:
         """Test each study of `answers` by the models that the report decides by.
 
         Parameters
@@ -100,41 +100,39 @@ class DecidingTests:
         sides : ndarray of bool, shape (N,)
             Of pairs, whether the condition with the lower number was shown on the right.
         """
-        found = self.quick(answers)
+        results = self.quick(answers)
         for study, given in enumerate(answers):
             if self.part.kind == "rankings":
-                p_values, signs = self._worths(given)
-                found.p_values[study], found.signs[study] = p_values, signs
+                results.p_values[study], results.signs[study] = self._worth_tests(given)
                 continue
             for test, (rows, modelled) in enumerate(zip(self._rows, self.by_model, strict=True)):
                 if modelled:
                     sided = self._sided(given[rows], sides[rows], rows)
                     if self._near.get(test) is None:
                         self._near[test] = self._expected(sided, self.pairs[test])
-                    fitted = net_preference(sided, self._near[test])
-                    found.p_values[study, test] = fitted.p_value
-                    found.signs[study, test] = np.sign(fitted.estimate)
-        return found
+                    net = net_preference(sided, self._near[test])
+                    results.p_values[study, test] = net.p_value
+                    results.signs[study, test] = np.sign(net.estimate)
+        return results
 
-    def _mean(
+    def _clustered(
         self, answers: Floats, rows: NDArray[np.intp], pair: tuple[int, int], modelled: bool
     ) -> tuple[Floats, Floats]:
-        trials = self.part.trials
-        who, what = trials.participants[rows], trials.items[rows]
+        participants, items = self.part.trials.participants[rows], self.part.trials.items[rows]
         if self.part.kind == "pairs":
             # The report's win share, or scores, which come nearer to the model's answer.
             given = answers[:, rows]
-            return clustered_tests(given if modelled else np.sign(given) / 2, who, what)
+            return clustered_tests(given if modelled else np.sign(given) / 2, participants, items)
         scores = _savage_scores(answers) if modelled else answers
         a, b = pair
-        return clustered_tests(scores[..., a] - scores[..., b], who, what)
+        return clustered_tests(scores[..., a] - scores[..., b], participants, items)
 
     def _sided(
         self, given: Floats, on_right: NDArray[np.bool_], rows: NDArray[np.intp]
     ) -> SidedAnswers:
-        towards = given.astype(np.int64)
+        signed = given.astype(np.int64)
         return SidedAnswers(
-            responses=3 + np.where(on_right, towards, -towards),
+            responses=3 + np.where(on_right, signed, -signed),
             on_right=on_right,
             participants=self.part.trials.participants[rows],
             segments=self.part.trials.items[rows],
@@ -143,7 +141,7 @@ class DecidingTests:
     def _expected(self, answers: SidedAnswers, pair: tuple[int, int]) -> Expected | None:
         """Return where fits begin; None where not all answers were given yet."""
         above = thresholds_of(self.part.levels, self.opinions)
-        thresholds = tuple(sorted({-each for each in above} | set(above)))
+        thresholds = tuple(sorted({*above, *(-each for each in above)}))
         if len(np.unique(answers.responses)) != len(thresholds) + 1:
             return None
         return expected(
@@ -154,12 +152,12 @@ class DecidingTests:
             sd_segment=self.opinions.item_sd,
         )
 
-    def _worths(self, given: Floats) -> tuple[Floats, Floats]:
-        """Return the tests of differences of worths."""
+    def _worth_tests(self, given: Floats) -> tuple[Floats, Floats]:
+        """Return p values and signs of the differences of worths."""
         trials = self.part.trials
         count, width = given.shape
         names = [str(number) for number in range(width)]
-        found = plackett_luce(
+        fit = plackett_luce(
             pd.DataFrame(
                 {
                     "ranking": np.repeat(np.arange(count), width),
@@ -171,14 +169,11 @@ class DecidingTests:
             ),
             names,
         )
-        if found.two_way is None:
-            none = np.full(len(self.pairs), np.nan)
-            return none, none
         first, second = np.array(self.pairs).T
-        return (
-            difference_tests(found.strengths, found.two_way)[first, second],
-            np.sign(found.strengths[first] - found.strengths[second]),
-        )
+        signs = np.sign(fit.strengths[first] - fit.strengths[second])
+        if fit.two_way is None:
+            return np.full(len(self.pairs), np.nan), signs
+        return difference_tests(fit.strengths, fit.two_way)[first, second], signs
 
 
 def _savage_scores(ranks: Floats) -> Floats:
@@ -188,8 +183,8 @@ def _savage_scores(ranks: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Findings:
-    """What tests say, study by study.
+class TestResults:
+    """P values and signs of tests, study by study.
 
     Attributes
     ----------
@@ -202,10 +197,18 @@ class Findings:
     p_values: Floats
     signs: Floats
 
+    @classmethod
+    def joined(cls, results: Sequence[TestResults]) -> TestResults:
+        """Return the results of all studies together."""
+        return cls(
+            p_values=np.concatenate([each.p_values for each in results]),
+            signs=np.concatenate([each.signs for each in results]),
+        )
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Company:
-    """The other blocks of tests that a report corrects together with one.
+
+@dataclass(frozen=True, eq=False)
+class FamilyRest:
+    """The other blocks of tests of a family, which a report corrects together with one.
 
     Attributes
     ----------
@@ -219,38 +222,40 @@ class Company:
     counts: tuple[int, ...]
 
     def drawn(self, blocks: int, generator: np.random.Generator) -> Floats:
-        """Return the p values of `blocks` random companies, shape (blocks, tests)."""
-        found = [
+        """Return p values of the rest of `blocks` random families, shape (blocks, tests)."""
+        columns = [
             pool[generator.integers(len(pool), size=(blocks, count))].reshape(blocks, -1)
             for pool, count in zip(self.pools, self.counts, strict=True)
             if count
         ]
-        return np.concatenate(found, axis=1) if found else np.empty((blocks, 0))
+        return np.concatenate(columns, axis=1) if columns else np.empty((blocks, 0))
 
 
-def decided_by_holm(p_values: Floats, company: Company, seed: int) -> Floats:
+def decided_by_holm(p_values: Floats, rest: FamilyRest, seed: int) -> Floats:
     """Return how probable it is that each test of each block decides, shape (blocks, tests).
 
     Parameters
     ----------
     p_values : ndarray, shape (blocks, tests)
         Of one block each.
-    company : Company
+    rest : FamilyRest
         What they are corrected together with.
     seed : int
-        Draws the companies; the same for what is to be compared.
+        Draws the rest; the same for what is to be compared.
     """
     generator = np.random.default_rng(seed)
-    rounds = ROUNDS if any(company.counts) else 1
+    rounds = ROUNDS if any(rest.counts) else 1
     own = p_values.shape[1]
     decided = np.zeros(p_values.shape)
     for _ in range(rounds):
-        whole = np.concatenate([p_values, company.drawn(len(p_values), generator)], axis=1)
+        whole = np.concatenate([p_values, rest.drawn(len(p_values), generator)], axis=1)
         decided += holm_rows(whole)[:, :own] < LEVEL
     return decided / rounds
 
 
-def right(tested: Findings, decided: Floats, true: Sequence[bool], *, effect: float) -> Floats:
+def detection_shares(
+    results: TestResults, decided: Floats, true: Sequence[bool], *, effect: float
+) -> Floats:
     """Return the share of a block's true differences that are found, shape (blocks,).
 
     A difference counts as found where the better condition comes out ahead. Without an effect
@@ -263,5 +268,5 @@ def right(tested: Findings, decided: Floats, true: Sequence[bool], *, effect: fl
     """
     if not effect:
         return np.asarray(decided.mean(axis=1), np.float64)
-    found = np.where(tested.signs > 0, decided, 0.0)[:, np.array(true, bool)]
-    return np.asarray(found.mean(axis=1), np.float64)
+    detected = np.where(results.signs > 0, decided, 0.0)[:, np.array(true, bool)]
+    return np.asarray(detected.mean(axis=1), np.float64)

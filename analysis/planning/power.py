@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from analysis.planning.deciding_tests import (
     LEVEL,
-    Company,
     DecidingTests,
-    Findings,
+    FamilyRest,
+    TestResults,
     decided_by_holm,
-    right,
+    detection_shares,
 )
 from analysis.planning.many_studies import drawn_answers
 from analysis.planning.part import Opinions, Part, Trials
@@ -26,14 +26,14 @@ Floats = NDArray[np.float64]
 AT_ONCE: Final = 400_000
 """Answers that are held in memory at once."""
 
-TURN: Final = 20
+BATCH: Final = 20
 """Studies that are analysed by models before the precision is looked at."""
 
 FEWEST_EXACT: Final = 40
 """Studies that are analysed by models at least."""
 
 
-COMPANY: Final = 500
+NULL_BLOCKS: Final = 500
 """Blocks without an effect that others are corrected together with."""
 
 
@@ -81,12 +81,12 @@ class Power:
 
     part: str
     effect: float
-    power: float
-    error: float
-    alone: float
-    uncorrected: float
-    studies: int
-    modelled: int
+    power: float = math.nan
+    error: float = math.nan
+    alone: float = math.nan
+    uncorrected: float = math.nan
+    studies: int = 0
+    modelled: int = 0
     reason: str = ""
 
 
@@ -109,11 +109,12 @@ def power_of(
     untested = dict.fromkeys(filter(None, (_why_untested(part.trials) for part in parts)))
     if untested:
         # A family is simulated whole or not at all.
-        return tuple(_unknown(part.name, effect, "; ".join(untested)) for part in parts)
+        reason = "; ".join(untested)
+        return tuple(Power(part=part.name, effect=effect, reason=reason) for part in parts)
     pools = [
         _Pool.of(part, opinions, effect, effort, [*seed, n, 1]) for n, part in enumerate(parts)
     ]
-    fewer = replace(effort, quick=min(effort.quick, COMPANY), exact=0)
+    fewer = replace(effort, quick=min(effort.quick, NULL_BLOCKS), exact=0)
     nulls = [
         _Pool.of(part, opinions, 0.0, fewer, [*seed, n, 0]).quick.p_values
         if effect
@@ -135,27 +136,12 @@ def _why_untested(trials: Trials) -> str:
     return ""
 
 
-def _unknown(part: str, effect: float, reason: str) -> Power:
-    none = math.nan
-    return Power(
-        part=part,
-        effect=effect,
-        power=none,
-        error=none,
-        alone=none,
-        uncorrected=none,
-        studies=0,
-        modelled=0,
-        reason=reason,
-    )
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Pool:
-    """Simulated blocks of one part, and how models come to those among them that are kept."""
+    """Simulated blocks of one part, and the answers of those that models are fitted to."""
 
     tests: DecidingTests
-    quick: Findings
+    quick: TestResults
     kept: Floats
     sides: NDArray[np.bool_]
 
@@ -167,32 +153,32 @@ class _Pool:
         width = part.trials.conditions if part.kind != "pairs" else 1
         chunk = max(1, AT_ONCE // max(1, len(part.trials.items) * width))
         keep = effort.exact if any(tests.by_model) else 0
-        found: list[Findings] = []
+        results: list[TestResults] = []
         kept: list[Floats] = []
         starts = range(0, effort.quick, chunk)
-        for start, one in zip(starts, np.random.SeedSequence(seed).spawn(len(starts)), strict=True):
+        seeds = np.random.SeedSequence(seed).spawn(len(starts))
+        for start, chunk_seed in zip(starts, seeds, strict=True):
             count = min(chunk, effort.quick - start)
-            given = drawn_answers(part, opinions, effect, count, np.random.default_rng(one))
-            found.append(tests.quick(given))
+            answers = drawn_answers(
+                part, opinions, effect, count, np.random.default_rng(chunk_seed)
+            )
+            results.append(tests.quick(answers))
             if start < keep:
                 kept.append(
-                    given[: keep - start].astype(np.int8 if part.levels < 100 else np.int16)
+                    answers[: keep - start].astype(np.int8 if part.levels < 100 else np.int16)
                 )
-        left, right_ = part.trials.left, part.trials.right
+        left, right = part.trials.left, part.trials.right
         return cls(
             tests=tests,
-            quick=Findings(
-                p_values=np.concatenate([one.p_values for one in found]),
-                signs=np.concatenate([one.signs for one in found]),
-            ),
+            quick=TestResults.joined(results),
             kept=np.concatenate(kept) if kept else np.empty(0),
-            sides=np.empty(0, bool) if left is None or right_ is None else left > right_,
+            sides=np.empty(0, bool) if left is None or right is None else left > right,
         )
 
-    def first(self, count: int) -> Findings:
-        return Findings(p_values=self.quick.p_values[:count], signs=self.quick.signs[:count])
+    def first(self, count: int) -> TestResults:
+        return TestResults(p_values=self.quick.p_values[:count], signs=self.quick.signs[:count])
 
-    def exact(self, start: int, stop: int) -> Findings:
+    def exact(self, start: int, stop: int) -> TestResults:
         return self.tests.exact(self.kept[start:stop].astype(np.float64), self.sides)
 
 
@@ -210,45 +196,41 @@ def _power(
     family = [n for n, other in enumerate(parts) if other.family == part.family]
     counts = tuple(parts[n].blocks - (n == number) for n in family)
 
-    def shares(found: Findings) -> Mapping[str, Floats]:
+    def shares(results: TestResults) -> Mapping[str, Floats]:
         def of(decided: Floats) -> Floats:
-            return right(found, decided, true, effect=effect)
+            return detection_shares(results, decided, true, effect=effect)
 
-        beside = Company(pools=tuple(pools[n].quick.p_values for n in family), counts=counts)
-        without = Company(pools=tuple(nulls[n] for n in family), counts=counts)
+        with_effect = FamilyRest(tuple(pools[n].quick.p_values for n in family), counts)
+        without = FamilyRest(tuple(nulls[n] for n in family), counts)
         return {
-            "power": of(decided_by_holm(found.p_values, beside, seed)),
-            "alone": of(decided_by_holm(found.p_values, without, seed)),
-            "uncorrected": of(_below(found)),
+            "power": of(decided_by_holm(results.p_values, with_effect, seed)),
+            "alone": of(decided_by_holm(results.p_values, without, seed)),
+            "uncorrected": of(np.asarray(results.p_values < LEVEL, np.float64)),
         }
 
     quick = shares(pool.quick)
     step = 1 / (sum(true) if effect else len(true))
-    found, modelled, error = _corrected(pool, shares, quick, effort, step)
+    means, modelled, error = _corrected(pool, shares, quick, effort, step)
     return Power(
         part=part.name,
         effect=effect,
-        power=found["power"],
+        power=means["power"],
+        alone=means["alone"],
+        uncorrected=means["uncorrected"],
         error=error,
-        alone=found["alone"],
-        uncorrected=found["uncorrected"],
         studies=len(pool.quick.p_values),
         modelled=modelled,
     )
 
 
-def _below(found: Findings) -> Floats:
-    return np.asarray(found.p_values < LEVEL, np.float64)
-
-
 def _corrected(
     pool: _Pool,
-    shares: Callable[[Findings], Mapping[str, Floats]],
+    shares: Callable[[TestResults], Mapping[str, Floats]],
     quick: Mapping[str, Floats],
     effort: Effort,
     step: float,
 ) -> tuple[dict[str, float], int, float]:
-    """Return the shares, from how many models, and the error of the power among them.
+    """Return the mean shares, the number of models that correct them, and the error of the power.
 
     Parameters
     ----------
@@ -258,16 +240,12 @@ def _corrected(
     if not any(pool.tests.by_model):
         means = {name: float(each.mean()) for name, each in quick.items()}
         return means, 0, _error(quick["power"], step)
-    exact: list[Findings] = []
+    exact: list[TestResults] = []
     while True:
-        done = sum(len(one.p_values) for one in exact)
-        exact.append(pool.exact(done, min(done + TURN, len(pool.kept))))
+        done = sum(len(results.p_values) for results in exact)
+        exact.append(pool.exact(done, min(done + BATCH, len(pool.kept))))
         done += len(exact[-1].p_values)
-        models = Findings(
-            p_values=np.concatenate([one.p_values for one in exact]),
-            signs=np.concatenate([one.signs for one in exact]),
-        )
-        by_model, by_quick = shares(models), shares(pool.first(done))
+        by_model, by_quick = shares(TestResults.joined(exact)), shares(pool.first(done))
         missed = {name: by_model[name] - by_quick[name] for name in quick}
         error = math.hypot(_error(quick["power"], step), _error(missed["power"], step))
         enough = done >= FEWEST_EXACT and error <= effort.precision
@@ -284,5 +262,5 @@ def _error(values: Floats, step: float) -> float:
 
     One value of `step` and one of 0 are added: a share of 0 or 1 is not known without error.
     """
-    more = np.append(values, [step, 0.0])
-    return float(np.sqrt(more.var() / len(values)))
+    padded = np.append(values, [step, 0.0])
+    return float(np.sqrt(padded.var() / len(values)))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import sparse, stats
 
 Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
 
 TWO_WAY: Final = "clustered by participant and segment"
 ONE_WAY_PARTICIPANTS: Final = "clustered by participant only, the larger variance"
@@ -19,33 +21,30 @@ ONE_SEGMENT: Final = "clustered by participant; of this segment alone"
 INDEPENDENT: Final = "answers as independent (no clustered variance is positive)"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ClusteredVariance:
-    """A variance, and how well it is known.
+    """Variances of estimates, and how well they are known.
 
     Attributes
     ----------
-    variance : float
-        Of the estimate; NaN where one group bears all of it.
-    df : float
-        Satterthwaite's degrees of freedom of the variance: of equal groups one less than there
+    variance : ndarray, shape (...)
+        Of each estimate; NaN where one group bears all of it.
+    df : ndarray, shape (...)
+        Satterthwaite's degrees of freedom of the variances: of equal groups one less than there
         are, and fewer where some groups weigh more than others.
-    method : str
-        Which variance it is.
+    method : ndarray of str, shape (...)
+        Which variance each is.
     """
 
-    variance: float
-    df: float
-    method: str
+    variance: Floats
+    df: Floats
+    method: NDArray[np.str_]
 
 
 def clustered_variance(
-    influences: Floats,
-    participants: NDArray[np.intp],
-    segments: NDArray[np.intp],
-    weights: Floats | None = None,
+    influences: Floats, participants: Codes, segments: Codes, weights: Floats | None = None
 ) -> ClusteredVariance:
-    """Return the variance of an estimate, clustered by participant and segment.
+    """Return the variances of estimates, clustered by participant and segment.
 
     It is the two-way cluster-robust variance of Cameron, Gelbach & Miller (2011), each clustering
     corrected for small samples by CR2 (Bell & McCaffrey 2002). That variance is a difference and
@@ -55,7 +54,7 @@ def clustered_variance(
 
     Parameters
     ----------
-    influences : ndarray, shape (N,)
+    influences : ndarray, shape (N,) or (N, estimates)
         What each answer adds to the estimate's error, to first order; they add up to zero. Those
         of a mean are (value - mean) / N.
     participants, segments : ndarray of int, shape (N,)
@@ -64,55 +63,56 @@ def clustered_variance(
         The variance that each answer would add if answers were independent and alike, up to a
         factor; the same for all unless given.
     """
-    by_participant, of_people = _way(influences, participants, weights)
-    if not segments.any():
-        return ClusteredVariance(variance=by_participant, df=of_people, method=ONE_SEGMENT)
-    by_segment, of_segments = _way(influences, segments, weights)
+    one_segment = not segments.any()
     cells = np.unique(participants * (int(segments.max()) + 1) + segments, return_inverse=True)[1]
-    by_cell, _ = _way(influences, cells, weights)
+    ways = []
+    for groups in [participants] if one_segment else [participants, segments, cells]:
+        sizes = np.bincount(groups, weights=weights)
+        shares = (sizes / sizes.sum()).reshape(-1, *[1] * (influences.ndim - 1))
+        members = sparse.csr_array((np.ones(len(groups)), (groups, np.arange(len(groups)))))
+        ways.append(one_way(np.asarray(members @ influences, np.float64), shares))
+    if one_segment:
+        [(variance, df)] = ways
+        return ClusteredVariance(variance=variance, df=df, method=np.array(ONE_SEGMENT))
     variance, method = larger_variance(
-        by_participant,
-        by_segment,
-        by_cell,
-        float(influences @ influences),
-        answers=len(influences),
+        [variance for variance, _ in ways], (influences**2).sum(axis=0), len(influences)
     )
-    return ClusteredVariance(variance=variance, df=min(of_people, of_segments), method=method)
+    df = np.minimum(ways[0][1], ways[1][1])
+    return ClusteredVariance(variance=variance, df=df, method=method)
 
 
 def larger_variance(
-    by_participant: float, by_segment: float, by_cell: float, independent: float, *, answers: int
-) -> tuple[float, str]:
-    """Return the two-way variance, or the one-way one that is larger, and which one it is.
+    one_way_variances: Sequence[Floats], independent: Floats, answers: int
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Return the two-way variances, or the one-way ones that are larger, and which they are.
 
     Parameters
     ----------
-    by_participant, by_segment, by_cell : float
-        Variances clustered one way: by participant, by segment, by both together.
-    independent : float
-        Sum of the squared influences.
+    one_way_variances : sequence of ndarray, shape (...)
+        Variances clustered by participant, by segment, and by both together.
+    independent : ndarray, shape (...)
+        Sums of the squared influences.
     answers : int
         How many influences there are, at least two.
     """
-    if math.isnan(by_participant + by_segment):
-        return math.nan, ""
-    variance, method = max(
-        (by_participant + by_segment - by_cell, TWO_WAY),
-        (by_participant, ONE_WAY_PARTICIPANTS),
-        (by_segment, ONE_WAY_SEGMENTS),
-        key=lambda found: found[0],
-    )
+    by_participant, by_segment, by_cell = one_way_variances
+    candidates = np.stack([by_participant + by_segment - by_cell, by_participant, by_segment])
+    variance = candidates.max(axis=0)
+    method = np.array([TWO_WAY, ONE_WAY_PARTICIPANTS, ONE_WAY_SEGMENTS])[candidates.argmax(axis=0)]
     # Sums of rounding errors are no variance.
-    if variance > 1e-12 * answers * independent:
-        return variance, method
-    return independent * answers / (answers - 1), INDEPENDENT
+    is_rounding = variance <= 1e-12 * answers * independent
+    return (
+        np.where(is_rounding, independent * answers / (answers - 1), variance),
+        np.where(is_rounding, INDEPENDENT, np.where(np.isnan(variance), "", method)),
+    )
 
 
 def one_way(sums: Floats, shares: Floats) -> tuple[Floats, Floats]:
-    """Return a variance clustered one way, and its degrees of freedom; of one or many estimates.
+    """Return variances clustered one way, and their degrees of freedom.
 
     CR2 of an intercept: a group's residuals are too small by the square root of one minus its
-    share.
+    share. The degrees of freedom are those of Bell & McCaffrey (2002), for answers that are
+    independent under the working model.
 
     Parameters
     ----------
@@ -126,30 +126,16 @@ def one_way(sums: Floats, shares: Floats) -> tuple[Floats, Floats]:
     tuple of ndarray
         NaN where one group bears all.
     """
-    rest = np.where(shares > 1 - 1e-9, math.nan, 1 - shares)
-    return np.asarray((sums**2 / rest).sum(axis=0)), freedom_of(shares)
+    others = np.where(shares > 1 - 1e-9, math.nan, 1 - shares)
+    return np.asarray((sums**2 / others).sum(axis=0)), freedom_of(shares)
 
 
 def freedom_of(shares: Floats) -> Floats:
-    """Return the degrees of freedom of a one-way variance of groups with these shares.
-
-    They are those of Bell & McCaffrey (2002), for answers that are independent under the working
-    model.
-    """
-    rest = np.where(shares > 1 - 1e-9, math.nan, 1 - shares)
-    pulls = shares**2 / rest
-    squares = (shares**2).sum(axis=0) + pulls.sum(axis=0) ** 2 - (pulls**2).sum(axis=0)
+    """Return the degrees of freedom of a one-way variance of groups with these shares."""
+    others = np.where(shares > 1 - 1e-9, math.nan, 1 - shares)
+    leverages = shares**2 / others
+    squares = (shares**2).sum(axis=0) + leverages.sum(axis=0) ** 2 - (leverages**2).sum(axis=0)
     return np.asarray(1 / squares)
-
-
-def _way(
-    influences: Floats, groups: NDArray[np.intp], weights: Floats | None
-) -> tuple[float, float]:
-    sizes = np.bincount(groups, weights=weights)
-    variance, freedom = one_way(
-        np.bincount(groups, weights=influences).astype(np.float64), sizes / sizes.sum()
-    )
-    return float(variance), float(freedom)
 
 
 LEVEL: Final = 0.95
@@ -163,7 +149,7 @@ EVEN: Final = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class Interval:
-    """An estimate and its interval; what there is none of is NaN.
+    """An estimate and its interval; NaN where there is none.
 
     Attributes
     ----------
@@ -190,7 +176,7 @@ class Interval:
         return self.low <= value <= self.high
 
     def mirrored(self, whole: float = 1.0) -> Self:
-        """Return the same seen from the other side, whose share is the rest of the `whole`."""
+        """Return the interval of `whole` minus the estimate: the other side's share."""
         return replace(
             self, estimate=whole - self.estimate, low=whole - self.high, high=whole - self.low
         )
@@ -242,7 +228,7 @@ class Clusters:
         )
 
     def unknown(self, reason: str = "") -> Estimate:
-        """Return an estimate that is not there."""
+        """Return an estimate without numbers, and the reason."""
         return Estimate(
             n=len(self.participants),
             participants=int(self.participants.max(initial=-1)) + 1,
@@ -289,11 +275,11 @@ def clustered_mean(
     if reason:
         return replace(unknown, reason=reason)
     influences = (values - unknown.estimate) / len(values)
-    found = with_interval(unknown, influences, clusters, null=null)
+    mean = with_interval(unknown, influences, clusters, null=null)
     return replace(
-        found,
-        low=max(limits[0], found.low),
-        high=min(limits[1], found.high),
+        mean,
+        low=max(limits[0], mean.low),
+        high=min(limits[1], mean.high),
         remark="; ".join(
             filter(None, (UNTESTED * math.isnan(null), _unequal(values, clusters.participants)))
         ),
@@ -301,7 +287,7 @@ def clustered_mean(
 
 
 def with_interval(
-    found: Estimate,
+    estimate: Estimate,
     influences: NDArray[np.float64],
     clusters: Clusters,
     *,
@@ -313,21 +299,22 @@ def with_interval(
     `influences` and `weights` are those of `clustered_variance`.
     """
     variance = clustered_variance(influences, clusters.participants, clusters.segments, weights)
-    error, law = math.sqrt(variance.variance), stats.t(variance.df)
+    error, df = math.sqrt(variance.variance), float(variance.df)
+    law = stats.t(df)
     margin = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
-        found,
+        estimate,
         standard_error=error,
-        low=found.estimate - margin,
-        high=found.estimate + margin,
-        p_value=float(2 * law.sf(abs(found.estimate - null) / error)),
-        df=variance.df,
-        method=variance.method,
+        low=estimate.estimate - margin,
+        high=estimate.estimate + margin,
+        p_value=float(2 * law.sf(abs(estimate.estimate - null) / error)),
+        df=df,
+        method=str(variance.method),
     )
 
 
 def _unequal(values: NDArray[np.float64], people: NDArray[np.intp]) -> str:
-    """Say that participants answered very unequally often, and what hangs on one of them."""
+    """Say that participants answered very unequally often, and how much depends on one of them."""
     counts = np.bincount(people)
     if float(freedom_of(counts / len(values))) >= (len(counts) - 1) * EVEN:
         return ""

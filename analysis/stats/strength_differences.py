@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
-from analysis.stats.clustered_mean import LEVEL, ONE_SEGMENT, TWO_WAY, larger_variance, one_way
+from analysis.stats.clustered_mean import (
+    LEVEL,
+    ONE_SEGMENT,
+    TWO_WAY,
+    ClusteredVariance,
+    larger_variance,
+    one_way,
+)
 from analysis.stats.f_tests import FTest
 
 Floats = NDArray[np.float64]
@@ -26,9 +33,8 @@ MIXED: Final = f"{TWO_WAY}; by one of them alone where that variance is larger"
 class TwoWayErrors:
     """Errors of strengths and of their differences, clustered by participant and segment.
 
-    Each has the variance and the degrees of freedom of `clustered_variance`. Each is decided by
-    itself, so that none has a negative variance although the two-way matrix may not be positive
-    definite.
+    Each has the variance and the degrees of freedom of `clustered_variance`, taken one by one, so
+    that none is negative although the two-way matrix may not be positive definite.
 
     Attributes
     ----------
@@ -38,8 +44,6 @@ class TwoWayErrors:
         Of the difference of every two strengths; 0 and NaN of one with itself.
     by_participant, by_segment, by_cell : ndarray, shape (K, K)
         One-way covariances with the factor G/(G-1) of each clustering.
-    participants, segments : int
-        What they rest on.
     method : str
         Which variances were used.
     """
@@ -51,8 +55,6 @@ class TwoWayErrors:
     by_participant: Floats
     by_segment: Floats
     by_cell: Floats
-    participants: int
-    segments: int
     method: str
 
     @classmethod
@@ -75,39 +77,34 @@ class TwoWayErrors:
         kind, participants, segments : ndarray of int, shape (N,)
             Each answer's kind, who gave it, and which segment it is about; from 0.
         """
-        people, who = np.unique(participants, return_inverse=True)
-        things, what = np.unique(segments, return_inverse=True)
-        if len(people) < 2:
+        clusterings = [participants, participants * (int(segments.max()) + 1) + segments]
+        if not np.ptp(participants):
             return None
-        ways = [_counted(kind, codes, len(influences)) for codes in (who, what)]
-        ways.append(_counted(kind, who * len(things) + what, len(influences)))
-        if len(things) < 2:
-            ways = [ways[0]] * 3
-        answers = np.bincount(kind, minlength=len(influences))
-        asked = sparse.coo_array(
-            (answers, (situation, np.arange(len(answers)))),
-            (int(situation.max()) + 1, len(answers)),
-        ).tocsr()
-        mean = sparse.diags_array(1 / np.maximum(asked.sum(axis=1), 1)) @ asked
+        one_segment = not np.ptp(segments)
+        clusterings.insert(1, participants if one_segment else segments)
+        kinds = len(influences)
+        counts = [_count_kinds(kind, groups, kinds) for groups in clusterings]
+        answers = np.bincount(kind, minlength=kinds)
+        situations = sparse.csr_array((answers, (situation, np.arange(kinds))))
+        mean = sparse.diags_array(1 / np.maximum(situations.sum(axis=1), 1)) @ situations
 
-        def spread(of: Floats) -> _Spread:
-            return _spread(of, np.asarray(mean @ of**2, np.float64)[situation], ways, answers)
+        def variances(of: Floats) -> ClusteredVariance:
+            squares = np.asarray(mean @ of**2, np.float64)[situation]
+            return _variances(of, squares, counts, answers)
 
-        alone = spread(influences)
-        rows = [spread(influences[:, [a]] - influences) for a in range(influences.shape[1])]
-        used = {one for row in rows for one in row.methods if one}
-        matrices = [_matrix(influences, way) for way in ways]
+        strengths = variances(influences)
+        rows = [variances(influences[:, [a]] - influences) for a in range(influences.shape[1])]
+        methods = {method for row in rows for method in row.method if method}
+        by_participant, by_segment, by_cell = (_matrix(influences, each) for each in counts)
         return cls(
-            errors=alone.errors,
-            freedoms=alone.freedoms,
-            differences=np.array([row.errors for row in rows]),
-            difference_freedoms=np.array([row.freedoms for row in rows]),
-            by_participant=matrices[0],
-            by_segment=matrices[1],
-            by_cell=matrices[2],
-            participants=len(people),
-            segments=len(things),
-            method=ONE_SEGMENT if len(things) < 2 else TWO_WAY if used == {TWO_WAY} else MIXED,
+            errors=np.sqrt(strengths.variance),
+            freedoms=strengths.df,
+            differences=np.sqrt([row.variance for row in rows]),
+            difference_freedoms=np.array([row.df for row in rows]),
+            by_participant=by_participant,
+            by_segment=by_segment,
+            by_cell=by_cell,
+            method=ONE_SEGMENT if one_segment else TWO_WAY if methods == {TWO_WAY} else MIXED,
         )
 
     @property
@@ -116,43 +113,41 @@ class TwoWayErrors:
         return float(np.nanmin(self.difference_freedoms, initial=math.inf))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Spread:
-    errors: Floats
-    freedoms: Floats
-    methods: tuple[str, ...]
+def _variances(
+    influences: Floats, squares: Floats, counts: Sequence[sparse.csr_array], answers: Codes
+) -> ClusteredVariance:
+    """Return the variances of several estimates; 0 and NaN of an estimate without influences.
 
-
-def _spread(
-    influences: Floats, squares: Floats, ways: Sequence[sparse.csr_array], answers: Codes
-) -> _Spread:
-    """Return errors and degrees of freedom of several estimates, shape (kinds, estimates)."""
+    Parameters
+    ----------
+    influences, squares : ndarray, shape (kinds, estimates)
+        Of an answer of each kind, and their mean square in its situation.
+    counts : sequence of sparse array, shape (groups, kinds)
+        How many answers of each kind each participant, segment and cell gave.
+    answers : ndarray of int, shape (kinds,)
+        How many there are in all.
+    """
     independent = answers @ squares
-    there = independent > 0
-    total = np.where(there, independent, math.nan)
-    found = [one_way(way @ influences, (way @ squares) / total) for way in ways]
-    chosen = [
-        larger_variance(*parts, answers=int(answers.sum())) if yes else (0.0, "")
-        for yes, *parts in zip(
-            there.tolist(), *(one[0].tolist() for one in found), independent.tolist(), strict=True
-        )
-    ]
-    return _Spread(
-        errors=np.sqrt([variance for variance, _ in chosen]),
-        freedoms=np.minimum(found[0][1], found[1][1]),
-        methods=tuple(method for _, method in chosen),
+    total = np.where(independent > 0, independent, math.nan)
+    ways = [one_way(each @ influences, (each @ squares) / total) for each in counts]
+    variance, method = larger_variance(
+        [variance for variance, _ in ways], independent, int(answers.sum())
+    )
+    return ClusteredVariance(
+        variance=np.where(independent > 0, variance, 0.0),
+        df=np.minimum(ways[0][1], ways[1][1]),
+        method=np.where(independent > 0, method, ""),
     )
 
 
-def _counted(kind: Codes, groups: Codes, kinds: int) -> sparse.csr_array:
-    """Return how many answers of each kind each group gave."""
-    named, group = np.unique(groups, return_inverse=True)
-    table = sparse.coo_array((np.ones(len(kind)), (group, kind)), (len(named), kinds))
-    return table.tocsr()
+def _count_kinds(kind: Codes, groups: Codes, kinds: int) -> sparse.csr_array:
+    """Return how many answers of each kind each group gave, shape (groups, kinds)."""
+    names, group = np.unique(groups, return_inverse=True)
+    return sparse.coo_array((np.ones(len(kind)), (group, kind)), (len(names), kinds)).tocsr()
 
 
-def _matrix(influences: Floats, way: sparse.csr_array) -> Floats:
-    sums = np.asarray(way @ influences, np.float64)
+def _matrix(influences: Floats, counts: sparse.csr_array) -> Floats:
+    sums = np.asarray(counts @ influences, np.float64)
     return np.asarray(sums.T @ sums * (len(sums) / (len(sums) - 1)), np.float64)
 
 
@@ -164,8 +159,8 @@ def standard_errors(covariance: Floats) -> Floats:
 def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
     """Return the two-sided p of every two strengths being equal, shape (K, K)."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.abs(strengths[:, None] - strengths) / errors.differences
-    return np.asarray(2 * stats.t(errors.difference_freedoms).sf(distance), np.float64)
+        t = np.abs(strengths[:, None] - strengths) / errors.differences
+    return np.asarray(2 * stats.t(errors.difference_freedoms).sf(t), np.float64)
 
 
 def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
@@ -176,15 +171,15 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
     one-way one in some direction, the one-way one takes its place there.
     """
     count = len(strengths)
-    turn = np.eye(count)[1:] - np.eye(count)[0]
-    differences = turn @ strengths
+    contrasts = np.eye(count)[1:] - np.eye(count)[0]
+    differences = contrasts @ strengths
     by_participant, by_segment, by_cell = (
-        turn @ matrix @ turn.T
+        contrasts @ matrix @ contrasts.T
         for matrix in (errors.by_participant, errors.by_segment, errors.by_cell)
     )
-    freedom, wanted = errors.freedom, count - 1
-    rest = freedom - wanted + 1
-    if not rest > 0:
+    freedom, df = errors.freedom, count - 1
+    df_rest = freedom - df + 1
+    if not df_rest > 0:
         return FTest(
             reason=f"{freedom + 1:.3g} participants or segments, counted by their weight, are too "
             f"few for one test of {count} conditions"
@@ -193,12 +188,12 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
         _wald(differences, by_participant + _positive_part(by_segment - by_cell, by_cell)),
         _wald(differences, by_segment + _positive_part(by_participant - by_cell, by_cell)),
     )
-    f = statistic * rest / (freedom * wanted) / _inflation(errors)
+    f = statistic * df_rest / (freedom * df) / _inflation(errors)
     return FTest(
         statistic=f,
-        df=wanted,
-        df_rest=rest,
-        p_value=float(stats.f.sf(f, wanted, rest)),
+        df=df,
+        df_rest=df_rest,
+        p_value=float(stats.f.sf(f, df, df_rest)),
         method="Wald test, two-way clustered, Hotelling's T²",
     )
 
@@ -206,9 +201,10 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
 def rank_intervals(strengths: Floats, p_values: Floats) -> tuple[tuple[int, int], ...]:
     """Return for each condition the best and the worst rank that it may have.
 
-    A condition may be best among all that are not surely better. The differences of every two
-    conditions hold together (Bonferroni), so that all intervals contain the true ranks together
-    with at least the probability `LEVEL` (Mogstad, Romano, Shaikh & Wilhelm 2024).
+    Its best rank is one below the number of conditions that are significantly better. The tests of
+    every two conditions are corrected by Bonferroni's method, so that all intervals contain the
+    true ranks together with at least the probability `LEVEL` (Mogstad, Romano, Shaikh & Wilhelm
+    2024).
 
     Parameters
     ----------
@@ -225,15 +221,11 @@ def rank_intervals(strengths: Floats, p_values: Floats) -> tuple[tuple[int, int]
     count = len(strengths)
     if count < 2 or not np.isfinite(strengths).all():
         return ((1, count),) * count
-    apart = p_values < (1 - LEVEL) / (count * (count - 1) / 2)
+    significant = p_values < (1 - LEVEL) / (count * (count - 1) / 2)
     gaps = strengths[:, None] - strengths
-    return tuple(
-        (
-            1 + int((apart[one] & (gaps[one] < 0)).sum()),
-            count - int((apart[one] & (gaps[one] > 0)).sum()),
-        )
-        for one in range(count)
-    )
+    better = (significant & (gaps < 0)).sum(axis=1).tolist()
+    worse = (significant & (gaps > 0)).sum(axis=1).tolist()
+    return tuple((1 + above, count - below) for above, below in zip(better, worse, strict=True))
 
 
 def _wald(differences: Floats, covariance: Floats) -> float:
@@ -253,17 +245,17 @@ def _positive_part(matrix: Floats, scale: Floats) -> Floats:
 
 def _inflation(errors: TwoWayErrors) -> float:
     """Return by how much very unequal participants enlarge the variance of a difference at most."""
+    two_way = errors.by_participant + errors.by_segment - errors.by_cell
     plain = np.maximum.reduce(
         [
-            _variances(errors.by_participant + errors.by_segment - errors.by_cell),
-            _variances(errors.by_participant),
-            _variances(errors.by_segment),
+            _variances_of_differences(matrix)
+            for matrix in (two_way, errors.by_participant, errors.by_segment)
         ]
     )
     off = ~np.eye(len(plain), dtype=bool)
     return float(max(1.0, np.nanmax(errors.differences[off] ** 2 / plain[off])))
 
 
-def _variances(covariance: Floats) -> Floats:
+def _variances_of_differences(covariance: Floats) -> Floats:
     own = np.diagonal(covariance)
     return np.asarray(own[:, None] + own - 2 * covariance, np.float64)

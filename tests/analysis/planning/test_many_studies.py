@@ -3,7 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.planning.deciding_tests import Company, Findings, decided_by_holm, right
+from analysis.planning.deciding_tests import (
+    FamilyRest,
+    TestResults,
+    decided_by_holm,
+    detection_shares,
+)
 from analysis.planning.many_studies import clustered_tests
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm
@@ -40,7 +45,7 @@ def test_one_participant_and_no_answer_give_no_test() -> None:
 def test_a_block_alone_is_corrected_within_itself() -> None:
     p_values = np.array([[0.01, 0.04, 0.2], [0.03, 0.02, 0.04]])
 
-    decided = decided_by_holm(p_values, Company(pools=(p_values,), counts=(0,)), 1)
+    decided = decided_by_holm(p_values, FamilyRest((p_values,), (0,)), 1)
 
     for row, own in zip(p_values, decided, strict=True):
         assert (own > 0).tolist() == [p < 0.05 for p in holm(row.tolist())]
@@ -48,7 +53,7 @@ def test_a_block_alone_is_corrected_within_itself() -> None:
 
 def test_in_the_company_of_nothing_a_block_must_be_far_surer() -> None:
     nothing = np.full((10, 1), 0.9)
-    company = Company(pools=(nothing,), counts=(4,))
+    company = FamilyRest((nothing,), (4,))
 
     decided = decided_by_holm(np.array([[0.02], [0.009]]), company, 1)
 
@@ -57,23 +62,23 @@ def test_in_the_company_of_nothing_a_block_must_be_far_surer() -> None:
 
 def test_in_the_company_of_what_decides_a_block_is_hardly_corrected() -> None:
     sure = np.full((10, 1), 1e-6)
-    company = Company(pools=(sure,), counts=(4,))
+    company = FamilyRest((sure,), (4,))
 
     assert decided_by_holm(np.array([[0.04]]), company, 1)[0, 0] == 1.0
 
 
 def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> None:
-    tested = Findings(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
+    tested = TestResults(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
     decided = np.ones((2, 2))
 
-    assert right(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
-    assert right(tested, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
+    assert detection_shares(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
+    assert detection_shares(tested, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
 
 
 def test_tests_that_cannot_be_made_never_decide() -> None:
     p_values = np.array([[np.nan, 0.001]])
 
-    decided = decided_by_holm(p_values, Company(pools=(p_values,), counts=(0,)), 1)
+    decided = decided_by_holm(p_values, FamilyRest((p_values,), (0,)), 1)
 
     assert decided.tolist() == [[0.0, 1.0]]
 
@@ -81,7 +86,7 @@ def test_tests_that_cannot_be_made_never_decide() -> None:
 def test_the_same_seed_draws_the_same_companies() -> None:
     chance = np.random.default_rng(2)
     pool = chance.random((50, 2)) / 10
-    company = Company(pools=(pool,), counts=(3,))
+    company = FamilyRest((pool,), (3,))
 
     first, again = (decided_by_holm(pool, company, 7) for _ in range(2))
 
