@@ -7,9 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.participants import LeftOut, leave_out, table_rules
-from analysis.answers.reading import read_answers
-from analysis.answers.table import PAIRWISE
-from tests.analysis.results.made_tables import catch_rows, pairwise_table
+from tests.analysis.results.made_tables import catch_rows, pairwise_table, read_table
 
 
 @pytest.fixture
@@ -18,9 +16,7 @@ def table() -> pd.DataFrame:
 
 
 def left_out(folder: Path, table: pd.DataFrame, allowed: int = 1) -> LeftOut:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    answers = read_answers(path, PAIRWISE)
+    answers = read_table(table, "pairwise", folder)
     return leave_out(answers, table_rules(answers, allowed))
 
 

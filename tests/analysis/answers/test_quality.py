@@ -9,22 +9,16 @@ import pytest
 
 from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.quality import facts_of, response_times, straight_lining
-from analysis.answers.reading import read_answers
-from analysis.answers.table import LAYOUTS
-from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
+from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, read_table
 
 SECONDS = np.array([20.0, 30, 40, 20, 22, 24, 30, 30, np.nan, 2, 3, 30])
 PEOPLE = list("aaabbbcccddd")
 
 
-def test_medians_are_those_of_participants_not_of_answers() -> None:
+def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> None:
     found = response_times(SECONDS, PEOPLE)
     assert (found.low_quartile, found.median, found.high_quartile) == (17.25, 26, 30)
     assert (found.n, found.missing) == (11, 1)
-
-
-def test_half_the_typical_time_is_too_fast() -> None:
-    found = response_times(SECONDS, PEOPLE)
     assert found.limit == 13
     assert found.too_fast == {"d": 3}
 
@@ -57,10 +51,6 @@ def test_everybody_is_looked_at_alone() -> None:
     }
 
 
-def test_no_answers_give_nothing() -> None:
-    assert straight_lining(answer_rows()) == {}
-
-
 def test_categories_and_order_of_appearance_are_kept() -> None:
     answers = answer_rows(z={"a": [0, 0]}, b={"a": [1, -1]}).astype({"participant": "category"})
     assert list(straight_lining(answers)) == ["z", "b"]
@@ -77,9 +67,7 @@ def facts(
     protocol: str = "pairwise",
     known: dict[str, KnownFacts] | None = None,
 ) -> dict[str, ParticipantFacts]:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    answers = read_answers(path, LAYOUTS[protocol])
+    answers = read_table(table, protocol, folder)
     return {one.participant: one for one in facts_of(answers, known or {})}
 
 
@@ -138,9 +126,8 @@ def test_one_wrong_question_fails_an_attention_check_once(
 
 
 def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
-    pd.concat([table, attention_rows("p01", "12", "22")]).to_csv(path, index=False)
-    answers = read_answers(path, LAYOUTS["pairwise"])
+    both = pd.concat([table, attention_rows("p01", "12", "22")])
+    answers = read_table(both, "pairwise", tmp_path)
     assert set(answers.shown["kind"]) == {"practice", "main", "repeat"}
     assert not any("attention" in note for note in answers.notes)
 
@@ -148,10 +135,8 @@ def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path
 def test_attention_checks_that_ask_for_nothing_are_noted(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    path = tmp_path / "answers.csv"
     checks = attention_rows("p01", "12", "22").drop(columns="instructed")
-    pd.concat([table, checks]).to_csv(path, index=False)
-    answers = read_answers(path, LAYOUTS["pairwise"])
+    answers = read_table(pd.concat([table, checks]), "pairwise", tmp_path)
     assert answers.notes == (
         "2 rows are of attention checks left out; the table does not say what they ask for, so "
         "that they exclude nobody by themselves.",

@@ -12,6 +12,7 @@ from analysis.answers.table import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, A
 from analysis.report.tables import write_frame
 from analysis.results.ranking import placements_of
 from motion.errors import InputError
+from tests.analysis.results.made_tables import read_table
 
 ROW: dict[str, Any] = {
     "participant": "anna",
@@ -29,16 +30,20 @@ def pairs(*changes: dict[str, Any]) -> pd.DataFrame:
     return pd.DataFrame([ROW | change for change in changes])
 
 
-def read(folder: Path, table: pd.DataFrame, **writing: Any) -> AnswerTable:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False, **writing)
-    return read_answers(path, PAIRWISE)
+def read(folder: Path, table: pd.DataFrame) -> AnswerTable:
+    return read_table(table, "pairwise", folder)
 
 
 def refusal(folder: Path, table: pd.DataFrame) -> str:
     with pytest.raises(InputError) as caught:
         read(folder, table)
     return str(caught.value)
+
+
+def read_text(folder: Path, text: str, layout: Layout = PAIRWISE) -> AnswerTable:
+    path = folder / "answers.csv"
+    path.write_text(text, "utf-8-sig")
+    return read_answers(path, layout)
 
 
 def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) -> None:
@@ -115,10 +120,8 @@ def test_a_missing_column_is_named(tmp_path: Path) -> None:
 
 
 def test_a_column_that_occurs_twice_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
-    path.write_text("participant,segment,question,left,right,response,left\n", "utf-8")
     with pytest.raises(InputError, match="column left occurs twice"):
-        read_answers(path, PAIRWISE)
+        read_text(tmp_path, "participant,segment,question,left,right,response,left\n")
 
 
 def test_an_answer_that_is_stored_twice_is_refused(tmp_path: Path) -> None:
@@ -131,18 +134,15 @@ def test_without_trial_numbers_the_same_pair_may_be_answered_again(tmp_path: Pat
 
 
 def test_a_condition_is_ranked_once_in_a_segment(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
     row = "anna,s1,realism,ours,1\n"
-    path.write_text(f"participant,segment,question,condition,rank\n{row}{row}", "utf-8")
     with pytest.raises(InputError, match=r"row 3, .* stands in row 2 already"):
-        read_answers(path, RANKING)
+        read_text(tmp_path, f"participant,segment,question,condition,rank\n{row}{row}", RANKING)
 
 
 def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
     rows = "".join(f"anna,s1,realism,ours,1,{kind}\n" for kind in ("practice", "repeat"))
-    path.write_text(f"participant,segment,question,condition,rank,kind\n{rows}", "utf-8")
-    assert len(read_answers(path, RANKING).answers) == 2
+    text = f"participant,segment,question,condition,rank,kind\n{rows}"
+    assert len(read_text(tmp_path, text, RANKING).answers) == 2
 
 
 def test_who_is_marked_as_excluded_is_so_with_the_reason_given(tmp_path: Path) -> None:
@@ -180,15 +180,14 @@ def test_a_bad_cell_of_parquet_is_named_by_its_row_from_1(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("separator", [";", "\t"])
 def test_other_separators_are_found(separator: str, tmp_path: Path) -> None:
-    assert len(read(tmp_path, pairs({}, {}), sep=separator).answers) == 2
+    text = pairs({}, {}).to_csv(index=False, sep=separator)
+    assert len(read_text(tmp_path, text).answers) == 2
 
 
 def test_blank_lines_and_a_byte_order_mark_do_no_harm(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
     text = pairs({}, {"response": 8}).to_csv(index=False).replace("\n", "\n\n", 1)
-    path.write_text(text, "utf-8-sig")
     with pytest.raises(InputError, match="row 4, column response"):
-        read_answers(path, PAIRWISE)
+        read_text(tmp_path, text)
 
 
 @pytest.mark.parametrize("name", ["answers.csv", "answers.parquet"])
@@ -202,33 +201,26 @@ def test_what_is_no_table_is_refused(name: str, tmp_path: Path) -> None:
 
 
 def test_a_line_with_too_many_cells_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
-    path.write_text(
-        "participant,segment,question,left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n", "utf-8"
-    )
+    text = "participant,segment,question,left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n"
     with pytest.raises(InputError, match="line 3"):
-        read_answers(path, PAIRWISE)
+        read_text(tmp_path, text)
 
 
 def test_own_speech_on_both_sides_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
-    path.write_text(
+    text = (
         "participant,segment,question,condition,left_speech,right_speech,response\n"
-        "anna,s1,fits,ours,own,other,1\nanna,s2,fits,ours,own,own,1\n",
-        "utf-8",
+        "anna,s1,fits,ours,own,other,1\nanna,s2,fits,ours,own,own,1\n"
     )
     with pytest.raises(InputError, match="row 3, column right_speech: left_speech and right"):
-        read_answers(path, MISMATCH)
+        read_text(tmp_path, text, MISMATCH)
 
 
 def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
-    path = tmp_path / "answers.csv"
-    path.write_text(
+    text = (
         "participant,segment,question,condition,response,kind\n"
-        "anna,s1,match,ours,4,main\nanna,,,,,catch\nanna,,,,,attention\n",
-        "utf-8",
+        "anna,s1,match,ours,4,main\nanna,,,,,catch\nanna,,,,,attention\n"
     )
-    found = read_answers(path, RATING_OF_ONE)
+    found = read_text(tmp_path, text, RATING_OF_ONE)
     assert len(found.answers) == 1
     assert len(found.notes) == 2
 
@@ -239,19 +231,13 @@ def ranked(*rows: tuple[str, str, str, float]) -> pd.DataFrame:
     return pd.DataFrame(list(rows), columns=header).assign(participant="anna", question="q")
 
 
-def read_as(layout: Layout, folder: Path, table: pd.DataFrame, **how: Any) -> AnswerTable:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    return read_answers(path, layout, **how)
-
-
 def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path) -> None:
     table = ranked(
         *(("1", "s1", name, place) for place, name in enumerate("abc", 1)),
         *(("2", "s1", name, place) for place, name in enumerate("bca", 1)),
         *((str(place), "s2", name, place) for place, name in enumerate("abc", 1)),
     )
-    found = placements_of(read_as(RANKING, tmp_path, table).answers)
+    found = placements_of(read_table(table, "ranking", tmp_path).answers)
 
     # Trials that number single rows of a ranking apart tell nothing.
     assert found.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
@@ -260,9 +246,9 @@ def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path
 
 def test_rankings_that_leave_places_out_are_noted(tmp_path: Path) -> None:
     table = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
-    assert read_as(RANKING, tmp_path, table).notes[0].startswith("1 ranking leaves places out")
+    assert read_table(table, "ranking", tmp_path).notes[0].startswith("1 ranking leaves places out")
     tied = table.assign(rank=[1, 1, 3])
-    assert read_as(RANKING, tmp_path, tied).notes == ()
+    assert read_table(tied, "ranking", tmp_path).notes == ()
 
 
 def test_rows_that_repeat_others_without_a_trial_are_noted(tmp_path: Path) -> None:
@@ -288,12 +274,11 @@ def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
 ) -> None:
     table = rated(*[1, 2, 3, 4, 5] * 8, 55)
     assert (
-        "The highest rating, 55, was given 1 time"
-        in read_as(RATING_OF_ONE, tmp_path, table).notes[0]
+        "The highest rating, 55, was given 1 time" in read_table(table, "rating", tmp_path).notes[0]
     )
     with pytest.raises(InputError, match="row 42, column response: 55 is not on the scale"):
-        read_as(RATING_OF_ONE, tmp_path, table, scale=(1, 5))
-    assert read_as(RATING_OF_ONE, tmp_path, table[:-1], scale=(1, 7)).scales == {"q": (1, 7)}
+        read_table(table, "rating", tmp_path, scale=(1, 5))
+    assert read_table(table[:-1], "rating", tmp_path, scale=(1, 7)).scales == {"q": (1, 7)}
 
 
 def test_a_table_of_the_report_runs_nothing_in_a_spreadsheet(tmp_path: Path) -> None:

@@ -8,12 +8,11 @@ import pandas as pd
 import pytest
 
 from analysis.answers.participants import leave_out
-from analysis.answers.reading import read_answers
-from analysis.answers.table import LAYOUTS
 from analysis.planning.part import THRESHOLDS, Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from benchmarks.validity.studies import Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
+from tests.analysis.results.made_tables import read_table
 
 DESIGN = Design(participants=40, items=25, effect=0.4, participant_sd=0.8, item_sd=0.6)
 NAMES = np.array(["a", "b", "c"])
@@ -22,9 +21,7 @@ NAMES = np.array(["a", "b", "c"])
 def estimated(
     rows: Mapping[str, object], protocol: str, folder: Path
 ) -> tuple[float, float, Opinions]:
-    path = folder / "pilot.csv"
-    pd.DataFrame({"question": "realism", **rows}).to_csv(path, index=False)
-    table = read_answers(path, LAYOUTS[protocol])
+    table = read_table(pd.DataFrame({"question": "realism", **rows}), protocol, folder)
     opinions, answers = pilot_opinions(table, leave_out(table, ()).analysed)
     assert answers > 0
     return opinions.participant_sd, opinions.item_sd, opinions

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis.answers.reading import read_answers
+from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.results.report import TableReport, analyse_table
 
 THRESHOLDS = (-1.6, -0.45, 0.45, 1.6)
@@ -140,6 +142,15 @@ TABLES = {
     "ranking": ranking_table,
     "mismatch": mismatch_table,
 }
+
+
+def read_table(
+    table: pd.DataFrame, protocol: str, folder: Path, scale: tuple[int, int] | None = None
+) -> AnswerTable:
+    """Write a table as CSV and read it."""
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return read_answers(path, LAYOUTS[protocol], scale)
 
 
 def report_of(table: pd.DataFrame, protocol: str, folder: Path, **settings: Any) -> TableReport:

@@ -12,12 +12,11 @@ import pytest
 
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, watched_less
 from analysis.answers.participants import LeftOut, leave_out, table_rules
-from analysis.answers.reading import read_answers
-from analysis.answers.table import LAYOUTS, AnswerTable
+from analysis.answers.table import AnswerTable
 from analysis.results.agreement import agreed_so_far
 from analysis.results.headline import Sensitivity, headline_numbers, sensitivity
 from analysis.results.report import TableReport, analyse_table
-from tests.analysis.results.made_tables import TABLES, ranking_table
+from tests.analysis.results.made_tables import TABLES, ranking_table, read_table
 
 PROTOCOLS = sorted(TABLES)
 PLANNED = watched_less(0.9)
@@ -27,9 +26,7 @@ AFTERWARDS = answered_too_fast(3, 0.5).as_exploratory()
 def given(
     protocol: str, folder: Path, table: pd.DataFrame, *rules: ExclusionRule
 ) -> tuple[AnswerTable, LeftOut]:
-    path = folder / "answers.csv"
-    table.to_csv(path, index=False)
-    answers = read_answers(path, LAYOUTS[protocol])
+    answers = read_table(table, protocol, folder)
     return answers, leave_out(answers, rules or table_rules(answers))
 
 

@@ -6,30 +6,13 @@ import pandas as pd
 import pytest
 
 from analysis.answers.participants import leave_out
-from analysis.answers.reading import read_answers
-from analysis.answers.table import LAYOUTS
 from analysis.results.preferred_pairs import MOST_PAIRS, PreferredPair, preferred_pairs
-from tests.analysis.results.made_tables import TABLES, pairwise_table
+from tests.analysis.results.made_tables import TABLES, pairwise_table, read_table
 
 
 def pairs_of(rows: pd.DataFrame, protocol: str, folder: Path) -> tuple[PreferredPair, ...]:
-    path = folder / "answers.csv"
-    rows.to_csv(path, index=False)
-    table = read_answers(path, LAYOUTS[protocol])
+    table = read_table(rows, protocol, folder)
     return preferred_pairs(table, leave_out(table, ()).analysed)
-
-
-def answer(
-    participant: str, segment: str, left: str, right: str, response: int
-) -> dict[str, object]:
-    return {
-        "participant": participant,
-        "segment": segment,
-        "question": "fit",
-        "left": left,
-        "right": right,
-        "response": response,
-    }
 
 
 def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept(
@@ -37,14 +20,15 @@ def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept
 ) -> None:
     rows = pd.DataFrame(
         [
-            answer("p1", "liked", "ours", "theirs", 1),
-            answer("p2", "liked", "theirs", "ours", 5),
-            answer("p1", "between", "ours", "theirs", 3),
-            answer("p2", "between", "ours", "theirs", 2),
-            answer("p1", "disliked", "ours", "theirs", 4),
-            answer("p2", "disliked", "theirs", "ours", 3),
-        ]
-    )
+            ("p1", "liked", "ours", "theirs", 1),
+            ("p2", "liked", "theirs", "ours", 5),
+            ("p1", "between", "ours", "theirs", 3),
+            ("p2", "between", "ours", "theirs", 2),
+            ("p1", "disliked", "ours", "theirs", 4),
+            ("p2", "disliked", "theirs", "ours", 3),
+        ],
+        columns=["participant", "segment", "left", "right", "response"],
+    ).assign(question="fit")
 
     found = pairs_of(rows, "pairwise", tmp_path)
 

@@ -31,6 +31,8 @@ def test_it_agrees_with_r(tmp_path: Path) -> None:
         row = expected["table2"][one.condition]
         assert (one.n, one.estimate, one.sd) == pytest.approx((row["n"], row["mean"], row["sd"]))
         assert {str(score): n for score, n in one.counts.items()} == row["counts"]
+        at_least = {str(score): percent for score, percent in one.at_least.items()}
+        assert at_least == pytest.approx(row["cumulative_lower_bound_pct"], abs=1e-9)
     model, fitted = found.clmm.of_set(None)["match"], expected["clmm"]
     assert model.log_likelihood == pytest.approx(fitted["loglik"], abs=1e-3)
     estimates = model.estimates
@@ -43,16 +45,6 @@ def test_it_agrees_with_r(tmp_path: Path) -> None:
         sign = 1 if contrast.a == pair[0] else -1
         assert contrast.log_odds == pytest.approx(sign * row["estimate"], abs=1e-3)
         assert contrast.odds_ratio == pytest.approx(math.exp(contrast.log_odds))
-
-
-def test_one_family_of_tests_holds_all_questions(tmp_path: Path) -> None:
-    table = rating_table(("x", "y"), ("match", "style"), participants=8, segments=4)
-    first, second = results(tmp_path, table).contrasts
-    assert (first.question, second.question) == ("match", "style")
-    first_p, second_p = first.difference, second.difference
-    assert min(first_p.p_holm, second_p.p_holm) == pytest.approx(
-        2 * min(first_p.p_value, second_p.p_value)
-    )
 
 
 def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> None:
@@ -74,14 +66,7 @@ def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -
     assert found.contrasts[0].remark
 
 
-def test_scores_that_nobody_gave_are_counted_as_none(tmp_path: Path) -> None:
-    table = rating_table(("x", "y"), participants=4, segments=4)
-    found = results(tmp_path, table.assign(response=table["response"].clip(2, 4)))
-    assert list(found.conditions[0].counts) == [1, 2, 3, 4, 5]
-    assert found.conditions[0].counts[5] == 0
-
-
-def test_paired_differences_lead_and_have_a_family_of_their_own(tmp_path: Path) -> None:
+def test_paired_differences_of_all_questions_are_one_family(tmp_path: Path) -> None:
     table = rating_table(("x", "y", "z"), ("match", "style"), participants=8, segments=5)
     found = results(tmp_path, table).contrasts
 

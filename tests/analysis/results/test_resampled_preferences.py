@@ -9,15 +9,14 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
-from analysis.answers.reading import read_answers
-from analysis.answers.table import ANALYSED_KINDS, LAYOUTS
+from analysis.answers.table import ANALYSED_KINDS
 from analysis.results.resampled_preferences import (
     PSEUDO_VOTES,
     fit_strengths_of_tables,
     resample_preferences,
     tally,
 )
-from tests.analysis.results.made_tables import TABLES
+from tests.analysis.results.made_tables import TABLES, read_table
 from tests.analysis.results.simulated_studies import AgreeingStudy
 
 
@@ -82,8 +81,7 @@ def test_conditions_that_no_comparison_connects_have_no_strengths() -> None:
 
 
 def _answers(protocol: str, rows: pd.DataFrame, folder: Path) -> pd.DataFrame:
-    rows.to_csv(folder / "answers.csv", index=False)
-    table = read_answers(folder / "answers.csv", LAYOUTS[protocol])
+    table = read_table(rows, protocol, folder)
     return table.shown[table.shown["kind"].isin(ANALYSED_KINDS)].reset_index(drop=True)
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import krippendorff
 import numpy as np
@@ -11,6 +12,7 @@ from scipy import stats
 from statsmodels.stats.inter_rater import cohens_kappa
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
+from analysis.stats.intraclass import intraclass_correlation
 from motion.errors import InputError
 from tests.analysis.reference import REFERENCE, with_reference
 
@@ -74,16 +76,12 @@ def test_the_same_seed_gives_the_same_interval() -> None:
     assert krippendorff_alpha(*data, seed=3) != krippendorff_alpha(*data, seed=4)
 
 
-def test_one_item_has_an_alpha_but_no_interval() -> None:
-    found = krippendorff_alpha(*answers([[1], [2], [1]]))
-    assert found.estimate == pytest.approx(0)
-    assert math.isnan(found.low)
-    assert found.reason == "one item gives no interval"
-
-
-def test_two_answers_of_one_participant_about_an_item_are_refused() -> None:
+@pytest.mark.parametrize("statistic", [krippendorff_alpha, intraclass_correlation])
+def test_two_answers_of_one_participant_about_an_item_are_refused(
+    statistic: Callable[..., object],
+) -> None:
     with pytest.raises(InputError, match="answered twice"):
-        krippendorff_alpha(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))
+        statistic(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))
 
 
 def made(
@@ -124,24 +122,10 @@ def test_a_participant_counts_as_one_however_many_trials() -> None:
     assert more.n == 3 * once.n
 
 
-@pytest.mark.parametrize(
-    ("first", "again", "people", "reason"),
-    [
-        ([], [], [], "no trial was answered again"),
-        ([1, 2], [1, 1], [0, 0], "one participant gives no interval"),
-        ([0, 0], [0, 0], [0, 1], "all answers alike"),
-        ([0, 1], [1, 1], [0, 1], "one side's answers are all alike"),
-    ],
-)
-def test_a_missing_number_comes_with_its_reason(
-    first: list[int], again: list[int], people: list[int], reason: str
-) -> None:
-    found = retest_agreement(np.array(first), np.array(again), np.array(people))
-    assert found.reason == reason
-    assert found.n == len(first)
-
-
-def test_all_alike_has_a_share_but_no_kappa() -> None:
+def test_all_alike_has_a_share_but_no_kappa_and_one_side_alike_no_rank_correlation() -> None:
     found = retest_agreement(np.zeros(4, int), np.zeros(4, int), np.arange(4))
+    one_side = retest_agreement(np.array([0, 1]), np.array([1, 1]), np.array([0, 1]))
     assert found.equal_share == 1
     assert math.isnan(found.estimate)
+    assert math.isnan(one_side.spearman)
+    assert one_side.reason == "one side's answers are all alike"

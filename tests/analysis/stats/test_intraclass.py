@@ -5,7 +5,6 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from analysis.stats.intraclass import COMPLETE, INCOMPLETE, Intraclass, intraclass_correlation
-from motion.errors import InputError
 
 SHROUT_AND_FLEISS = [
     [9, 2, 5, 8],
@@ -77,8 +76,3 @@ def test_judges_who_differ_by_a_constant_only_give_no_error() -> None:
     found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
     assert found.residual_variance == 0
     assert found.single.low <= found.single.estimate <= found.single.high
-
-
-def test_two_answers_of_one_participant_about_an_item_are_refused() -> None:
-    with pytest.raises(InputError, match="answered twice"):
-        intraclass_correlation(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))

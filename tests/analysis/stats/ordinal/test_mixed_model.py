@@ -10,15 +10,16 @@ from hypothesis import strategies as st
 
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
 from motion.errors import InputError
-from tests.analysis.reference import REFERENCE, with_reference
+from tests.analysis.reference import REFERENCE, reference_ratings, with_reference
 from tests.analysis.results.made_tables import pairwise_table
 from tests.analysis.stats.ordinal.made_answers import MadeAnswers, made_answers
 
 
 @with_reference
 def test_it_agrees_with_ordinal_for_r() -> None:
-    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
-    expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))["clmm"]
+    ratings, expected = reference_ratings()
+    ratings = ratings.dropna()
+    scores = ratings["rating"].to_numpy(int)
     covariates = {
         method: (ratings["method"] == method).to_numpy().astype(float)
         for method in ("GT", "NoAC", "NoDisc")
@@ -27,41 +28,25 @@ def test_it_agrees_with_ordinal_for_r() -> None:
         RandomEffect(name=name, groups=ratings[name].to_numpy()) for name in ("participant", "item")
     ]
 
-    found = fit(ratings["rating"].to_numpy(int), covariates, random)
-    without = fit(ratings["rating"].to_numpy(int), {}, random)
+    mixed, without_methods = fit(scores, covariates, random), fit(scores, {}, random)
+    fixed = fit(scores, covariates)
 
-    assert found.converged
-    assert not found.remark
+    clmm, clm = expected["clmm"], expected["clm_no_random_logit"]
+    assert mixed.converged
+    assert not mixed.remark
     for name in covariates:
-        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-4)
-        assert found.standard_errors[name] == pytest.approx(
-            expected["se"][f"method{name}"], rel=1e-3
-        )
-        assert found.wald_p(name) == pytest.approx(expected["p"][f"method{name}"], rel=1e-2)
-    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-4)
-    assert found.thresholds == pytest.approx(list(expected["theta"].values()), abs=1e-3)
-    assert found.deviations["participant"] == pytest.approx(expected["sd_participant"], abs=1e-3)
-    assert found.deviations["item"] == pytest.approx(expected["sd_item"], abs=1e-3)
-    statistic, freedom, _ = likelihood_ratio(found, without)
-    assert statistic == pytest.approx(expected["lrt_chisq_method"], abs=1e-3)
+        assert mixed.estimates[name] == pytest.approx(clmm["beta"][f"method{name}"], abs=1e-4)
+        assert mixed.standard_errors[name] == pytest.approx(clmm["se"][f"method{name}"], rel=1e-3)
+        assert mixed.wald_p(name) == pytest.approx(clmm["p"][f"method{name}"], rel=1e-2)
+        assert fixed.estimates[name] == pytest.approx(clm["beta"][f"method{name}"], abs=1e-5)
+    assert mixed.log_likelihood == pytest.approx(clmm["loglik"], abs=1e-4)
+    assert fixed.log_likelihood == pytest.approx(clm["loglik"], abs=1e-6)
+    assert mixed.thresholds == pytest.approx(list(clmm["theta"].values()), abs=1e-3)
+    assert mixed.deviations["participant"] == pytest.approx(clmm["sd_participant"], abs=1e-3)
+    assert mixed.deviations["item"] == pytest.approx(clmm["sd_item"], abs=1e-3)
+    statistic, freedom, _ = likelihood_ratio(mixed, without_methods)
+    assert statistic == pytest.approx(clmm["lrt_chisq_method"], abs=1e-3)
     assert freedom == 3
-
-
-@with_reference
-def test_without_random_effects_it_agrees_with_clm() -> None:
-    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
-    reference = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
-    expected = reference["clm_no_random_logit"]
-    covariates = {
-        method: (ratings["method"] == method).to_numpy().astype(float)
-        for method in ("GT", "NoAC", "NoDisc")
-    }
-
-    found = fit(ratings["rating"].to_numpy(int), covariates)
-
-    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
-    for name in covariates:
-        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-5)
 
 
 @with_reference
