@@ -62,8 +62,8 @@ class Cells:
         return f"{self.path.name}, row {self.numbers[row]}, column {column}"
 
 
-def read_cells(path: Path, wanted: Sequence[str], required: Sequence[str]) -> Cells:
-    """Read the columns `wanted` of a file as text.
+def read_cells(path: Path, columns: Sequence[str], required: Sequence[str]) -> Cells:
+    """Read the columns `columns` of a file as text.
 
     Raises
     ------
@@ -74,12 +74,12 @@ def read_cells(path: Path, wanted: Sequence[str], required: Sequence[str]) -> Ce
         if path.suffix.lower() in PARQUET:
             header = list(pq.read_schema(path).names)
             _check_header(path, header, required)
-            rows = _parquet(path, [name for name in header if name in wanted])
+            rows = _parquet(path, [name for name in header if name in columns])
             first = 1
         else:
             header, separator = _csv_header(path)
             _check_header(path, header, required)
-            rows = _csv(path, header, separator)[[name for name in header if name in wanted]]
+            rows = _csv(path, header, separator)[[name for name in header if name in columns]]
             first = 2
     except FileNotFoundError:
         raise InputError("there is no such file", where=path, remedy="Check the path") from None
@@ -101,7 +101,7 @@ def read_cells(path: Path, wanted: Sequence[str], required: Sequence[str]) -> Ce
         path=path,
         rows=rows[filled].reset_index(drop=True),
         numbers=rows.index[filled] + first,
-        ignored=tuple(name for name in header if name not in wanted and name),
+        ignored=tuple(name for name in header if name not in columns and name),
     )
 
 
@@ -202,7 +202,7 @@ class Checking:
         codes, texts = pd.factorize(self._cells.rows[column.name])
         return np.array([str(text).strip() not in column.missing for text in texts], bool)[codes]
 
-    def refuse(self, bad: Rows, column: str, what: Callable[[int], str], remedy: str) -> None:
+    def refuse(self, bad: Rows, column: str, problem: Callable[[int], str], remedy: str) -> None:
         """Raise an error about the first row of `bad`, if there is one.
 
         Raises
@@ -212,7 +212,7 @@ class Checking:
         """
         if bad.any():
             row = int(bad.argmax())
-            raise InputError(what(row), where=self._cells.place(row, column), remedy=remedy)
+            raise InputError(problem(row), where=self._cells.place(row, column), remedy=remedy)
 
     def number_of(self, row: int) -> int:
         """Return how a person finds a row."""
@@ -231,7 +231,7 @@ class Checking:
                 [word for word, full in zip(words, filled, strict=True) if full]
             )
         except ValidationError as error:
-            places = [int(one["loc"][0]) for one in error.errors()]
+            places = [int(detail["loc"][0]) for detail in error.errors()]
             self.refuse(
                 np.isin(codes, np.flatnonzero(filled)[places]),
                 column.name,

@@ -248,20 +248,20 @@ def straight_lined(at_least: float, trials: int) -> ExclusionRule:
     )
 
 
-def _too_many(failed: int | None, allowed: int, what: str) -> str | None:
+def _too_many(failed: int | None, allowed: int, noun: str) -> str | None:
     if failed is None:
         return None
-    return f"{_count(failed, what)} failed" if failed > allowed else KEPT
+    return f"{_count(failed, noun)} failed" if failed > allowed else KEPT
 
 
-def _more_than(allowed: int, what: str) -> str:
+def _more_than(allowed: int, noun: str) -> str:
     if allowed:
-        return f"more than {_count(allowed, what)}"
-    return f"{'an' if what[0] == 'a' else 'a'} {what}"
+        return f"more than {_count(allowed, noun)}"
+    return f"{'an' if noun[0] == 'a' else 'a'} {noun}"
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _percent(share: float) -> str:

@@ -67,8 +67,8 @@ def response_times(seconds: Floats, participants: Sequence[str] | pd.Categorical
     missing = len(times) - len(known)
     if known.empty:
         return ResponseTimes(too_fast={}, n=0, missing=missing, reason="no response times")
-    who = pd.Series(participants)[known.index]
-    medians = known.groupby(who, sort=False, observed=True).median()
+    names = pd.Series(participants)[known.index]
+    medians = known.groupby(names, sort=False, observed=True).median()
     low, middle, high = np.quantile(medians.to_numpy(np.float64), [0.25, 0.5, 0.75]).tolist()
     limit = middle / RELATIVE_SPEED
     return ResponseTimes(
@@ -208,8 +208,8 @@ def _wrong_side(catch: pd.DataFrame) -> NDArray[np.bool_]:
 def _disobeyed(attention: pd.DataFrame) -> NDArray[np.bool_]:
     """Tell which answers are not the one asked for; where none is asked for, any will do."""
     asked = attention["instructed"].to_numpy(np.float64)
-    given = attention["value"].to_numpy(np.float64)
-    return np.asarray(np.isfinite(asked) & (given != asked), bool)
+    values = attention["value"].to_numpy(np.float64)
+    return np.asarray(np.isfinite(asked) & (values != asked), bool)
 
 
 def _failed(

@@ -234,25 +234,25 @@ def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
     A table may number every row apart: trials tell answers apart only where one question about
     a segment's condition was answered in several of them.
     """
-    whose = ["participant", "set", "segment", "question"]
-    about = [*whose, *(column.name for column in layout.conditions)]
+    shared = ["participant", "set", "segment", "question"]
+    about = [*shared, *(column.name for column in layout.conditions)]
     analysed = answers["kind"].isin(ANALYSED_KINDS)
     codes = pd.DataFrame({name: answers[name].cat.codes for name in about})
     twice = codes[analysed].duplicated(keep=False).reindex(codes.index, fill_value=False)
-    repeated = twice.groupby([codes[name] for name in whose]).transform("any")
+    repeated = twice.groupby([codes[name] for name in shared]).transform("any")
     return answers["trial"].where(repeated)
 
 
 def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
     """Return the names of rows `where`, in the order in which all rows name them."""
     names = columns.astype(object).to_numpy()
-    wanted = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
-    return tuple(str(name) for name in pd.unique(names.ravel()) if name in wanted)
+    present = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
+    return tuple(str(name) for name in pd.unique(names.ravel()) if name in present)
 
 
-def _ordered(found: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
+def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names found in the order wanted, the others after them."""
-    return tuple(dict.fromkeys((*(name for name in order if name in found), *found)))
+    return tuple(dict.fromkeys((*(name for name in order if name in names), *names)))
 
 
 def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
@@ -260,10 +260,10 @@ def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
     reasons = [_reason(str(text)) for text in excluded.categories]
     reason = np.append(np.array(reasons, object), "")[excluded.codes]
     marked = np.flatnonzero(reason != "")
-    found: dict[str, str] = {}
+    reasons_of: dict[str, str] = {}
     for row in marked[np.unique(people.codes[marked], return_index=True)[1]]:
-        found[str(people[row])] = str(reason[row])
-    return found
+        reasons_of[str(people[row])] = str(reason[row])
+    return reasons_of
 
 
 def _reason(text: str) -> str:

@@ -83,16 +83,16 @@ class DecidingTests:
         trials = self.part.trials
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
 
-    def quick(self, answers: Floats) -> TestResults:
+    def quick(self, answers: Floats) -> BlockTests:
         """Test all studies of `answers`, as `drawn_answers` gives them."""
         tests = [
             self._clustered(answers, rows, pair, modelled)
             for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
         ]
         means, p_values = (np.column_stack(column) for column in zip(*tests, strict=True))
-        return TestResults(p_values=p_values, signs=np.sign(means))
+        return BlockTests(p_values=p_values, signs=np.sign(means))
 
-    def exact(self, answers: Floats, sides: NDArray[np.bool_]) -> TestResults:
+    def exact(self, answers: Floats, sides: NDArray[np.bool_]) -> BlockTests:
         """Test each study of `answers` by the models that the report decides by.
 
         Parameters
@@ -101,13 +101,13 @@ class DecidingTests:
             Of pairs, whether the condition with the lower number was shown on the right.
         """
         results = self.quick(answers)
-        for study, given in enumerate(answers):
+        for study, study_answers in enumerate(answers):
             if self.part.kind == "rankings":
-                results.p_values[study], results.signs[study] = self._worth_tests(given)
+                results.p_values[study], results.signs[study] = self._worth_tests(study_answers)
                 continue
             for test, (rows, modelled) in enumerate(zip(self._rows, self.by_model, strict=True)):
                 if modelled:
-                    sided = self._sided(given[rows], sides[rows], rows)
+                    sided = self._sided(study_answers[rows], sides[rows], rows)
                     if self._near.get(test) is None:
                         self._near[test] = self._expected(sided, self.pairs[test])
                     net = net_preference(sided, self._near[test])
@@ -121,16 +121,18 @@ class DecidingTests:
         participants, items = self.part.trials.participants[rows], self.part.trials.items[rows]
         if self.part.kind == "pairs":
             # The report's win share, or scores, which come nearer to the model's answer.
-            given = answers[:, rows]
-            return clustered_tests(given if modelled else np.sign(given) / 2, participants, items)
+            preferences = answers[:, rows]
+            return clustered_tests(
+                preferences if modelled else np.sign(preferences) / 2, participants, items
+            )
         scores = _savage_scores(answers) if modelled else answers
         a, b = pair
         return clustered_tests(scores[..., a] - scores[..., b], participants, items)
 
     def _sided(
-        self, given: Floats, on_right: NDArray[np.bool_], rows: NDArray[np.intp]
+        self, preferences: Floats, on_right: NDArray[np.bool_], rows: NDArray[np.intp]
     ) -> SidedAnswers:
-        signed = given.astype(np.int64)
+        signed = preferences.astype(np.int64)
         return SidedAnswers(
             responses=3 + np.where(on_right, signed, -signed),
             on_right=on_right,
@@ -152,10 +154,10 @@ class DecidingTests:
             sd_segment=self.opinions.item_sd,
         )
 
-    def _worth_tests(self, given: Floats) -> tuple[Floats, Floats]:
+    def _worth_tests(self, ranks: Floats) -> tuple[Floats, Floats]:
         """Return p values and signs of the differences of worths."""
         trials = self.part.trials
-        count, width = given.shape
+        count, width = ranks.shape
         names = [str(number) for number in range(width)]
         fit = plackett_luce(
             pd.DataFrame(
@@ -164,7 +166,7 @@ class DecidingTests:
                     "participant": np.repeat(trials.participants, width),
                     "segment": np.repeat(trials.items, width),
                     "condition": np.tile(names, count),
-                    "rank": given.ravel(),
+                    "rank": ranks.ravel(),
                 }
             ),
             names,
@@ -183,7 +185,7 @@ def _savage_scores(ranks: Floats) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TestResults:
+class BlockTests:
     """P values and signs of tests, study by study.
 
     Attributes
@@ -198,7 +200,7 @@ class TestResults:
     signs: Floats
 
     @classmethod
-    def joined(cls, results: Sequence[TestResults]) -> TestResults:
+    def joined(cls, results: Sequence[BlockTests]) -> BlockTests:
         """Return the results of all studies together."""
         return cls(
             p_values=np.concatenate([each.p_values for each in results]),
@@ -245,16 +247,16 @@ def decided_by_holm(p_values: Floats, rest: FamilyRest, seed: int) -> Floats:
     """
     generator = np.random.default_rng(seed)
     rounds = ROUNDS if any(rest.counts) else 1
-    own = p_values.shape[1]
+    tests = p_values.shape[1]
     decided = np.zeros(p_values.shape)
     for _ in range(rounds):
-        whole = np.concatenate([p_values, rest.drawn(len(p_values), generator)], axis=1)
-        decided += holm_rows(whole)[:, :own] < LEVEL
+        family = np.concatenate([p_values, rest.drawn(len(p_values), generator)], axis=1)
+        decided += holm_rows(family)[:, :tests] < LEVEL
     return decided / rounds
 
 
 def detection_shares(
-    results: TestResults, decided: Floats, true: Sequence[bool], *, effect: float
+    results: BlockTests, decided: Floats, true: Sequence[bool], *, effect: float
 ) -> Floats:
     """Return the share of a block's true differences that are found, shape (blocks,).
 

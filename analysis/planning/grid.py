@@ -156,17 +156,17 @@ class Runner:
 
     def cells(self, tasks: Sequence[Task]) -> list[Cell]:
         """Return the cell of each task, in their order; an interrupted run goes on."""
-        found: dict[int, tuple[Power, ...]] = {}
+        powers_of: dict[int, tuple[Power, ...]] = {}
         for number, task in enumerate(tasks):
             if (powers := kept_powers(task, self.folder)) is not None:
-                found[number] = powers
-        waiting = [number for number in range(len(tasks)) if number not in found]
-        self._tell(len(found), len(tasks))
+                powers_of[number] = powers
+        waiting = [number for number in range(len(tasks)) if number not in powers_of]
+        self._tell(len(powers_of), len(tasks))
         for number, powers in self._simulated(tasks, waiting):
             keep_powers(tasks[number], powers, self.folder)
-            found[number] = powers
-            self._tell(len(found), len(tasks))
-        return [Cell(size=task.size, powers=found[n]) for n, task in enumerate(tasks)]
+            powers_of[number] = powers
+            self._tell(len(powers_of), len(tasks))
+        return [Cell(size=task.size, powers=powers_of[n]) for n, task in enumerate(tasks)]
 
     def _tell(self, done: int, total: int) -> None:
         if self.show is not None:

@@ -120,9 +120,9 @@ def _of_comparison(answers: pd.DataFrame) -> Iterator[Spreads]:
 def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
     """Fit conditions, and of participants and segments a mean and a taste for each condition."""
     values = answers["value"].to_numpy(np.float64)
-    given = np.unique(values)
-    if len(given) > MANY:
-        values = np.digitize(values, np.linspace(given[0], given[-1], 6)[1:-1])
+    scores = np.unique(values)
+    if len(scores) > MANY:
+        values = np.digitize(values, np.linspace(scores[0], scores[-1], 6)[1:-1])
     condition = codes(answers, "condition")
     shown = np.unique(condition)
     random = []

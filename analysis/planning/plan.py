@@ -167,10 +167,10 @@ def plan(request: Request, runner: Runner) -> Plan:
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
     if request.own is not None:
-        own = request.own
-        size = sizes.get(own) or request.size(*own)
+        stated = request.own
+        size = sizes.get(stated) or request.size(*stated)
         # Found with at most as much effort as all others.
-        effort = min((task.effort for task in tasks), key=lambda one: one.quick)
+        effort = min((task.effort for task in tasks), key=lambda each: each.quick)
         smallest = _smallest(request, size, cells, effort, replace(runner, show=None))
     first = next(iter(sizes.values()))
     return Plan(
@@ -209,7 +209,7 @@ def _smallest(
             (further[effect],) = runner.cells([task])
         return further[effect]
 
-    found = []
+    smallest = []
     for number, part in enumerate(size.parts):
 
         def power_at(effect: float, number: int = number) -> float:
@@ -221,7 +221,7 @@ def _smallest(
             if cell.powers[number].effect > 0
         }
         effect, reason = smallest_effect(powers or {_FIRST: power_at(_FIRST)}, power_at)
-        found.append(
+        smallest.append(
             Smallest(
                 part=part.name,
                 effect=effect,
@@ -229,7 +229,7 @@ def _smallest(
                 reason=reason,
             )
         )
-    return tuple(found)
+    return tuple(smallest)
 
 
 _FIRST: Final = 0.4

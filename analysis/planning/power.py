@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from analysis.planning.deciding_tests import (
     LEVEL,
+    BlockTests,
     DecidingTests,
     FamilyRest,
-    TestResults,
     decided_by_holm,
     detection_shares,
 )
@@ -141,7 +141,7 @@ class _Pool:
     """Simulated blocks of one part, and the answers of those that models are fitted to."""
 
     tests: DecidingTests
-    quick: TestResults
+    quick: BlockTests
     kept: Floats
     sides: NDArray[np.bool_]
 
@@ -153,7 +153,7 @@ class _Pool:
         width = part.trials.conditions if part.kind != "pairs" else 1
         chunk = max(1, AT_ONCE // max(1, len(part.trials.items) * width))
         keep = effort.exact if any(tests.by_model) else 0
-        results: list[TestResults] = []
+        results: list[BlockTests] = []
         kept: list[Floats] = []
         starts = range(0, effort.quick, chunk)
         seeds = np.random.SeedSequence(seed).spawn(len(starts))
@@ -170,15 +170,15 @@ class _Pool:
         left, right = part.trials.left, part.trials.right
         return cls(
             tests=tests,
-            quick=TestResults.joined(results),
+            quick=BlockTests.joined(results),
             kept=np.concatenate(kept) if kept else np.empty(0),
             sides=np.empty(0, bool) if left is None or right is None else left > right,
         )
 
-    def first(self, count: int) -> TestResults:
-        return TestResults(p_values=self.quick.p_values[:count], signs=self.quick.signs[:count])
+    def first(self, count: int) -> BlockTests:
+        return BlockTests(p_values=self.quick.p_values[:count], signs=self.quick.signs[:count])
 
-    def exact(self, start: int, stop: int) -> TestResults:
+    def exact(self, start: int, stop: int) -> BlockTests:
         return self.tests.exact(self.kept[start:stop].astype(np.float64), self.sides)
 
 
@@ -196,16 +196,16 @@ def _power(
     family = [n for n, other in enumerate(parts) if other.family == part.family]
     counts = tuple(parts[n].blocks - (n == number) for n in family)
 
-    def shares(results: TestResults) -> Mapping[str, Floats]:
-        def of(decided: Floats) -> Floats:
+    def shares(results: BlockTests) -> Mapping[str, Floats]:
+        def share_of(decided: Floats) -> Floats:
             return detection_shares(results, decided, true, effect=effect)
 
         with_effect = FamilyRest(tuple(pools[n].quick.p_values for n in family), counts)
         without = FamilyRest(tuple(nulls[n] for n in family), counts)
         return {
-            "power": of(decided_by_holm(results.p_values, with_effect, seed)),
-            "alone": of(decided_by_holm(results.p_values, without, seed)),
-            "uncorrected": of(np.asarray(results.p_values < LEVEL, np.float64)),
+            "power": share_of(decided_by_holm(results.p_values, with_effect, seed)),
+            "alone": share_of(decided_by_holm(results.p_values, without, seed)),
+            "uncorrected": share_of(np.asarray(results.p_values < LEVEL, np.float64)),
         }
 
     quick = shares(pool.quick)
@@ -225,7 +225,7 @@ def _power(
 
 def _corrected(
     pool: _Pool,
-    shares: Callable[[TestResults], Mapping[str, Floats]],
+    shares: Callable[[BlockTests], Mapping[str, Floats]],
     quick: Mapping[str, Floats],
     effort: Effort,
     step: float,
@@ -240,12 +240,12 @@ def _corrected(
     if not any(pool.tests.by_model):
         means = {name: float(each.mean()) for name, each in quick.items()}
         return means, 0, _error(quick["power"], step)
-    exact: list[TestResults] = []
+    exact: list[BlockTests] = []
     while True:
         done = sum(len(results.p_values) for results in exact)
         exact.append(pool.exact(done, min(done + BATCH, len(pool.kept))))
         done += len(exact[-1].p_values)
-        by_model, by_quick = shares(TestResults.joined(exact)), shares(pool.first(done))
+        by_model, by_quick = shares(BlockTests.joined(exact)), shares(pool.first(done))
         missed = {name: by_model[name] - by_quick[name] for name in quick}
         error = math.hypot(_error(quick["power"], step), _error(missed["power"], step))
         enough = done >= FEWEST_EXACT and error <= effort.precision

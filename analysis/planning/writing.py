@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -63,14 +64,14 @@ def document(plan: Plan) -> dict[str, Any]:
         "seed": request.seed,
         "effort": asdict(plan.effort),
         "sentences": sentences(plan),
-        "smallest": [asdict(one) for one in plan.smallest],
+        "smallest": [asdict(smallest) for smallest in plan.smallest],
         "powers": rows(plan).to_dict("records"),
     }
 
 
 def rows(plan: Plan) -> pd.DataFrame:
     """Return a row for each size, part of the study and effect."""
-    found = []
+    table = []
     for cell in plan.cells:
         for power in cell.powers:
             row: dict[str, object] = {"part": power.part} if any(plan.parts) else {}
@@ -92,8 +93,8 @@ def rows(plan: Plan) -> pd.DataFrame:
             }
             if plan.request.pay is not None:
                 row["cost"] = round(cell.size.recruited * plan.request.pay, 2)
-            found.append(row)
-    return pd.DataFrame(found)
+            table.append(row)
+    return pd.DataFrame(table)
 
 
 def lines(plan: Plan) -> Iterator[str]:
@@ -112,8 +113,8 @@ def lines(plan: Plan) -> Iterator[str]:
                     for cell in cells
                 ]
                 size = f"{participants} x {items}"
-                own = " (as it stands)" if plan.request.own == (participants, items) else ""
-                yield (size + own).ljust(_WIDE) + "".join(f"{one:>14}" for one in powers)
+                mark = " (as it stands)" if plan.request.own == (participants, items) else ""
+                yield (size + mark).ljust(_WIDE) + "".join(f"{power:>14}" for power in powers)
 
 
 _DASHES: Final = ("-", "--", "-.", ":")
@@ -142,27 +143,27 @@ def power_figure(plan: Plan) -> Figure:
         axes.tick_params(labelleft=panel.is_first, left=panel.is_first)
         return {}
 
-    signs = [
+    legend = [
         _line(place, [], [], label=count(items, "segment"))
         for place, items in enumerate(plan.request.items)
     ]
     if _own_size(plan) is not None:
-        signs.append(_ring([], [], label="the study as it stands"))
+        legend.append(_ring([], [], label="the study as it stands"))
     columns = min(3, len(plan.request.effects))
-    what = PanelFigure(
+    panel_figure = PanelFigure(
         descriptions=dict.fromkeys(panels, ()),
         draw=draw,
         height=_HEIGHT,
         columns=columns,
-        legend=signs,
+        legend=legend,
     )
-    return draw_sheet(what, list(panels)).figure
+    return draw_sheet(panel_figure, list(panels)).figure
 
 
 def _own_size(plan: Plan) -> tuple[int, int] | None:
     """Return participants and segments of the study as it stands, where that size is drawn."""
-    own, sizes = plan.request.own, (plan.request.participants, plan.request.items)
-    return own if own is not None and own[0] in sizes[0] and own[1] in sizes[1] else None
+    request = plan.request
+    return request.own if request.own in product(request.participants, request.items) else None
 
 
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
@@ -171,14 +172,16 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
     for place, items in enumerate(plan.request.items):
         cells = [plan.cell(count, items, effect) for count in people]
         powers = [cell.powers[number] for cell in cells if cell is not None]
-        found = [power.power for power in powers]
+        values = [power.power for power in powers]
         colour, _ = series_style(place)
-        axes.add_line(_line(place, people, found))
-        axes.errorbar(people, found, yerr=_reach(powers), fmt="none", ecolor=colour, elinewidth=0.8)
+        axes.add_line(_line(place, people, values))
+        axes.errorbar(
+            people, values, yerr=_margins(powers), fmt="none", ecolor=colour, elinewidth=0.8
+        )
         if own_size is not None and own_size[1] == items:
             count = own_size[0]
-            own = [power for power, each in zip(found, people, strict=True) if each == count]
-            axes.add_line(_ring([count] * len(own), own))
+            ringed = [power for power, each in zip(values, people, strict=True) if each == count]
+            axes.add_line(_ring([count] * len(ringed), ringed))
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.2, 0.4, 0.6, 0.8, 1], ["0", ".2", ".4", ".6", ".8", "1"])
     axes.set_xscale("log")
@@ -225,8 +228,8 @@ def _ring(people: Sequence[float], powers: Sequence[float], label: str = "") -> 
     )
 
 
-def _reach(powers: Sequence[Power]) -> tuple[list[float], list[float]]:
-    """Return how far two errors reach down and up, within what a share can be."""
+def _margins(powers: Sequence[Power]) -> tuple[list[float], list[float]]:
+    """Return two standard errors downwards and upwards, within [0, 1]."""
     return (
         [min(2 * power.error, power.power) for power in powers],
         [min(2 * power.error, 1 - power.power) for power in powers],

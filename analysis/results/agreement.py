@@ -95,9 +95,9 @@ def retest_of(answers: pd.DataFrame) -> Retest:
         }
     )
     keys = ["participant", "segment", *shown]
-    first = rows[rows["kind"] == "practice"].drop_duplicates(keys, keep="last")
-    again = rows[rows["kind"] == "repeat"].drop_duplicates(keys, keep="first")
-    pairs = first.merge(again, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
+    practice = rows[rows["kind"] == "practice"].drop_duplicates(keys, keep="last")
+    repeats = rows[rows["kind"] == "repeat"].drop_duplicates(keys, keep="first")
+    pairs = practice.merge(repeats, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
     return retest_agreement(
         pairs["value_first"].to_numpy(np.int64),
         pairs["value_again"].to_numpy(np.int64),
@@ -117,7 +117,7 @@ def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, .
 
     It does not reveal what they prefer: if everybody answered the opposite, it would be the same.
     """
-    kept = {
+    with_practice = {
         (set_name, question): part
         for set_name, question, part in split_by_question(table, left_out.kept)
     }
@@ -129,7 +129,8 @@ def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, .
             agreement, retest = concordance(rankings), None
             n, participants = len(rankings.ranks), len(np.unique(rankings.participants))
         else:
-            agreement, retest = agreement_of(answers), retest_of(kept[set_name, question])
+            agreement = agreement_of(answers)
+            retest = retest_of(with_practice[set_name, question])
             n, participants = agreement.n, agreement.participants
         agreements.append(
             AgreedSoFar(

@@ -186,7 +186,7 @@ def heterogeneity(
             continue
         participants, segments = codes(part, "participant"), codes(part, "segment")
         names = [str(name) for name in part[by].cat.categories]
-        found = cells(effects, levels, names, participants, segments, null=null, limits=limits)
+        levels_of = cells(effects, levels, names, participants, segments, null=null, limits=limits)
         test = (
             between_segments(effects, participants, segments)
             if by == "segment"
@@ -197,7 +197,7 @@ def heterogeneity(
             by=by,
             measure=measure,
             null=null,
-            levels=tuple(sorted(found, key=lambda cell: cell.level)),
+            levels=tuple(sorted(levels_of, key=lambda cell: cell.level)),
             test=DifferenceTest(**vars(test)),
         )
 

@@ -177,7 +177,7 @@ def _difference(
     truths: Mapping[_Key, float],
     measure: Measure,
     key: ResultKey,
-    found: Estimate,
+    estimate: Estimate,
     decided: bool,
 ) -> KnownDifference:
     # A table without sets may be one part of a study that has several.
@@ -203,6 +203,6 @@ def _difference(
         second="".join(key.names[1:]) or "other speech",
         # The smaller a rank, the better.
         truth=second - first if measure == "mean_rank" else first - second,
-        found=found,
+        found=estimate,
         decided=decided,
     )

@@ -114,10 +114,10 @@ def _why_no_rate(before: Sequence[Look], is_known: bool) -> str:
 
 def _gathered(looks: Sequence[Look]) -> tuple[Look, ...]:
     """Count looks in a row that differ in nothing."""
-    found: list[Look] = []
+    gathered: list[Look] = []
     for look in looks:
-        if found and replace(found[-1], times=look.times) == look:
-            found[-1] = replace(found[-1], times=found[-1].times + look.times)
+        if gathered and replace(gathered[-1], times=look.times) == look:
+            gathered[-1] = replace(gathered[-1], times=gathered[-1].times + look.times)
         else:
-            found.append(look)
-    return tuple(found)
+            gathered.append(look)
+    return tuple(gathered)

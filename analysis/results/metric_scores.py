@@ -128,12 +128,12 @@ def oriented_metrics(
             values = {c: s.value for (name, c), s in scores.items() if name == score.name}
             whole = np.array([values.get(c, math.nan) for c in conditions])
             reference = values.get(recorded or "", math.nan)
-        near = score.better == "near the reference"
+        is_nearness = score.better == "near the reference"
         left_out = {}
         for number, condition in enumerate(conditions):
-            if near and condition == recorded:
+            if is_nearness and condition == recorded:
                 left_out[number] = ITSELF
-            elif near and math.isnan(reference):
+            elif is_nearness and math.isnan(reference):
                 left_out[number] = NOTHING_RECORDED
             elif math.isnan(whole[number]):
                 unscored = scores.get((score.name, condition))
@@ -145,7 +145,7 @@ def oriented_metrics(
             clips=clips,
             whole=whole,
             recorded_clips=recorded_clips,
-            recorded=reference if near else math.nan,
+            recorded=reference if is_nearness else math.nan,
             left_out=left_out,
         )
     return tuple(oriented.values())

@@ -149,7 +149,7 @@ def expected(
     return Expected(full, reduced)
 
 
-def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPreference:
+def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetPreference:
     """Fit ``response ~ s + (0 + s | participant) + (0 + s | segment)``, s = ±1 for the side.
 
     The thresholds absorb what favours a side; ties stay the middle answer.
@@ -158,11 +158,11 @@ def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPr
     ----------
     answers : SidedAnswers
         To one question about one comparison.
-    near : Expected, optional
+    start : Expected, optional
         Where the fits begin. Then they take a third of the time, and there are no standard errors.
     """
-    given = tuple(np.unique(answers.responses).tolist())
-    unknown = NetPreference(n=len(answers.responses), answers_given=given)
+    answers_given = tuple(np.unique(answers.responses).tolist())
+    unknown = NetPreference(n=len(answers.responses), answers_given=answers_given)
     reason = _why_not(answers)
     if reason:
         return replace(unknown, reason=reason)
@@ -172,15 +172,15 @@ def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPr
             answers.responses,
             {"preference": side},
             random,
-            errors=near is None,
-            begin=None if near is None else near.full,
+            errors=start is None,
+            begin=None if start is None else start.full,
         )
         reduced = fit(
             answers.responses,
             {},
             random,
             errors=False,
-            begin=None if near is None else near.reduced,
+            begin=None if start is None else start.reduced,
         )
     except InputError as error:
         return replace(unknown, reason=error.what)

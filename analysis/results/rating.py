@@ -304,10 +304,10 @@ def scores_of(table: AnswerTable) -> tuple[int, ...]:
 
     A scale that is not stated has five points at least.
     """
-    given = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
-    low = min((low for low, _ in table.scales.values()), default=min(1, given[0]))
-    high = max((high for _, high in table.scales.values()), default=max(5, given[-1]))
-    return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(given)
+    scores = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
+    low = min((low for low, _ in table.scales.values()), default=min(1, scores[0]))
+    high = max((high for _, high in table.scales.values()), default=max(5, scores[-1]))
+    return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(scores)
 
 
 def limits_of(table: AnswerTable, question: str) -> tuple[float, float]:

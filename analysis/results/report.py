@@ -142,9 +142,9 @@ class TableReport:
 
     def keys(self) -> dict[str, object]:
         """Return what `results.json` holds, the protocol's results beside everything else."""
-        own: dict[str, object] = {**vars(self)}
-        del own["results"]
-        return own | vars(self.results)
+        document: dict[str, object] = {**vars(self)}
+        del document["results"]
+        return document | vars(self.results)
 
 
 def analyse_table(
@@ -335,9 +335,9 @@ def plain(value: object) -> Plain:
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [plain(one) for one in value]
+        return [plain(item) for item in value]
     raise TypeError(f"{type(value).__name__} has no form in JSON")
 
 

@@ -118,8 +118,8 @@ def _values(protocol: str, answers: pd.DataFrame) -> Floats:
 def _ranks(answers: pd.DataFrame) -> Floats:
     """Return the rank of each placed condition in its ranking, ties sharing theirs."""
     rankings = [codes(answers, "participant"), codes(answers, "segment")]
-    given = pd.Series(answers["value"].to_numpy(np.float64))
-    return given.groupby(rankings).rank(method="average").to_numpy(np.float64)
+    ranks = pd.Series(answers["value"].to_numpy(np.float64))
+    return ranks.groupby(rankings).rank(method="average").to_numpy(np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -88,12 +88,12 @@ def krippendorff_alpha(
     cells = np.bincount(rows * len(domain) + codes, minlength=count * len(domain))
     coincidences = _coincidences(cells.reshape(count, len(domain)).astype(np.float64))
     [estimate] = _alphas(coincidences.sum(axis=0)[None])
-    found = replace(unknown, estimate=float(estimate))
+    alpha = replace(unknown, estimate=float(estimate))
     if count < 2:
-        return replace(found, reason="one item gives no interval")
-    drawn = [_alphas(one) for one in _drawn_tables(coincidences, resamples, seed)]
+        return replace(alpha, reason="one item gives no interval")
+    drawn = [_alphas(tables) for tables in _drawn_tables(coincidences, resamples, seed)]
     low, high = percentile_interval(np.concatenate(drawn))
-    return replace(found, low=low, high=high, method=f"bootstrap over items, {resamples} resamples")
+    return replace(alpha, low=low, high=high, method=f"bootstrap over items, {resamples} resamples")
 
 
 def _coincidences(counts: Floats) -> Floats:
@@ -112,9 +112,9 @@ def _alphas(coincidences: Floats) -> Floats:
     totals = coincidences.sum(axis=2)
     count = totals.sum(axis=1)
     middles = np.cumsum(totals, axis=1) - totals / 2
-    apart = (middles[:, :, None] - middles[:, None, :]) ** 2
-    observed = np.einsum("tij,tij->t", coincidences, apart)
-    expected = np.einsum("ti,tj,tij->t", totals, totals, apart) / (count - 1)
+    squared_distances = (middles[:, :, None] - middles[:, None, :]) ** 2
+    observed = np.einsum("tij,tij->t", coincidences, squared_distances)
+    expected = np.einsum("ti,tj,tij->t", totals, totals, squared_distances) / (count - 1)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(expected > 0, 1 - observed / expected, math.nan)
 
@@ -147,45 +147,45 @@ class Retest(Interval):
 
 def retest_agreement(
     first: NDArray[np.integer],
-    again: NDArray[np.integer],
+    repeat: NDArray[np.integer],
     participants: NDArray[np.generic],
 ) -> Retest:
     """Compare the answers to trials with those to their repeats (Cohen 1968).
 
     Parameters
     ----------
-    first, again : ndarray of int, shape (N,)
+    first, repeat : ndarray of int, shape (N,)
         Answers as equally spaced numbers.
     participants : ndarray, shape (N,)
         Who gave them.
     """
-    before, after = np.asarray(first, np.int64), np.asarray(again, np.int64)
-    who = np.unique(participants, return_inverse=True)[1]
-    people = int(who.max(initial=-1)) + 1
-    unknown = Retest(n=len(before), participants=people)
-    if not len(before):
+    first_values, repeat_values = np.asarray(first, np.int64), np.asarray(repeat, np.int64)
+    person = np.unique(participants, return_inverse=True)[1]
+    count = int(person.max(initial=-1)) + 1
+    unknown = Retest(n=len(first_values), participants=count)
+    if not len(first_values):
         return replace(unknown, reason="no trial was answered again")
-    lowest = int(min(before.min(), after.min()))
-    scores = int(max(before.max(), after.max())) - lowest + 1
-    cells = (who * scores + before - lowest) * scores + after - lowest
-    tables = np.bincount(cells, minlength=people * scores**2).astype(np.float64)
-    tables = tables.reshape(people, scores, scores)
+    lowest = int(min(first_values.min(), repeat_values.min()))
+    scores = int(max(first_values.max(), repeat_values.max())) - lowest + 1
+    cells = (person * scores + first_values - lowest) * scores + repeat_values - lowest
+    tables = np.bincount(cells, minlength=count * scores**2).astype(np.float64)
+    tables = tables.reshape(count, scores, scores)
     [kappa] = _kappas(tables.sum(axis=0)[None])
-    found = replace(
+    retest = replace(
         unknown,
         estimate=float(kappa),
-        spearman=_spearman(before, after),
-        equal_share=float((before == after).mean()),
+        spearman=_spearman(first_values, repeat_values),
+        equal_share=float((first_values == repeat_values).mean()),
     )
-    if people < 2:
-        return replace(found, reason="one participant gives no interval")
-    if math.isnan(found.estimate):
-        return replace(found, reason="all answers alike")
-    drawn = [_kappas(one) for one in _drawn_tables(tables, RESAMPLES, 0)]
+    if count < 2:
+        return replace(retest, reason="one participant gives no interval")
+    if math.isnan(retest.estimate):
+        return replace(retest, reason="all answers alike")
+    drawn = [_kappas(resampled) for resampled in _drawn_tables(tables, RESAMPLES, 0)]
     low, high = percentile_interval(np.concatenate(drawn))
-    reason = "one side's answers are all alike" if math.isnan(found.spearman) else ""
+    reason = "one side's answers are all alike" if math.isnan(retest.spearman) else ""
     method = f"bootstrap over participants, {RESAMPLES} resamples"
-    return replace(found, low=low, high=high, method=method, reason=reason)
+    return replace(retest, low=low, high=high, method=method, reason=reason)
 
 
 def _kappas(tables: Floats) -> Floats:
@@ -200,10 +200,10 @@ def _kappas(tables: Floats) -> Floats:
         return np.where(expected > 0, 1 - observed / expected, math.nan)
 
 
-def _spearman(first: NDArray[np.int64], again: NDArray[np.int64]) -> float:
-    if not (np.ptp(first) and np.ptp(again)):
+def _spearman(first: NDArray[np.int64], repeat: NDArray[np.int64]) -> float:
+    if not (np.ptp(first) and np.ptp(repeat)):
         return math.nan
-    return float(stats.spearmanr(first, again).statistic)
+    return float(stats.spearmanr(first, repeat).statistic)
 
 
 def _drawn_tables(tables: Floats, resamples: int, seed: int) -> Iterator[Floats]:

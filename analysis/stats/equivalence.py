@@ -79,22 +79,24 @@ def equivalence(
         If the margin is not above zero, or infinite.
     """
     require_margin(margin)
-    found = Equivalence(margin=margin, estimate=estimate, standard_error=standard_error, df=df, n=n)
+    unknown = Equivalence(
+        margin=margin, estimate=estimate, standard_error=standard_error, df=df, n=n
+    )
     if not math.isfinite(estimate):
-        return replace(found, reason="the difference is unknown")
+        return replace(unknown, reason="the difference is unknown")
     if not (math.isfinite(standard_error) and standard_error > 0):
-        return replace(found, reason="the difference has no standard error")
+        return replace(unknown, reason="the difference has no standard error")
     if not df > 0:
-        return replace(found, reason="the error has no degrees of freedom")
+        return replace(unknown, reason="the error has no degrees of freedom")
     law = stats.t(df)
-    reach = float(law.ppf(1 - LEVEL)) * standard_error
+    half_width = float(law.ppf(1 - LEVEL)) * standard_error
     above = float(law.sf((estimate + margin) / standard_error))
     below = float(law.cdf((estimate - margin) / standard_error))
     different = float(2 * law.sf(abs(estimate) / standard_error)) < LEVEL
     return replace(
-        found,
-        low=estimate - reach,
-        high=estimate + reach,
+        unknown,
+        low=estimate - half_width,
+        high=estimate + half_width,
         p_value=max(above, below),
         verdict=_verdict(max(above, below) < LEVEL, different),
         method=NORMAL if math.isinf(df) else STUDENT,
@@ -116,13 +118,15 @@ def require_margin(margin: float) -> None:
         )
 
 
-def equivalence_of(found: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
+def equivalence_of(estimate: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
     """Test whether an estimate with a clustered interval is as near to `null` as the margin."""
-    test = equivalence(found.estimate - null, found.standard_error, margin, df=found.df, n=found.n)
+    test = equivalence(
+        estimate.estimate - null, estimate.standard_error, margin, df=estimate.df, n=estimate.n
+    )
     return replace(
         test,
-        method=f"{test.method}, {found.method}" if test.method else "",
-        reason=found.reason or test.reason,
+        method=f"{test.method}, {estimate.method}" if test.method else "",
+        reason=estimate.reason or test.reason,
     )
 
 
@@ -139,16 +143,16 @@ def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
     differences = finite(differences)
     count = len(differences)
     if count < 2:
-        alone = float(differences[0]) if count else math.nan
-        found = equivalence(alone, math.nan, margin, n=count)
-        return replace(found, df=math.nan, reason="fewer than two participants")
+        mean = float(differences[0]) if count else math.nan
+        result = equivalence(mean, math.nan, margin, n=count)
+        return replace(result, df=math.nan, reason="fewer than two participants")
     spread = float(differences.std(ddof=1))
     if spread <= ROUNDING * float(np.abs(differences).max()):
         spread = 0.0
-    found = equivalence(
+    result = equivalence(
         float(differences.mean()), spread / math.sqrt(count), margin, df=count - 1, n=count
     )
-    return found if spread else replace(found, reason="all participants differ alike")
+    return result if spread else replace(result, reason="all participants differ alike")
 
 
 def _verdict(equivalent: bool, different: bool) -> Verdict:

@@ -68,21 +68,26 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
     """
     values = finite(values)
     means = group_means(values, participants), group_means(values, items)
-    for own, one in zip(means, ("participant", "segment"), strict=True):
-        if len(own) < 2:
-            return FTest(reason=f"one {one}" if len(own) else "no answers")
+    for group_mean, name in zip(means, ("participant", "segment"), strict=True):
+        if len(group_mean) < 2:
+            return FTest(reason=f"one {name}" if len(group_mean) else "no answers")
     if not values.any():
         return FTest(reason="all answers are zero")
-    variances = [_variance(own) for own in means]
+    variances = [_variance(group_mean) for group_mean in means]
     if not sum(variances):
         return FTest(reason="all answers alike")
-    rests = len(means[0]) - 1, len(means[1]) - 1
+    dfs_rest = len(means[0]) - 1, len(means[1]) - 1
     noise = [1 / f if f else math.inf for f in map(_f, means, variances)]
-    return joined(noise, 1, rests, df_of_zero=_df(variances, rests))
+    return joined(noise, 1, dfs_rest, df_of_zero=_df(variances, dfs_rest))
 
 
 def joined(
-    noise: Sequence[float], df: int, rests: Sequence[float], *, df_of_zero: float, method: str = ""
+    noise: Sequence[float],
+    df: int,
+    dfs_rest: Sequence[float],
+    *,
+    df_of_zero: float,
+    method: str = "",
 ) -> FTest:
     """Join two F tests of one difference into min F′ = 1 / (1 / F1 + 1 / F2).
 
@@ -92,16 +97,16 @@ def joined(
         1 / F1 and 1 / F2, of which one is above zero; infinite where there is no difference.
     df : int
         Degrees of freedom of the difference.
-    rests : sequence of float
+    dfs_rest : sequence of float
         Those of what each is compared with.
     df_of_zero : float
         Those of min F′ where it is zero.
     """
     if math.isinf(sum(noise)):
         return FTest(statistic=0.0, df=df, df_rest=df_of_zero, p_value=1.0, method=method)
-    statistic, rest = 1 / sum(noise), _df(noise, rests)
-    p_value = float(stats.f.sf(statistic, df, rest))
-    return FTest(statistic=statistic, df=df, df_rest=rest, p_value=p_value, method=method)
+    statistic, df_rest = 1 / sum(noise), _df(noise, dfs_rest)
+    p_value = float(stats.f.sf(statistic, df, df_rest))
+    return FTest(statistic=statistic, df=df, df_rest=df_rest, p_value=p_value, method=method)
 
 
 def _variance(means: Floats) -> float:
@@ -119,9 +124,9 @@ def _f(means: Floats, variance: float) -> float:
     return centre**2 / variance if variance else math.inf
 
 
-def _df(variances: Sequence[float], rests: Sequence[float]) -> float:
+def _df(variances: Sequence[float], dfs_rest: Sequence[float]) -> float:
     """Return the degrees of freedom of a sum of two variances (Satterthwaite 1946)."""
-    squares = (one**2 / rest for one, rest in zip(variances, rests, strict=True))
+    squares = (variance**2 / df_rest for variance, df_rest in zip(variances, dfs_rest, strict=True))
     return float(sum(variances) ** 2 / sum(squares))
 
 
@@ -147,20 +152,20 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
     units = np.unique(segments * count + group, return_inverse=True)[1]
     by_segment = group_means(values, units)
     of_segment = group_means(group.astype(np.float64), units).astype(np.intp)
-    rest = len(by_segment) - count
+    df_rest = len(by_segment) - count
     if len(by_person) < 2:
         return FTest(reason="fewer than two participants answered about every group")
-    if rest < 1:
+    if df_rest < 1:
         return FTest(reason="one segment in every group")
     people_f = _within_people(by_person)
-    segments_f = _one_way(by_segment, of_segment, rest)
+    segments_f = _one_way(by_segment, of_segment, df_rest)
     if math.isnan(people_f) or math.isnan(segments_f):
         return FTest(reason="all answers alike")
     noise = [1 / f if f else math.inf for f in (people_f, segments_f)]
     if not sum(noise):
         return FTest(reason="all answers of a group alike")
-    rests = (count - 1) * (len(by_person) - 1), rest
-    return joined(noise, count - 1, rests, df_of_zero=min(rests), method=MIN_F)
+    dfs_rest = (count - 1) * (len(by_person) - 1), df_rest
+    return joined(noise, count - 1, dfs_rest, df_of_zero=min(dfs_rest), method=MIN_F)
 
 
 def between_segments(values: Floats, participants: Codes, segments: Codes) -> FTest:
@@ -176,49 +181,49 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> FT
     participants, segments : ndarray of int, shape (N,)
         Who gave each, about which segment.
     """
-    who = np.unique(participants, return_inverse=True)[1]
-    what = np.unique(segments, return_inverse=True)[1]
-    count = int(what.max(initial=-1)) + 1
+    person = np.unique(participants, return_inverse=True)[1]
+    segment = np.unique(segments, return_inverse=True)[1]
+    count = int(segment.max(initial=-1)) + 1
     if count < 2:
         return FTest(reason="one segment")
-    cells, cell = np.unique(who * count + what, return_inverse=True)
-    y, who, what = group_means(values, cell), cells // count, cells % count
+    cells, cell = np.unique(person * count + segment, return_inverse=True)
+    y, person, segment = group_means(values, cell), cells // count, cells % count
     y = y - y.mean()
-    table = sparse.coo_array((np.ones(len(y)), (who, what))).tocsr()
+    table = sparse.coo_array((np.ones(len(y)), (person, segment))).tocsr()
     by_person = np.asarray(table.sum(axis=1)).ravel()
-    person_means = np.bincount(who, weights=y) / by_person
+    person_means = np.bincount(person, weights=y) / by_person
     within = float(y @ y - by_person @ person_means**2)
     # Segments with participants taken out: normal equations of the additive model.
     shared = (table.T @ (table / by_person[:, None])).toarray()
-    design = np.diag(np.bincount(what).astype(np.float64)) - shared
-    right = np.bincount(what, weights=y) - table.T @ person_means
-    freedom = int(np.linalg.matrix_rank(design, hermitian=True))
-    explained = float(right @ np.linalg.lstsq(design, right, rcond=None)[0])
-    rest = len(y) - len(by_person) - freedom
-    if freedom < 1 or rest < 1:
+    design = np.diag(np.bincount(segment).astype(np.float64)) - shared
+    target = np.bincount(segment, weights=y) - table.T @ person_means
+    df = int(np.linalg.matrix_rank(design, hermitian=True))
+    explained = float(target @ np.linalg.lstsq(design, target, rcond=None)[0])
+    df_rest = len(y) - len(by_person) - df
+    if df < 1 or df_rest < 1:
         return FTest(reason="too few participants share segments to tell them apart")
     noise = within - explained
     if noise <= NOTHING * float(y @ y):
         return FTest(reason="participants differ alike in every segment")
-    statistic = max(0.0, explained) / freedom / (noise / rest)
+    statistic = max(0.0, explained) / df / (noise / df_rest)
     return FTest(
         statistic=statistic,
-        df=freedom,
-        df_rest=rest,
-        p_value=float(stats.f.sf(statistic, freedom, rest)),
+        df=df,
+        df_rest=df_rest,
+        p_value=float(stats.f.sf(statistic, df, df_rest)),
         method=WITHIN,
     )
 
 
 def _complete_means(values: Floats, group: Codes, participants: Codes, count: int) -> Floats:
     """Return the means by participant and group, of those who answered about every group."""
-    who = np.unique(participants, return_inverse=True)[1]
-    place = who * count + group
-    size = (int(who.max(initial=-1)) + 1) * count
-    times = np.bincount(place, minlength=size).reshape(-1, count)
-    sums = np.bincount(place, weights=values, minlength=size).reshape(-1, count)
-    complete = (times > 0).all(axis=1)
-    return np.asarray(sums[complete] / times[complete], np.float64)
+    person = np.unique(participants, return_inverse=True)[1]
+    cell = person * count + group
+    size = (int(person.max(initial=-1)) + 1) * count
+    counts = np.bincount(cell, minlength=size).reshape(-1, count)
+    sums = np.bincount(cell, weights=values, minlength=size).reshape(-1, count)
+    complete = (counts > 0).all(axis=1)
+    return np.asarray(sums[complete] / counts[complete], np.float64)
 
 
 def _within_people(means: Floats) -> float:
@@ -227,23 +232,23 @@ def _within_people(means: Floats) -> float:
     centred = means - means.mean(axis=1, keepdims=True)
     columns = centred.mean(axis=0)
     between = people * float(columns @ columns) / (count - 1)
-    rest = float(((centred - columns) ** 2).sum()) / ((count - 1) * (people - 1))
-    return _ratio(between, rest, float((centred**2).sum()))
+    residual = float(((centred - columns) ** 2).sum()) / ((count - 1) * (people - 1))
+    return _ratio(between, residual, float((centred**2).sum()))
 
 
-def _one_way(means: Floats, group: Codes, rest: int) -> float:
+def _one_way(means: Floats, group: Codes, df_rest: int) -> float:
     """Return F between groups of segments' means; NaN where all are alike."""
     sizes = np.bincount(group)
     centres = np.bincount(group, weights=means) / sizes
     spread = float(((means - means.mean()) ** 2).sum())
     inside = float(((means - centres[group]) ** 2).sum())
-    return _ratio((spread - inside) / (len(sizes) - 1), inside / rest, spread)
+    return _ratio((spread - inside) / (len(sizes) - 1), inside / df_rest, spread)
 
 
-def _ratio(between: float, rest: float, total: float) -> float:
+def _ratio(between: float, residual: float, total: float) -> float:
     """Return a quotient of variances, of which rounding is none."""
     if not total:
         return math.nan
     if between <= NOTHING * total:
         return 0.0
-    return math.inf if rest <= NOTHING * total else between / rest
+    return math.inf if residual <= NOTHING * total else between / residual

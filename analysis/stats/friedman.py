@@ -126,20 +126,20 @@ def compare_pairs(blocks: Blocks) -> tuple[PairwiseRanks, ...]:
     Holm's corrections are over all pairs returned.
     """
     whole = friedman(blocks)
-    found = [
+    pairs = [
         _pair(blocks, a, b, whole.reason) for a, b in combinations(range(len(blocks.conditions)), 2)
     ]
-    corrected = holm([one.conover_p for one in found]), holm([one.wilcoxon_p for one in found])
+    corrected = holm([pair.conover_p for pair in pairs]), holm([pair.wilcoxon_p for pair in pairs])
     return tuple(
         replace(pair, conover_holm=conover, wilcoxon_holm=wilcoxon)
-        for pair, conover, wilcoxon in zip(found, *corrected, strict=True)
+        for pair, conover, wilcoxon in zip(pairs, *corrected, strict=True)
     )
 
 
 def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
     count, width = blocks.means.shape
     ranks = signed_rank(blocks.means[:, a] - blocks.means[:, b])
-    found = PairwiseRanks(
+    comparison = PairwiseRanks(
         a=blocks.conditions[a],
         b=blocks.conditions[b],
         wilcoxon_p=ranks.p_value,
@@ -147,22 +147,22 @@ def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
         reason=reason or ranks.reason,
     )
     if reason:
-        return found
+        return comparison
     means = blocks.ranks.mean(axis=0)
     difference = float(means[b] - means[a])
-    ranged = abs(difference) / math.sqrt(width * (width + 1) / (12 * count))
+    studentized = abs(difference) / math.sqrt(width * (width + 1) / (12 * count))
     # What is left of the ranks' variance within participants once conditions are taken out.
-    rest = float((blocks.ranks**2).sum()) - count * float((means**2).sum())
+    residual = float((blocks.ranks**2).sum()) - count * float((means**2).sum())
     freedom = (count - 1) * (width - 1)
-    error = math.sqrt(2 * max(rest, 0.0) / (count * freedom))
+    error = math.sqrt(2 * max(residual, 0.0) / (count * freedom))
     if error > 1e-9:
         conover = float(2 * stats.t.sf(abs(difference) / error, freedom))
     else:
         conover = 1.0 if difference == 0 else 0.0
     return replace(
-        found,
+        comparison,
         difference=difference,
-        nemenyi_p=float(np.clip(stats.studentized_range.sf(ranged, width, np.inf), 0, 1)),
+        nemenyi_p=float(np.clip(stats.studentized_range.sf(studentized, width, np.inf), 0, 1)),
         conover_p=conover,
     )
 
@@ -237,9 +237,9 @@ def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
     segments = tuple(
         _of_segment(rankings, number, name) for number, name in enumerate(rankings.segment_names)
     )
-    known = [found.estimate for found in segments if not found.reason]
+    known = [concordance.estimate for concordance in segments if not concordance.reason]
     overall = friedman(blocks_of_rankings(rankings))
-    found = Concordance(
+    concordance = Concordance(
         estimate=float(np.mean(known)) if known else math.nan,
         overall=overall.kendall_w,
         n=overall.n,
@@ -248,11 +248,11 @@ def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
     )
     if len(known) < 2:
         few = "one segment gives no interval" if known else "no segment was ranked by two"
-        return replace(found, reason=overall.reason or few)
+        return replace(concordance, reason=overall.reason or few)
     drawn = resampled_concordance(rankings, resamples=resamples, seed=seed)
     low, high = percentile_interval(drawn)
     return replace(
-        found,
+        concordance,
         low=low,
         high=high,
         method=f"bootstrap over participants and segments, {resamples} resamples",
@@ -260,15 +260,15 @@ def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
 
 
 def _of_segment(rankings: Placements, number: int, name: str) -> SegmentConcordance:
-    own = rankings.segments == number
-    complete = own & rankings.complete
+    rows = rankings.segments == number
+    complete = rows & rankings.complete
     test = friedman(Blocks(conditions=rankings.conditions, means=-rankings.ranks[complete]))
     return SegmentConcordance(
         segment=name,
         estimate=test.kendall_w,
         p_value=test.p_value,
         n=test.n,
-        incomplete=int((own & ~complete).sum()),
+        incomplete=int((rows & ~complete).sum()),
         reason=test.reason,
     )
 

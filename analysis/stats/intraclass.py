@@ -90,28 +90,31 @@ def intraclass_correlation(
         If somebody answered twice about an item.
     """
     y = finite(values)
-    who, what = pd.factorize(raters)[0], pd.factorize(items)[0]
-    people, things = int(who.max(initial=-1)) + 1, int(what.max(initial=-1)) + 1
-    if pd.Series(what * people + who).duplicated().any():
+    rater_codes, item_codes = pd.factorize(raters)[0], pd.factorize(items)[0]
+    rater_count, item_count = (
+        int(rater_codes.max(initial=-1)) + 1,
+        int(item_codes.max(initial=-1)) + 1,
+    )
+    if pd.Series(item_codes * rater_count + rater_codes).duplicated().any():
         raise InputError(
             "a participant answered twice about an item",
             remedy="Measure agreement for one question and one comparison at a time",
         )
-    complete = len(y) == people * things
+    complete = len(y) == rater_count * item_count
     unknown = Intraclass(
-        participants_per_item=float(stats.hmean(np.bincount(what))) if len(y) else math.nan,
+        participants_per_item=float(stats.hmean(np.bincount(item_codes))) if len(y) else math.nan,
         n=len(y),
-        items=things,
-        participants=people,
+        items=item_count,
+        participants=rater_count,
     )
-    reason = _why_not(y, things, people)
+    reason = _why_not(y, item_count, rater_count)
     if reason:
         return _without(unknown, reason)
-    variances = _variances(y, who, what)
+    variances = _variances(y, rater_codes, item_codes)
     if variances is None:
         return _without(unknown, TOO_FEW)
     item, rater, residual = variances
-    found = replace(
+    components = replace(
         unknown,
         item_variance=item,
         rater_variance=rater,
@@ -119,12 +122,12 @@ def intraclass_correlation(
         method=COMPLETE if complete else INCOMPLETE,
     )
     if item + rater + residual <= 0 or residual < 0:
-        return _without(found, "the variances come out negative")
+        return _without(components, "the variances come out negative")
     estimate = item / (item + rater + residual)
-    low, high = _interval(found, estimate, float(stats.hmean(np.bincount(who))))
-    mean_of = found.participants_per_item
+    low, high = _interval(components, estimate, float(stats.hmean(np.bincount(rater_codes))))
+    mean_of = components.participants_per_item
     return replace(
-        found,
+        components,
         single=Interval(estimate=estimate, low=low, high=high),
         average=Interval(
             estimate=_of_the_mean(estimate, mean_of),
@@ -134,9 +137,9 @@ def intraclass_correlation(
     )
 
 
-def _without(found: Intraclass, reason: str) -> Intraclass:
+def _without(components: Intraclass, reason: str) -> Intraclass:
     missing = Interval(reason=reason)
-    return replace(found, single=missing, average=missing, reason=reason)
+    return replace(components, single=missing, average=missing, reason=reason)
 
 
 def _why_not(y: Floats, items: int, raters: int) -> str:
@@ -154,60 +157,62 @@ def _why_not(y: Floats, items: int, raters: int) -> str:
 
 
 def _variances(
-    y: Floats, who: NDArray[np.intp], what: NDArray[np.intp]
+    y: Floats, raters: NDArray[np.intp], items: NDArray[np.intp]
 ) -> tuple[float, float, float] | None:
     """Return the variances between items, between raters and of the rest (Henderson's method 1).
 
     Each of four sums of squares is, on average, a known mixture of them.
     """
     count = len(y)
-    by_item, by_rater = np.bincount(what), np.bincount(who)
+    by_item, by_rater = np.bincount(items), np.bincount(raters)
     centred = y - y.mean()
     squares = np.array(
         [
             centred @ centred,
-            np.sum(np.bincount(what, weights=centred) ** 2 / by_item),
-            np.sum(np.bincount(who, weights=centred) ** 2 / by_rater),
+            np.sum(np.bincount(items, weights=centred) ** 2 / by_item),
+            np.sum(np.bincount(raters, weights=centred) ** 2 / by_rater),
         ]
     )
-    items, raters = (by_item**2).sum() / count, (by_rater**2).sum() / count
+    item_share, rater_share = (by_item**2).sum() / count, (by_rater**2).sum() / count
     mixture = np.array(
         [
-            [count - items, count - raters, count - 1],
-            [count - items, len(by_item) - raters, len(by_item) - 1],
-            [len(by_rater) - items, count - raters, len(by_rater) - 1],
+            [count - item_share, count - rater_share, count - 1],
+            [count - item_share, len(by_item) - rater_share, len(by_item) - 1],
+            [len(by_rater) - item_share, count - rater_share, len(by_rater) - 1],
         ]
     )
     if np.linalg.matrix_rank(mixture) < 3:
         return None
-    found = np.linalg.solve(mixture, squares)
+    components = np.linalg.solve(mixture, squares)
     # What rounding leaves of a variance is none.
-    found[np.abs(found) < 1e-12 * np.abs(found).max()] = 0.0
-    item, rater, residual = found.tolist()
+    components[np.abs(components) < 1e-12 * np.abs(components).max()] = 0.0
+    item, rater, residual = components.tolist()
     return item, rater, residual
 
 
-def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tuple[float, float]:
+def _interval(
+    components: Intraclass, estimate: float, items_per_rater: float
+) -> tuple[float, float]:
     """Return the 95% interval of the single correlation (McGraw & Wong 1996, case A,1)."""
-    if not found.rater_variance and not found.residual_variance:
+    if not components.rater_variance and not components.residual_variance:
         return 1.0, 1.0
-    k, n = found.participants_per_item, items_per_rater
-    noise = found.residual_variance
+    k, n = components.participants_per_item, items_per_rater
+    noise = components.residual_variance
     # An effect of less than nothing leaves its mean square as large as the noise.
-    between = max(k * found.item_variance + noise, 0.0)
-    raters = max(n * found.rater_variance + noise, 0.0)
-    rest = found.n - found.items - found.participants + 1
+    between = max(k * components.item_variance + noise, 0.0)
+    raters = max(n * components.rater_variance + noise, 0.0)
+    df_rest = components.n - components.items - components.participants + 1
     correlation = min(max(estimate, 0.0), 1 - 1e-9)
     a = k * correlation / (n * (1 - correlation))
     b = 1 + a * (n - 1)
     of_raters, of_rest = a * raters, b * noise
-    freedom = float(rest)
+    freedom = float(df_rest)
     if of_raters:
         freedom = (of_raters + of_rest) ** 2 / (
-            of_raters**2 / (found.participants - 1) + of_rest**2 / rest
+            of_raters**2 / (components.participants - 1) + of_rest**2 / df_rest
         )
-    high_f = stats.f.ppf(0.975, found.items - 1, freedom)
-    low_f = stats.f.ppf(0.975, freedom, found.items - 1)
+    high_f = stats.f.ppf(0.975, components.items - 1, freedom)
+    low_f = stats.f.ppf(0.975, freedom, components.items - 1)
     mixed = k * raters + (k * n - k - n) * noise
     low = n * (between - high_f * noise) / (high_f * mixed + n * between)
     high = n * (low_f * between - noise) / (mixed + n * low_f * between)

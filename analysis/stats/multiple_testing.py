@@ -74,15 +74,15 @@ def false_positive_rate(looks: Sequence[int]) -> float:
         raise ValueError("a look needs participants")
     limit = NormalDist().inv_cdf(1 - LEVEL / 2)
     # Where the walk may stand after a look without having been found, and how likely that is.
-    places, likely = np.zeros(1), np.ones(1)
-    before = 0
+    positions, weights_of = np.zeros(1), np.ones(1)
+    previous = 0
     for number in numbers:
-        step = math.sqrt(number - before)
+        step = math.sqrt(number - previous)
         nodes, weights = _nodes(limit * math.sqrt(number), step)
-        density = np.exp(-(((nodes[:, None] - places) / step) ** 2) / 2)
-        likely = weights * (density @ likely) / (step * math.sqrt(2 * math.pi))
-        places, before = nodes, number
-    return 1 - float(likely.sum())
+        density = np.exp(-(((nodes[:, None] - positions) / step) ** 2) / 2)
+        weights_of = weights * (density @ weights_of) / (step * math.sqrt(2 * math.pi))
+        positions, previous = nodes, number
+    return 1 - float(weights_of.sum())
 
 
 def equally_spaced(looks: int) -> float:
@@ -92,8 +92,8 @@ def equally_spaced(looks: int) -> float:
 
 def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
     """Return points and weights of an integral from `-end` to `end` over what varies by `step`."""
-    wanted = NODES_PER_STEP * 2 * end / step
-    count = FEWEST_NODES * math.ceil(wanted / FEWEST_NODES)
+    needed = NODES_PER_STEP * 2 * end / step
+    count = FEWEST_NODES * math.ceil(needed / FEWEST_NODES)
     nodes, weights = _legendre(min(count, MOST_NODES))
     return end * nodes, end * weights
 

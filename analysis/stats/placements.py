@@ -70,20 +70,20 @@ class Placements:
         if len(cells) == len(self.given):
             return self
         cell = cell.ravel()
-        there = ~np.isnan(self.given)
+        placed = ~np.isnan(self.given)
         sums, counts = np.zeros((2, len(cells), len(self.conditions)))
-        np.add.at(sums, cell, np.where(there, self.ranks, 0.0))
-        np.add.at(counts, cell, there)
+        np.add.at(sums, cell, np.where(placed, self.ranks, 0.0))
+        np.add.at(counts, cell, placed)
         with np.errstate(invalid="ignore"):
             means = sums / counts
         return replace(self, given=means, participants=cells[:, 0], segments=cells[:, 1])
 
     def _compared(self, how: np.ufunc) -> Floats:
-        found = np.zeros_like(self.given)
+        counts = np.zeros_like(self.given)
         for other in range(len(self.conditions)):
-            found += how(self.given[:, [other]], self.given)
-        found[np.isnan(self.given)] = np.nan
-        return found
+            counts += how(self.given[:, [other]], self.given)
+        counts[np.isnan(self.given)] = np.nan
+        return counts
 
 
 def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
@@ -102,36 +102,30 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     InputError
         If a ranking places a condition twice.
     """
-    columns = condition_columns(answers["condition"], conditions)
-    own = columns >= 0
-    people, participant_names = pd.factorize(answers["participant"][own])
-    things, segment_names = pd.factorize(answers["segment"][own])
-    trials = pd.factorize(answers["trial"][own])[0] if "trial" in answers else np.zeros_like(people)
-    named = np.column_stack([people, things, trials])
-    cells, rows = np.unique(named, axis=0, return_inverse=True)
+    columns = pd.Categorical(answers["condition"], categories=list(conditions)).codes
+    known = columns >= 0
+    answers, columns = answers[known], columns[known].astype(np.intp)
+    participants, participant_names = pd.factorize(answers["participant"])
+    segments, segment_names = pd.factorize(answers["segment"])
+    trials = pd.factorize(answers["trial"])[0] if "trial" in answers else np.zeros_like(segments)
+    keys = np.column_stack([participants, segments, trials])
+    rankings, rows = np.unique(keys, axis=0, return_inverse=True)
     rows = rows.ravel()
-    given = np.full((len(cells), len(conditions)), np.nan)
-    if pd.Series(rows * len(conditions) + columns[own]).duplicated().any():
+    ranks = np.full((len(rankings), len(conditions)), np.nan)
+    if pd.Series(rows * len(conditions) + columns).duplicated().any():
         raise InputError(
             "a participant placed a condition twice in one ranking",
             remedy="Summarise one question and one set at a time",
         )
-    given[rows, columns[own]] = answers["rank"].to_numpy(np.float64)[own]
+    ranks[rows, columns] = answers["rank"].to_numpy(np.float64)
     return Placements(
         conditions=tuple(conditions),
-        given=given,
-        participants=cells[:, 0],
-        segments=cells[:, 1],
+        given=ranks,
+        participants=rankings[:, 0],
+        segments=rankings[:, 1],
         participant_names=tuple(map(str, participant_names)),
         segment_names=tuple(map(str, segment_names)),
     )
-
-
-def condition_columns(names: pd.Series[str], conditions: Sequence[str]) -> NDArray[np.intp]:
-    """Return the place of each name among `conditions`, -1 for those that are not there."""
-    codes, kinds = pd.factorize(names)
-    place = {condition: number for number, condition in enumerate(conditions)}
-    return np.array([place.get(kind, -1) for kind in kinds], np.intp)[codes]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,24 +170,28 @@ def rank_summaries(rankings: Placements) -> tuple[RankSummary, ...]:
 
 
 def _summary(rankings: Placements, column: int, condition: str) -> RankSummary:
-    places = len(rankings.conditions)
-    there = ~np.isnan(rankings.given[:, column])
-    better, tied = rankings.better[there, column], rankings.tied[there, column]
-    who, what = rankings.participants[there], rankings.segments[there]
-    place = np.arange(1, places + 1)
-    held = ((better[:, None] < place) & (place <= (better + tied)[:, None])) / tied[:, None]
-    count = int(there.sum())
-    percent = (100 * held.mean(axis=0)).tolist() if count else [math.nan] * places
-    partial = int((there & ~rankings.complete).sum())
+    count = len(rankings.conditions)
+    placed = ~np.isnan(rankings.given[:, column])
+    better, tied = rankings.better[placed, column], rankings.tied[placed, column]
+    participants, segments = rankings.participants[placed], rankings.segments[placed]
+    rank = np.arange(1, count + 1)
+    shares = ((better[:, None] < rank) & (rank <= (better + tied)[:, None])) / tied[:, None]
+    n = int(placed.sum())
+    percent = (100 * shares.mean(axis=0)).tolist() if n else [math.nan] * count
+    partial = int((placed & ~rankings.complete).sum())
     return RankSummary(
         condition=condition,
-        n=count,
+        n=n,
         mean_rank=clustered_mean(
-            rankings.ranks[there, column], who, what, null=(places + 1) / 2, limits=(1, places)
+            rankings.ranks[placed, column],
+            participants,
+            segments,
+            null=(count + 1) / 2,
+            limits=(1, count),
         ),
-        first_share=clustered_mean(held[:, 0], who, what, null=1 / places),
+        first_share=clustered_mean(shares[:, 0], participants, segments, null=1 / count),
         rank_percent=dict(enumerate(percent, start=1)),
-        remark=f"{partial} of {count} rankings leave conditions out" if partial else "",
+        remark=f"{partial} of {n} rankings leave conditions out" if partial else "",
     )
 
 

@@ -73,19 +73,19 @@ def rated_cells(
         Number of conditions.
     """
     y = finite(values)
-    who = np.unique(participants, return_inverse=True)[1]
-    what = np.unique(segments, return_inverse=True)[1]
-    width = int(what.max(initial=-1)) + 1
-    cells, first, cell = np.unique(who * width + what, return_index=True, return_inverse=True)
-    place = cell * count + conditions
-    times = np.bincount(place, minlength=len(cells) * count)
-    sums = np.bincount(place, weights=y, minlength=len(cells) * count)
+    clusters = Clusters.of(participants, segments)
+    width = int(clusters.segments.max(initial=0)) + 1
+    keys = clusters.participants * width + clusters.segments
+    cells, first, cell = np.unique(keys, return_index=True, return_inverse=True)
+    cells_of = cell * count + conditions
+    counts = np.bincount(cells_of, minlength=len(cells) * count)
+    sums = np.bincount(cells_of, weights=y, minlength=len(cells) * count)
     with np.errstate(invalid="ignore"):
-        means = sums / times
+        means = sums / counts
     return RatedCells(
         means=means.reshape(len(cells), count),
-        participants=cells // max(width, 1),
-        segments=cells % max(width, 1),
+        participants=cells // width,
+        segments=cells % width,
         first=first,
     )
 
@@ -102,41 +102,41 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
         Tested against zero, clustered as `clustered_mean`. `method` says which ratings and which
         variance it rests on.
     """
-    there = ~np.isnan(cells.means[:, [a, b]])
-    both = there.all(axis=1)
-    if 2 * both.sum() < LEAST_PAIRED * there.sum():
-        return _of_all(cells, [a, b], there)
-    pairs = cells.means[both]
-    found = clustered_mean(
+    rated = ~np.isnan(cells.means[:, [a, b]])
+    paired = rated.all(axis=1)
+    if 2 * paired.sum() < LEAST_PAIRED * rated.sum():
+        return _of_all(cells, [a, b], rated)
+    pairs = cells.means[paired]
+    difference = clustered_mean(
         pairs[:, a] - pairs[:, b],
-        cells.participants[both],
-        cells.segments[both],
+        cells.participants[paired],
+        cells.segments[paired],
         null=0.0,
         limits=(-math.inf, math.inf),
     )
-    if found.reason == "all answers alike":
-        found = replace(found, reason="all pairs of ratings differ alike")
-    return replace(found, method=f"{PAIRED}, {found.method}" if found.method else "")
+    if difference.reason == "all answers alike":
+        difference = replace(difference, reason="all pairs of ratings differ alike")
+    return replace(difference, method=f"{PAIRED}, {difference.method}" if difference.method else "")
 
 
-def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) -> Estimate:
+def _of_all(cells: RatedCells, pair: Sequence[int], rated: NDArray[np.bool_]) -> Estimate:
     """Return the difference of two means whose ratings do not belong together."""
-    rows, column = np.nonzero(there)
+    rows, column = np.nonzero(rated)
     values = cells.means[rows, np.array(pair)[column]]
     clusters = Clusters.of(cells.participants[rows], cells.segments[rows])
     counts = np.bincount(column, minlength=2)
     if not counts.all():
         return clusters.unknown("one of the conditions has no ratings")
     means = np.bincount(column, weights=values) / counts
-    found = replace(clusters.unknown(), estimate=float(means[0] - means[1]))
-    if found.participants < 2:
-        return replace(found, reason="one participant")
+    difference = replace(clusters.unknown(), estimate=float(means[0] - means[1]))
+    if difference.participants < 2:
+        return replace(difference, reason="one participant")
     influences = np.array([1.0, -1.0])[column] * (values - means[column]) / counts[column]
     if not influences.any():
-        return replace(found, reason="all ratings of a condition alike")
+        return replace(difference, reason="all ratings of a condition alike")
     weights = counts[column].astype(np.float64) ** -2
-    found = with_interval(found, influences, clusters, weights=weights)
-    return replace(found, method=f"{UNPAIRED}, {found.method}")
+    difference = with_interval(difference, influences, clusters, weights=weights)
+    return replace(difference, method=f"{UNPAIRED}, {difference.method}")
 
 
 def cliffs_delta(
@@ -167,24 +167,24 @@ def cliffs_delta(
         return clusters.unknown("one of the conditions has no ratings")
     dominance = np.where(of_first, _above(y, y[~of_first]), -_above(y, y[of_first]))
     estimate = float(dominance[of_first].mean())
-    found = replace(clusters.unknown(), estimate=estimate)
-    if found.participants < 2:
-        return replace(found, reason="one participant")
+    delta = replace(clusters.unknown(), estimate=estimate)
+    if delta.participants < 2:
+        return replace(delta, reason="one participant")
     if abs(estimate) == 1:
-        return replace(found, reason="the ratings do not overlap")
+        return replace(delta, reason="the ratings do not overlap")
     sizes = np.where(of_first, first, second).astype(np.float64)
     influences = (dominance - estimate) / sizes
     if not influences.any():
-        return replace(found, reason="all ratings alike")
-    found = with_interval(found, influences, clusters, weights=sizes**-2)
-    law, middle = stats.t(found.df), math.atanh(estimate)
-    error = found.standard_error / (1 - estimate**2)
+        return replace(delta, reason="all ratings alike")
+    delta = with_interval(delta, influences, clusters, weights=sizes**-2)
+    law, z = stats.t(delta.df), math.atanh(estimate)
+    error = delta.standard_error / (1 - estimate**2)
     margin = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
-        found,
-        low=math.tanh(middle - margin),
-        high=math.tanh(middle + margin),
-        p_value=float(2 * law.sf(abs(middle) / error)),
+        delta,
+        low=math.tanh(z - margin),
+        high=math.tanh(z + margin),
+        p_value=float(2 * law.sf(abs(z) / error)),
     )
 
 

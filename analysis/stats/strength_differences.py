@@ -88,9 +88,9 @@ class TwoWayErrors:
         situations = sparse.csr_array((answers, (situation, np.arange(kinds))))
         mean = sparse.diags_array(1 / np.maximum(situations.sum(axis=1), 1)) @ situations
 
-        def variances(of: Floats) -> ClusteredVariance:
-            squares = np.asarray(mean @ of**2, np.float64)[situation]
-            return _variances(of, squares, counts, answers)
+        def variances(values: Floats) -> ClusteredVariance:
+            squares = np.asarray(mean @ values**2, np.float64)[situation]
+            return _variances(values, squares, counts, answers)
 
         strengths = variances(influences)
         rows = [variances(influences[:, [a]] - influences) for a in range(influences.shape[1])]
@@ -257,5 +257,5 @@ def _inflation(errors: TwoWayErrors) -> float:
 
 
 def _variances_of_differences(covariance: Floats) -> Floats:
-    own = np.diagonal(covariance)
-    return np.asarray(own[:, None] + own - 2 * covariance, np.float64)
+    variances = np.diagonal(covariance)
+    return np.asarray(variances[:, None] + variances - 2 * covariance, np.float64)

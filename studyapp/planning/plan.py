@@ -61,13 +61,13 @@ def plan_study(
     """
     study = folder.study()
     segments = planned_segments(folder, study, items)
-    told = None if pilot is None else read_pilot(pilot, study.protocol)
-    excluded = excluded_by_default(study) if told is None else told.excluded
+    pilot_opinions = None if pilot is None else read_pilot(pilot, study.protocol)
+    excluded = excluded_by_default(study) if pilot_opinions is None else pilot_opinions.excluded
     # Of a study without speech, only what is asked for can be meant.
     stands = has_segments(folder, study) or len(items) == 1
-    own = study.arms[0].places, len(segments)
-    participants = participants or tuple(own[0] * n for n in TIMES_PARTICIPANTS)
-    items = items or tuple(own[1] * n for n in TIMES_ITEMS)
+    planned_size = study.arms[0].places, len(segments)
+    participants = participants or tuple(planned_size[0] * n for n in TIMES_PARTICIPANTS)
+    items = items or tuple(planned_size[1] * n for n in TIMES_ITEMS)
     planned = PlannedStudy(study=study, segments=segments, excluded=excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))
     stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
@@ -79,21 +79,21 @@ def plan_study(
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
         effects=tuple(sorted(set(effects))),
-        own=own if stands else None,
+        own=planned_size if stands else None,
         per_comparison=len(study.arms) > 1,
-        opinions=opinions if told is None else told.opinions,
-        source=source if told is None else told.source,
+        opinions=opinions if pilot_opinions is None else pilot_opinions.opinions,
+        source=source if pilot_opinions is None else pilot_opinions.source,
         excluded=excluded,
         pay=pay,
         effort=Effort(),
         minutes=MINUTES,
         seed=study.seed,
-        notes=(*notes_of(study), *(told.notes if told is not None else ())),
+        notes=(*notes_of(study), *(pilot_opinions.notes if pilot_opinions is not None else ())),
     )
     out = folder.root / "plan"
-    found = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
-    write_plan(found, out)
-    return found
+    result = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
+    write_plan(result, out)
+    return result
 
 
 def _opinions(study: Study) -> Opinions:
@@ -104,18 +104,18 @@ def _opinions(study: Study) -> Opinions:
     )
 
 
-def _refuse_huge(alone: Size, participants: int) -> None:
+def _refuse_huge(one_participant: Size, participants: int) -> None:
     """Refuse what one computer cannot hold, before it is drawn up.
 
     Parameters
     ----------
-    alone : Size
+    one_participant : Size
         The study of one participant.
     """
-    if alone.trials * participants > MOST_ANSWERS:
+    if one_participant.trials * participants > MOST_ANSWERS:
         raise InputError(
-            f"{participants:,} participants with {alone.trials:,} trials each give more than "
-            f"{MOST_ANSWERS:,} answers to one question",
+            f"{participants:,} participants with {one_participant.trials:,} trials each give more "
+            f"than {MOST_ANSWERS:,} answers to one question",
             remedy="Plan fewer; the powers of larger studies are hardly higher, since segments "
             "limit them",
         )

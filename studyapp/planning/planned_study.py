@@ -41,8 +41,8 @@ def planned_parts(study: Study, shown: Shown, of_segment: Mapping[str, int]) -> 
         Numbers of the segments.
     """
     for name in study.parts or ("",):
-        own = [(who, trial) for who, trial in shown if trial.part == name]
-        trials, alike = _trials(study, name, own, of_segment)
+        part_trials = [(participant, trial) for participant, trial in shown if trial.part == name]
+        trials, alike = _trials(study, name, part_trials, of_segment)
         scales = _scales(study, name)
         for levels, questions in scales.items():
             yield Part(
@@ -72,15 +72,15 @@ def _trials(
     if isinstance(study, MismatchStudy) and part == FIT:
         # Every condition is tested by itself, and has as many trials as any other.
         first = next(iter(study.conditions))
-        own = [one for one in shown if one[1].conditions[0] == first]
+        fit_trials = [each for each in shown if each[1].conditions[0] == first]
         owned = [
             tuple(int(stimulus.speech != stimulus.segment) for stimulus in trial.stimuli)
-            for _, trial in own
+            for _, trial in fit_trials
         ]
-        return _of(own, of_segment, 2, owned), len(study.conditions)
+        return _of(fit_trials, of_segment, 2, owned), len(study.conditions)
     if isinstance(study, RatingStudy | RankingStudy):
         parts = study.sets if isinstance(study, RatingStudy) else study.blocks
-        (conditions,) = (one.conditions for one in parts if one.name == part)
+        (conditions,) = (each.conditions for each in parts if each.name == part)
         return _of(shown, of_segment, len(conditions)), 1
     compared = study.arms[0].conditions
     number = {name: place for place, name in enumerate(compared)}
@@ -98,7 +98,7 @@ def _of(
     if sides is not None:
         left, right = np.array(sides, np.intp).reshape(-1, 2).T
     return Trials(
-        participants=np.array([who for who, _ in shown], np.intp),
+        participants=np.array([participant for participant, _ in shown], np.intp),
         items=np.array([of_segment[trial.segment.name] for _, trial in shown], np.intp),
         conditions=conditions,
         left=left,
@@ -214,7 +214,7 @@ def with_items(segments: Sequence[Segment], items: int) -> tuple[Segment, ...]:
     by_emotion: dict[str, list[Segment]] = {}
     for segment in segments:
         by_emotion.setdefault(segment.emotion, []).append(segment)
-    ring = [one for one in chain(*zip_longest(*by_emotion.values())) if one is not None]
+    ring = [segment for segment in chain(*zip_longest(*by_emotion.values())) if segment is not None]
     return tuple(
         ring[number]
         if number < len(ring)

@@ -61,7 +61,10 @@ class Layout:
     @cached_property
     def rest_cells(self) -> dict[tuple[int, int], Codes]:
         """For each two later terms, every answer's place in the flat remaining block."""
-        codes = [start + own for start, own in zip(self.offsets, self.groups[1:], strict=True)]
+        codes = [
+            start + term_codes
+            for start, term_codes in zip(self.offsets, self.groups[1:], strict=True)
+        ]
         return {
             (number, other): codes[number] * self.width + codes[other]
             for number in range(len(codes))
@@ -70,17 +73,17 @@ class Layout:
 
     def part(self, chosen: Codes | NDArray[np.bool_]) -> Layout:
         """Return the layout of the answers `chosen`, without the groups that have none."""
-        kept = [np.unique(codes[chosen], return_inverse=True) for codes in self.groups]
-        groups = tuple(codes.astype(np.intp) for _, codes in kept)
-        return Layout(groups, tuple(len(names) for names, _ in kept))
+        terms = [np.unique(codes[chosen], return_inverse=True) for codes in self.groups]
+        groups = tuple(codes.astype(np.intp) for _, codes in terms)
+        return Layout(groups, tuple(len(names) for names, _ in terms))
 
     def spread(self, effects: Floats) -> list[Floats]:
         """Return each answer's effect of each term."""
-        found, start = [], 0
+        per_answer, start = [], 0
         for codes, size in zip(self.groups, self.sizes, strict=True):
-            found.append(effects[start : start + size][codes])
+            per_answer.append(effects[start : start + size][codes])
             start += size
-        return found
+        return per_answer
 
     def gather(self, per_answer: Sequence[Floats]) -> Floats:
         """Return the sums over each group of each term; the transpose of `spread`."""
@@ -134,10 +137,10 @@ class Information:
         for (number, other), cells in layout.rest_cells.items():
             flat_rest += _sums(cells, weighted[number + 1] * multipliers[other + 1], width * width)
         across, half = flat_across.reshape(size, width), flat_rest.reshape(width, width)
-        rest = half + half.T
-        rest[np.diag_indices(width)] += 1.0 + blocks[size:]
-        rest -= across.T @ (across / first[:, None])
-        return cls(layout, first, across, cho_factor(rest, lower=True))
+        schur = half + half.T
+        schur[np.diag_indices(width)] += 1.0 + blocks[size:]
+        schur -= across.T @ (across / first[:, None])
+        return cls(layout, first, across, cho_factor(schur, lower=True))
 
     @property
     def log_determinant(self) -> float:
@@ -150,8 +153,8 @@ class Information:
         size = self.layout.sizes[0]
         head, tail = right[:size], right[size:]
         first = self.first if right.ndim == 1 else self.first[:, None]
-        rest = cho_solve(self.factor, tail - self.across.T @ (head / first))
-        return np.concatenate([(head - self.across @ rest) / first, rest])
+        tail_solution = cho_solve(self.factor, tail - self.across.T @ (head / first))
+        return np.concatenate([(head - self.across @ tail_solution) / first, tail_solution])
 
     def directions(self, multipliers: Sequence[Floats]) -> list[Floats]:
         """Return, for each term, the entry of C m that belongs to each answer's group.
@@ -162,21 +165,21 @@ class Information:
         inverse = _inverse(self.factor)
         scaled = self.across / self.first[:, None]
         between = -scaled @ inverse
-        own = 1 / self.first - np.einsum("ij,ij->i", scaled, between)
+        variances = 1 / self.first - np.einsum("ij,ij->i", scaled, between)
         layout, head = self.layout, multipliers[0]
-        found = [head * own[layout.groups[0]]]
+        entries = [head * variances[layout.groups[0]]]
         for number, cells in enumerate(layout.across_cells, start=1):
-            here = between.ravel()[cells]
-            found[0] += multipliers[number] * here
-            found.append(head * here)
+            covariances = between.ravel()[cells]
+            entries[0] += multipliers[number] * covariances
+            entries.append(head * covariances)
         diagonal = np.diagonal(inverse)
         for number, start in enumerate(layout.offsets, start=1):
-            found[number] += multipliers[number] * diagonal[start + layout.groups[number]]
+            entries[number] += multipliers[number] * diagonal[start + layout.groups[number]]
         for (number, other), cells in layout.rest_cells.items():
-            here = inverse.ravel()[cells]
-            found[number + 1] += multipliers[other + 1] * here
-            found[other + 1] += multipliers[number + 1] * here
-        return found
+            covariances = inverse.ravel()[cells]
+            entries[number + 1] += multipliers[other + 1] * covariances
+            entries[other + 1] += multipliers[number + 1] * covariances
+        return entries
 
 
 def _inverse(factor: tuple[Floats, bool]) -> Floats:

@@ -96,7 +96,7 @@ class Likelihood:
     information: Information | None = None
 
 
-def likelihood(answers: Answers, parameters: Floats, near: Likelihood | None = None) -> Likelihood:
+def likelihood(answers: Answers, parameters: Floats, start: Likelihood | None = None) -> Likelihood:
     """Return log-likelihood and gradient at `parameters`.
 
     Parameters
@@ -105,14 +105,14 @@ def likelihood(answers: Answers, parameters: Floats, near: Likelihood | None = N
         What was answered.
     parameters : ndarray, shape (answers.count,)
         See `Answers.split`; the sign of a standard deviation has no meaning.
-    near : Likelihood, optional
+    start : Likelihood, optional
         Of parameters nearby: where the way to the modes begins, and what leads it at first.
     """
     if answers.layout is None:
         return _fixed_only(answers, parameters)
     _, _, deviations = answers.split(parameters)
     scaled = [sd * m for sd, m in zip(deviations, answers.multipliers, strict=True)]
-    modes, point, settled = _mode(answers, answers.layout, parameters, scaled, near)
+    modes, point, settled = _mode(answers, answers.layout, parameters, scaled, start)
     information = Information.of(answers.layout, scaled, point.weights)
     value = point.log_probability.sum() - 0.5 * modes @ modes - 0.5 * information.log_determinant
     gradient = _gradient(answers, answers.layout, parameters, scaled, modes, point, information)
@@ -145,7 +145,7 @@ def _mode(
     layout: Layout,
     parameters: Floats,
     scaled: Sequence[Floats],
-    near: Likelihood | None,
+    start: Likelihood | None,
 ) -> tuple[Floats, Interval, bool]:
     """Climb to the mode of the random effects by Newton's method; halve a step that leads down.
 
@@ -157,8 +157,8 @@ def _mode(
         point = _at(answers, parameters, _summed(scaled, layout.spread(effects)))
         return float(point.log_probability.sum() - 0.5 * effects @ effects), point
 
-    modes = np.zeros(layout.count) if near is None else near.modes
-    information = near and near.information
+    modes = np.zeros(layout.count) if start is None else start.modes
+    information = start and start.information
     value, point = height(modes)
     last = 1.0
     for _ in range(STEPS):
@@ -166,11 +166,11 @@ def _mode(
         step = information.solve(layout.gather([m * point.slope for m in scaled]) - modes)
         size = 1.0
         while True:
-            tried, there = height(modes + size * step)
-            if tried >= value - 1e-10 * abs(value) or size < 1e-6:
+            trial, trial_point = height(modes + size * step)
+            if trial >= value - 1e-10 * abs(value) or size < 1e-6:
                 break
             size /= 2
-        modes, value, point = modes + size * step, tried, there
+        modes, value, point = modes + size * step, trial, trial_point
         length = float(np.abs(step).max(initial=0.0))
         if length * min(1.0, length / last) < TOLERANCE:
             return modes, point, True

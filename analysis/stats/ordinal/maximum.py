@@ -112,20 +112,20 @@ def maximum(
     climb = _Climb(answers)
     precision = ROUGH if curved else FINE
     for _ in range(CLIMBS):
-        found, left = _climbed(climb, start, scale, precision)
+        candidate, distance = _climbed(climb, start, scale, precision)
         if curved:
-            at, here, curvature, maximal = _stepped(climb, found)
+            best, value, curvature, maximal = _stepped(climb, candidate)
         else:
-            at, here, curvature = found, climb.at(found), None
-            maximal = here.settled and left < SHORT
-        if (higher := _off_the_boundary(climb, at, here)) is not None:
+            best, value, curvature = candidate, climb.at(candidate), None
+            maximal = value.settled and distance < SHORT
+        if (higher := _off_the_boundary(climb, best, value)) is not None:
             start, maximal = higher, False
-        elif maximal or limitless(answers, at):
+        elif maximal or limitless(answers, best):
             break
         else:
-            start, precision = at, precision / FINER
+            start, precision = best, precision / FINER
         scale = None
-    return at, here, curvature, maximal
+    return best, value, curvature, maximal
 
 
 def limitless(answers: Answers, parameters: Floats) -> bool:
@@ -134,7 +134,7 @@ def limitless(answers: Answers, parameters: Floats) -> bool:
     return bool((np.abs(np.concatenate([effects, deviations])) > LARGEST).any())
 
 
-def _off_the_boundary(climb: _Climb, at: Floats, here: Likelihood) -> Floats | None:
+def _off_the_boundary(climb: _Climb, at: Floats, value: Likelihood) -> Floats | None:
     """Return parameters with a higher likelihood where a deviation fell to zero for no reason.
 
     Its gradient is zero there whatever the answers, so that a climb may end at zero although a
@@ -142,10 +142,10 @@ def _off_the_boundary(climb: _Climb, at: Floats, here: Likelihood) -> Floats | N
     """
     bound = np.flatnonzero(~free_parameters(climb.answers, at))
     for place, size in product(bound, BESIDE):
-        tried = at.copy()
-        tried[place] = size
-        if climb.at(tried).value > here.value + ROUNDING * abs(here.value):
-            return tried
+        trial = at.copy()
+        trial[place] = size
+        if climb.at(trial).value > value.value + ROUNDING * abs(value.value):
+            return trial
     return None
 
 
@@ -163,27 +163,27 @@ def _climbed(
     return np.asarray(end.x, np.float64), left
 
 
-def _stepped(climb: _Climb, found: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
+def _stepped(climb: _Climb, parameters: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
     """Take Newton's steps; the curvature is computed anew only after a long one."""
     for _ in range(LAST_STEPS):
-        here, curvature = climb.at(found), climb.curvature(found)
-        free = free_parameters(climb.answers, found)
+        value, curvature = climb.at(parameters), climb.curvature(parameters)
+        free = free_parameters(climb.answers, parameters)
         inside = curvature[np.ix_(free, free)]
-        step, length = _step(inside, here.gradient[free])
+        step, length = _step(inside, value.gradient[free])
         if length < FLAT:
-            return found, here, curvature, here.settled
+            return parameters, value, curvature, value.settled
         if math.isinf(length):
             break
-        tried = found.copy()
-        tried[free] += step
-        there = climb.at(tried)
-        if there.value < here.value - ROUNDING * abs(here.value):
+        trial = parameters.copy()
+        trial[free] += step
+        next_value = climb.at(trial)
+        if next_value.value < value.value - ROUNDING * abs(value.value):
             break
-        found, here = tried, there
-        _, rest = _step(inside, here.gradient[free])
-        if rest < FLAT and length < SHORT:
-            return found, here, curvature, here.settled
-    return found, here, curvature, False
+        parameters, value = trial, next_value
+        _, remaining = _step(inside, value.gradient[free])
+        if remaining < FLAT and length < SHORT:
+            return parameters, value, curvature, value.settled
+    return parameters, value, curvature, False
 
 
 def _gradient_unit(answers: Answers) -> float:
@@ -213,13 +213,13 @@ def _start(answers: Answers) -> tuple[Floats, Floats | None]:
     """
     if len(answers.codes) > MANY:
         fewer = _part(answers)
-        found, _, curvature, maximal = maximum(fewer)
-        if maximal and curvature is not None and free_parameters(answers, found).all():
+        parameters, _, curvature, maximal = maximum(fewer)
+        if maximal and curvature is not None and free_parameters(answers, parameters).all():
             scale = np.linalg.inv(curvature) * len(fewer.codes)
-            return found, (scale + scale.T) / 2
+            return parameters, (scale + scale.T) / 2
     counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
-    own = answers.thresholds.start(counts)
-    start = [own, np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)]
+    thresholds = answers.thresholds.start(counts)
+    start = [thresholds, np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)]
     return np.concatenate(start), None
 
 
@@ -231,9 +231,9 @@ def _part(answers: Answers) -> Answers:
     layout = answers.layout
     while layout is not None and len(chosen) > most:
         largest = int(np.argmax(layout.sizes))
-        kept = chance.permutation(layout.sizes[largest]) % 2 == 0
-        of_kept = kept[layout.groups[largest]]
-        chosen, layout = chosen[of_kept], layout.part(of_kept)
+        drawn = chance.permutation(layout.sizes[largest]) % 2 == 0
+        of_drawn = drawn[layout.groups[largest]]
+        chosen, layout = chosen[of_drawn], layout.part(of_drawn)
     if layout is None:
         chosen = np.sort(chance.choice(len(chosen), most, replace=False))
     return replace(
@@ -253,17 +253,17 @@ class _Climb:
         self.last: Likelihood | None = None
 
     def at(self, parameters: Floats) -> Likelihood:
-        found = likelihood(self.answers, parameters, self.last)
-        if not np.isfinite(found.value):
-            return Likelihood(-np.inf, np.zeros_like(parameters), found.modes, False)
-        self.last = found
-        return found
+        value = likelihood(self.answers, parameters, self.last)
+        if not np.isfinite(value.value):
+            return Likelihood(-np.inf, np.zeros_like(parameters), value.modes, False)
+        self.last = value
+        return value
 
     def descent(self, parameters: Floats) -> tuple[float, Floats]:
         """Return what is minimised, per answer, and its gradient."""
-        found = self.at(parameters)
+        value = self.at(parameters)
         count = len(self.answers.codes)
-        return -found.value / count, -found.gradient / count
+        return -value.value / count, -value.gradient / count
 
     def curvature(self, parameters: Floats) -> Floats:
         """Return minus the second derivatives."""
@@ -296,5 +296,5 @@ def second_derivatives(gradient: Callable[[Floats], Floats], at: Floats) -> Floa
         step = np.zeros_like(at)
         step[place] = STEP * max(1.0, abs(at[place]))
         columns.append((gradient(at + step) - gradient(at - step)) / (2 * step[place]))
-    found = np.column_stack(columns)
-    return np.asarray((found + found.T) / 2, np.float64)
+    matrix = np.column_stack(columns)
+    return np.asarray((matrix + matrix.T) / 2, np.float64)

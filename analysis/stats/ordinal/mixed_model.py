@@ -163,9 +163,9 @@ def beginning_of(
     data, ordered = _data(answers, covariates, random)
     if len(thresholds) != data.thresholds.categories - 1:
         raise ValueError("there is one threshold between every two neighbouring answers")
-    own = data.thresholds.parameters(np.asarray(thresholds, np.float64))
+    free = data.thresholds.parameters(np.asarray(thresholds, np.float64))
     sds = [deviations[effect.name] for effect in ordered]
-    return beginning(data, np.concatenate([own, np.asarray(effects, np.float64), sds]))
+    return beginning(data, np.concatenate([free, np.asarray(effects, np.float64), sds]))
 
 
 def _data(
@@ -233,17 +233,17 @@ def _result(
     names: Sequence[str],
     random: Sequence[RandomEffect],
     parameters: Floats,
-    found: Likelihood,
+    likelihood: Likelihood,
     curvature: Floats | None,
     converged: bool,
 ) -> OrdinalFit:
-    own, effects, deviations = answers.split(parameters)
-    free = free_parameters(answers, parameters)
+    free, effects, deviations = answers.split(parameters)
+    inside = free_parameters(answers, parameters)
     covariance = np.full((len(parameters), len(parameters)), math.nan)
     if converged and curvature is not None:
-        covariance[np.ix_(free, free)] = np.linalg.inv(curvature[np.ix_(free, free)])
-    jacobian = answers.thresholds.jacobian(own)
-    first = len(own)
+        covariance[np.ix_(inside, inside)] = np.linalg.inv(curvature[np.ix_(inside, inside)])
+    jacobian = answers.thresholds.jacobian(free)
+    first = len(free)
     of_thresholds = jacobian @ covariance[:first, :first] @ jacobian.T
     of_effects = covariance[first : first + len(names), first : first + len(names)]
     sizes = answers.layout.sizes if answers.layout is not None else ()
@@ -262,10 +262,10 @@ def _result(
         estimates=dict(zip(names, effects.tolist(), strict=True)),
         standard_errors=dict(zip(names, errors.tolist(), strict=True)),
         covariance=pd.DataFrame(of_effects, index=list(names), columns=list(names)),
-        thresholds=tuple(answers.thresholds.values(own).tolist()),
+        thresholds=tuple(answers.thresholds.values(free).tolist()),
         threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
         deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
-        log_likelihood=found.value,
+        log_likelihood=likelihood.value,
         parameters=answers.count,
         answers=len(answers.codes),
         groups={e.name: size for e, size in zip(random, sizes, strict=True)},

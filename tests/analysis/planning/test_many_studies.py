@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from analysis.planning.deciding_tests import (
+    BlockTests,
     FamilyRest,
-    TestResults,
     decided_by_holm,
     detection_shares,
 )
@@ -68,7 +68,7 @@ def test_in_the_company_of_what_decides_a_block_is_hardly_corrected() -> None:
 
 
 def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> None:
-    tested = TestResults(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
+    tested = BlockTests(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
     decided = np.ones((2, 2))
 
     assert detection_shares(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
