@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -162,8 +161,10 @@ def power_figure(plan: Plan) -> Figure:
 
 def _own_size(plan: Plan) -> tuple[int, int] | None:
     """Return participants and segments of the study as it stands, where that size is drawn."""
-    request = plan.request
-    return request.own if request.own in product(request.participants, request.items) else None
+    request, own = plan.request, plan.request.own
+    if own is None or own[0] not in request.participants or own[1] not in request.items:
+        return None
+    return own
 
 
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
