@@ -127,35 +127,37 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
         someone("watching", failed_catch=0, watched=0.2),
         someone("fine", failed_catch=0, watched=1.0),
     ]
-    found = applied(participants, failed_catch_trials(1), watched_less(0.9))
-    assert [(one.rule, one.reached, one.removed) for one in found.outcomes] == [
+    result = applied(participants, failed_catch_trials(1), watched_less(0.9))
+    assert [(outcome.rule, outcome.reached, outcome.removed) for outcome in result.outcomes] == [
         ("catch", 3, 1),
         ("coverage", 2, 1),
     ]
-    assert found.removed_by == {"both": 0, "watching": 1}
+    assert result.removed_by == {"both": 0, "watching": 1}
     other_way = applied(participants, watched_less(0.9), failed_catch_trials(1))
     assert other_way.removed_by == {"both": 0, "watching": 0}
-    assert found.reasons.keys() == other_way.reasons.keys()
+    assert result.reasons.keys() == other_way.reasons.keys()
 
 
 def test_a_rule_without_facts_removes_nobody_and_says_so() -> None:
-    found = applied([someone("a"), someone("b")], watched_less(0.9))
-    assert found.reasons == {}
-    assert found.outcomes[0].remark == (
+    result = applied([someone("a"), someone("b")], watched_less(0.9))
+    assert result.reasons == {}
+    assert result.outcomes[0].remark == (
         "cannot be applied: how much of the videos was watched is not known"
     )
 
 
 def test_who_cannot_be_judged_stays_and_is_counted() -> None:
     participants = [someone("a", watched=0.1), someone("b"), someone("c", watched=1.0)]
-    found = applied(participants, watched_less(0.9))
-    assert list(found.reasons) == ["a"]
-    assert found.outcomes[0].remark.startswith("cannot be applied to 1 of 3 participants, who stay")
+    result = applied(participants, watched_less(0.9))
+    assert list(result.reasons) == ["a"]
+    assert result.outcomes[0].remark.startswith(
+        "cannot be applied to 1 of 3 participants, who stay"
+    )
 
 
 def test_a_rule_of_afterwards_is_marked_in_its_outcome() -> None:
-    found = applied([someone(failed_catch=1)], failed_catch_trials(0).as_exploratory())
-    assert found.outcomes[0].exploratory
+    result = applied([someone(failed_catch=1)], failed_catch_trials(0).as_exploratory())
+    assert result.outcomes[0].exploratory
     assert not applied([someone()], marked()).outcomes[0].exploratory
 
 

@@ -34,12 +34,12 @@ def test_who_fails_more_catch_trials_than_allowed_is_left_out(
     answers: tuple[int, ...], allowed: int, excluded: bool, table: pd.DataFrame, tmp_path: Path
 ) -> None:
     both = pd.concat([table, catch_rows("p01", "lrl", answers)])
-    found = left_out(tmp_path, both, allowed)
-    assert set(found.exclusions) == ({"p01"} if excluded else set())
-    assert (found.recruited, found.attentive) == (4, 3 if excluded else 4)
-    assert ("p01" in set(found.analysed["participant"])) == (not excluded)
-    assert "p01" in set(found.everyone["participant"])
-    assert set(found.analysed["kind"]) == {"main", "repeat"}
+    result = left_out(tmp_path, both, allowed)
+    assert set(result.exclusions) == ({"p01"} if excluded else set())
+    assert (result.recruited, result.attentive) == (4, 3 if excluded else 4)
+    assert ("p01" in set(result.analysed["participant"])) == (not excluded)
+    assert "p01" in set(result.everyone["participant"])
+    assert set(result.analysed["kind"]) == {"main", "repeat"}
 
 
 @pytest.mark.parametrize("numbered", [True, False])
@@ -62,6 +62,6 @@ def test_without_numbers_the_same_catch_trial_may_be_shown_twice(
 
 def test_rules_apply_one_after_the_other(table: pd.DataFrame, tmp_path: Path) -> None:
     marked = table.assign(excluded=np.where(table["participant"] == "p01", "withdrew", ""))
-    found = left_out(tmp_path, pd.concat([marked, catch_rows("p01", "ll", (5, 5))]))
-    assert found.exclusions == {"p01": "withdrew"}
-    assert [(rule.reached, rule.removed) for rule in found.rules] == [(4, 1), (3, 0)]
+    result = left_out(tmp_path, pd.concat([marked, catch_rows("p01", "ll", (5, 5))]))
+    assert result.exclusions == {"p01": "withdrew"}
+    assert [(rule.reached, rule.removed) for rule in result.rules] == [(4, 1), (3, 0)]

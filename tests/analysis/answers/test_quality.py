@@ -16,17 +16,17 @@ PEOPLE = list("aaabbbcccddd")
 
 
 def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> None:
-    found = response_times(SECONDS, PEOPLE)
-    assert (found.low_quartile, found.median, found.high_quartile) == (17.25, 26, 30)
-    assert (found.n, found.missing) == (11, 1)
-    assert found.limit == 13
-    assert found.too_fast == {"d": 3}
+    result = response_times(SECONDS, PEOPLE)
+    assert (result.low_quartile, result.median, result.high_quartile) == (17.25, 26, 30)
+    assert (result.n, result.missing) == (11, 1)
+    assert result.limit == 13
+    assert result.too_fast == {"d": 3}
 
 
 def test_no_times_give_a_reason() -> None:
-    found = response_times(np.array([np.nan]), ["a"])
-    assert (found.reason, found.missing, found.too_fast) == ("no response times", 1, {})
-    assert math.isnan(found.median)
+    result = response_times(np.array([np.nan]), ["a"])
+    assert (result.reason, result.missing, result.too_fast) == ("no response times", 1, {})
+    assert math.isnan(result.median)
 
 
 def answer_rows(**answers: dict[str, list[float]]) -> pd.DataFrame:
@@ -42,10 +42,10 @@ def answer_rows(**answers: dict[str, list[float]]) -> pd.DataFrame:
 
 
 def test_everybody_is_looked_at_alone() -> None:
-    found = straight_lining(
+    result = straight_lining(
         answer_rows(p={"a": [1, 1, 1, 2], "b": [1, 2, 2, 1]}, q={"a": [2, 2], "b": [2]})
     )
-    assert {who: (one.answers, one.share) for who, one in found.items()} == {
+    assert {people: (one.answers, one.share) for people, one in result.items()} == {
         "p": (8, 5 / 8),
         "q": (3, 1),
     }
@@ -91,18 +91,18 @@ def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
 def test_a_table_with_nothing_beside_the_answers_leaves_the_rest_unknown(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    found = facts(tmp_path, table)["p01"]
-    assert (found.trials, found.settled) == (None, None)
-    assert (found.failed_catch, found.failed_attention) == (None, None)
-    assert math.isnan(found.watched)
-    assert len(found.seconds) == 0
+    result = facts(tmp_path, table)["p01"]
+    assert (result.trials, result.settled) == (None, None)
+    assert (result.failed_catch, result.failed_attention) == (None, None)
+    assert math.isnan(result.watched)
+    assert len(result.seconds) == 0
 
 
 def test_catch_trials_of_some_are_none_failed_for_the_others(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    found = facts(tmp_path, pd.concat([table, catch_rows("p01", "lrl", (3, 5, 1))]))
-    assert {name: one.failed_catch for name, one in found.items()} == {
+    result = facts(tmp_path, pd.concat([table, catch_rows("p01", "lrl", (3, 5, 1))]))
+    assert {name: one.failed_catch for name, one in result.items()} == {
         "p00": 0,
         "p01": 1,
         "p02": 0,
@@ -121,8 +121,8 @@ def test_one_wrong_question_fails_an_attention_check_once(
 ) -> None:
     checks = attention_rows("p01", "12", "22")
     again = attention_rows("p01", "12", "12").assign(question="rhythm")
-    found = facts(tmp_path, pd.concat([table, checks, again]))
-    assert found["p01"].failed_attention == 1
+    result = facts(tmp_path, pd.concat([table, checks, again]))
+    assert result["p01"].failed_attention == 1
 
 
 def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path) -> None:
@@ -149,8 +149,8 @@ def test_a_ranking_may_be_asked_to_put_one_condition_first_several_times(tmp_pat
     first = np.where(own["condition"] == "static", 1.0, np.nan)
     checks = own.assign(kind="attention", instructed=first)
     obeyed = checks.assign(rank=[2, 3, 1])
-    found = facts(tmp_path, pd.concat([ranking, checks.assign(rank=[1, 2, 3]), obeyed]), "ranking")
-    assert (found["p00"].failed_attention, found["p01"].failed_attention) == (1, 0)
+    result = facts(tmp_path, pd.concat([ranking, checks.assign(rank=[1, 2, 3]), obeyed]), "ranking")
+    assert (result["p00"].failed_attention, result["p01"].failed_attention) == (1, 0)
 
 
 def test_watching_and_times_are_those_of_analysed_answers(
@@ -162,10 +162,10 @@ def test_watching_and_times_are_those_of_analysed_answers(
     )
     timed.loc[timed.index[-1], "response_seconds"] = 2.5
     timed.loc[timed["participant"] == "p00", "response_seconds"] = np.nan
-    found = facts(tmp_path, timed)
-    assert found["p01"].watched == pytest.approx(0.75)
-    assert found["p02"].seconds.tolist() == [2.5, 4.0, 4.0, 4.0]
-    assert len(found["p00"].seconds) == 0
+    result = facts(tmp_path, timed)
+    assert result["p01"].watched == pytest.approx(0.75)
+    assert result["p02"].seconds.tolist() == [2.5, 4.0, 4.0, 4.0]
+    assert len(result["p00"].seconds) == 0
 
 
 def test_a_share_watched_above_one_is_refused_with_its_row(
@@ -178,15 +178,15 @@ def test_a_share_watched_above_one_is_refused_with_its_row(
 def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Path) -> None:
     table = pairwise_table(("ours", "other"), ("a", "b"), participants=1, effects=(0.5, 0))
     table["response"] = np.where(table["question"] == "a", 1, table["response"])
-    [found] = facts(tmp_path, table).values()
-    assert found.same_answers is not None
-    assert found.same_answers[0] == SameAnswer(question="a", answers=6, share=1.0)
-    assert found.same_answers[1].share < 1
+    [result] = facts(tmp_path, table).values()
+    assert result.same_answers is not None
+    assert result.same_answers[0] == SameAnswer(question="a", answers=6, share=1.0)
+    assert result.same_answers[1].share < 1
 
 
 def test_ranks_are_never_alike(tmp_path: Path) -> None:
-    found = facts(tmp_path, TABLES["ranking"](participants=2), "ranking")
-    assert {one.same_answers for one in found.values()} == {None}
+    result = facts(tmp_path, TABLES["ranking"](participants=2), "ranking")
+    assert {one.same_answers for one in result.values()} == {None}
 
 
 def test_what_a_study_knows_replaces_the_tables_judgement(
@@ -194,7 +194,7 @@ def test_what_a_study_knows_replaces_the_tables_judgement(
 ) -> None:
     known = KnownFacts(trials=30, settled=12, failed_catch=0, failed_attention=2)
     both = pd.concat([table, catch_rows("p01", "ll", (5, 5))])
-    found = facts(tmp_path, both, known={"p01": known})
-    one = found["p01"]
+    result = facts(tmp_path, both, known={"p01": known})
+    one = result["p01"]
     assert (one.trials, one.settled, one.failed_catch, one.failed_attention) == (30, 12, 0, 2)
-    assert found["p02"].trials is None
+    assert result["p02"].trials is None

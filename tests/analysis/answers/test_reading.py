@@ -47,7 +47,7 @@ def read_text(folder: Path, text: str, layout: Layout = PAIRWISE) -> AnswerTable
 
 
 def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) -> None:
-    found = read(
+    result = read(
         tmp_path,
         pairs(
             {"kind": "catch", "left": "broken", "right": "truth", "correct_side": "right"},
@@ -56,15 +56,15 @@ def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) 
             {"kind": "main", "left": "apple", "right": "zebra", "question": "b"},
         ),
     )
-    assert found.conditions == ("zebra", "ours", "apple")
-    assert found.questions == ("b", "a")
-    assert found.participants == ("anna",)
-    assert not found.has_sets
+    assert result.conditions == ("zebra", "ours", "apple")
+    assert result.questions == ("b", "a")
+    assert result.participants == ("anna",)
+    assert not result.has_sets
 
 
 def test_a_bad_cell_is_named_by_file_row_and_column(tmp_path: Path) -> None:
-    said = refusal(tmp_path, pairs({}, {}, {"response": 7}, {"response": 9}))
-    assert said == (
+    text = refusal(tmp_path, pairs({}, {}, {"response": 7}, {"response": 9}))
+    assert text == (
         "answers.csv, row 4, column response: '7' is not a whole number from 1 (strongly left) to "
         "5 (strongly right). Correct the cell, or remove the row."
     )
@@ -89,14 +89,14 @@ def test_what_a_column_cannot_hold_is_refused(
     change: dict[str, Any], column: str, tmp_path: Path
 ) -> None:
     table = pairs({"kind": "main"}, change)
-    said = refusal(tmp_path, table if "kind" in change else table.drop(columns="kind"))
-    assert f"row 3, column {column}:" in said
+    text = refusal(tmp_path, table if "kind" in change else table.drop(columns="kind"))
+    assert f"row 3, column {column}:" in text
 
 
 def test_an_empty_answer_is_left_out_and_said(tmp_path: Path) -> None:
-    found = read(tmp_path, pairs({}, {"response": None}, {"response": "NA"}, {"response": 5}))
-    assert found.answers["value"].tolist() == [2, 5]
-    assert found.notes == ("2 rows are without a response left out.",)
+    result = read(tmp_path, pairs({}, {"response": None}, {"response": "NA"}, {"response": 5}))
+    assert result.answers["value"].tolist() == [2, 5]
+    assert result.notes == ("2 rows are without a response left out.",)
 
 
 def test_a_condition_may_be_called_na(tmp_path: Path) -> None:
@@ -104,19 +104,19 @@ def test_a_condition_may_be_called_na(tmp_path: Path) -> None:
 
 
 def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -> None:
-    found = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
-    assert found.answers["kind"].tolist() == ["practice", "main"]
+    result = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
+    assert result.answers["kind"].tolist() == ["practice", "main"]
     assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
 
 
 def test_unknown_columns_are_ignored_with_a_note(tmp_path: Path) -> None:
-    found = read(tmp_path, pairs({"browser": "x", "emotion": "anger"}))
-    assert found.notes == ("Columns that are not read: browser.",)
+    result = read(tmp_path, pairs({"browser": "x", "emotion": "anger"}))
+    assert result.notes == ("Columns that are not read: browser.",)
 
 
 def test_a_missing_column_is_named(tmp_path: Path) -> None:
-    said = refusal(tmp_path, pairs({}).drop(columns=["left", "segment"]))
-    assert "column segment, left is missing; there are participant, question" in said
+    text = refusal(tmp_path, pairs({}).drop(columns=["left", "segment"]))
+    assert "column segment, left is missing; there are participant, question" in text
 
 
 def test_a_column_that_occurs_twice_is_refused(tmp_path: Path) -> None:
@@ -125,8 +125,8 @@ def test_a_column_that_occurs_twice_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_answer_that_is_stored_twice_is_refused(tmp_path: Path) -> None:
-    said = refusal(tmp_path, pairs({"trial": 1}, {"trial": 2}, {"trial": 1}))
-    assert "row 4, column trial: the same answer stands in row 2 already" in said
+    text = refusal(tmp_path, pairs({"trial": 1}, {"trial": 2}, {"trial": 1}))
+    assert "row 4, column trial: the same answer stands in row 2 already" in text
 
 
 def test_without_trial_numbers_the_same_pair_may_be_answered_again(tmp_path: Path) -> None:
@@ -164,11 +164,11 @@ def test_parquet_is_read_like_csv(tmp_path: Path) -> None:
     )
     path = tmp_path / "answers.parquet"
     table.to_parquet(path)
-    found = read_answers(path, PAIRWISE)
-    assert found.participants == ("1", "2")
-    assert found.sets == ("1", "2")
-    assert found.answers["value"].tolist() == [2, 5]
-    assert found.marked == {"2": MARKED}
+    result = read_answers(path, PAIRWISE)
+    assert result.participants == ("1", "2")
+    assert result.sets == ("1", "2")
+    assert result.answers["value"].tolist() == [2, 5]
+    assert result.marked == {"2": MARKED}
 
 
 def test_a_bad_cell_of_parquet_is_named_by_its_row_from_1(tmp_path: Path) -> None:
@@ -220,9 +220,9 @@ def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
         "participant,segment,question,condition,response,kind\n"
         "anna,s1,match,ours,4,main\nanna,,,,,catch\nanna,,,,,attention\n"
     )
-    found = read_text(tmp_path, text, RATING_OF_ONE)
-    assert len(found.answers) == 1
-    assert len(found.notes) == 2
+    result = read_text(tmp_path, text, RATING_OF_ONE)
+    assert len(result.answers) == 1
+    assert len(result.notes) == 2
 
 
 def ranked(*rows: tuple[str, str, str, float]) -> pd.DataFrame:
@@ -237,11 +237,11 @@ def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path
         *(("2", "s1", name, place) for place, name in enumerate("bca", 1)),
         *((str(place), "s2", name, place) for place, name in enumerate("abc", 1)),
     )
-    found = placements_of(read_table(table, "ranking", tmp_path).answers)
+    result = placements_of(read_table(table, "ranking", tmp_path).answers)
 
     # Trials that number single rows of a ranking apart tell nothing.
-    assert found.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
-    assert found.averaged().given[0].tolist() == [2, 1.5, 2.5]
+    assert result.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
+    assert result.averaged().given[0].tolist() == [2, 1.5, 2.5]
 
 
 def test_rankings_that_leave_places_out_are_noted(tmp_path: Path) -> None:

@@ -79,12 +79,12 @@ def test_another_seed_effect_or_design_is_another_cell() -> None:
 
 
 def test_progress_is_told_cell_by_cell(tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
-    runner = Runner(folder=tmp_path, show=lambda done, total: told.append((done, total)))
+    progress: list[tuple[int, int]] = []
+    runner = Runner(folder=tmp_path, show=lambda done, total: progress.append((done, total)))
 
     runner.cells([task(), task(effect=0.2)])
 
-    assert told == [(0, 2), (1, 2), (2, 2)]
+    assert progress == [(0, 2), (1, 2), (2, 2)]
 
 
 def test_less_is_simulated_where_it_would_take_too_long() -> None:
@@ -99,10 +99,10 @@ def test_less_is_simulated_where_it_would_take_too_long() -> None:
 def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
     short = replace(REQUEST, minutes=1e-6, effort=Effort(quick=500))
 
-    found = plan(short, Runner(folder=tmp_path))
+    result = plan(short, Runner(folder=tmp_path))
 
-    assert "400 simulated studies instead of 500" in found.cut
-    assert sentences(found)[-1] == found.cut
+    assert "400 simulated studies instead of 500" in result.cut
+    assert sentences(result)[-1] == result.cut
 
 
 def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
@@ -113,14 +113,14 @@ def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
 
 
 def test_sentences_say_what_a_researcher_must_know(made: Plan) -> None:
-    said = "\n".join(sentences(made))
+    text = "\n".join(sentences(made))
 
-    assert "As it stands, with 10 participants per comparison (9 of them analysed)" in said
-    assert "30 participants in all cost 75.00." in said
-    assert "The smallest difference that it finds with power .8 is" in said
-    assert "Assumed: the difference of two conditions varies by 0.6 logits" in said
-    assert "Where there is no difference" in said
-    assert "nan" not in said
+    assert "As it stands, with 10 participants per comparison (9 of them analysed)" in text
+    assert "30 participants in all cost 75.00." in text
+    assert "The smallest difference that it finds with power .8 is" in text
+    assert "Assumed: the difference of two conditions varies by 0.6 logits" in text
+    assert "Where there is no difference" in text
+    assert "nan" not in text
 
 
 def with_powers(made: Plan, powers: dict[tuple[int, int], float]) -> Plan:
@@ -129,7 +129,7 @@ def with_powers(made: Plan, powers: dict[tuple[int, int], float]) -> Plan:
         replace(
             cell,
             powers=tuple(
-                replace(one, power=powers[cell.size.numbers], error=0.01) for one in cell.powers
+                replace(power, power=powers[cell.size.numbers], error=0.01) for power in cell.powers
             ),
         )
         for cell in made.cells
@@ -149,20 +149,20 @@ SATURATED = {
 
 
 def test_where_participants_add_little_segments_are_recommended(made: Plan) -> None:
-    said = "\n".join(sentences(with_powers(made, SATURATED)))
+    text = "\n".join(sentences(with_powers(made, SATURATED)))
 
     assert (
         "With 6 segments, more than 20 participants per comparison add little: 80 raise the power "
         "for 0.5 logits from .55 to .60 only; 12 segments raise it to .75: add segments."
-    ) in said
-    assert "are 80 participants per comparison with 12 segments (.95 ± .01). 240" in said
+    ) in text
+    assert "are 80 participants per comparison with 12 segments (.95 ± .01). 240" in text
 
 
 def test_segments_are_not_recommended_where_they_add_no_more(made: Plan) -> None:
-    said = "\n".join(sentences(with_powers(made, {**SATURATED, (20, 12): 0.56})))
+    text = "\n".join(sentences(with_powers(made, {**SATURATED, (20, 12): 0.56})))
 
-    assert "add little" in said
-    assert "add segments" not in said
+    assert "add little" in text
+    assert "add segments" not in text
 
 
 def test_where_participants_still_help_nothing_is_called_little(made: Plan) -> None:
@@ -210,20 +210,20 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
     ]
     for one, other in zip(first, again, strict=True):
         assert one.read_bytes() == other.read_bytes(), one.name
-    found = json.loads(first[0].read_text("utf-8"))
-    assert found["as_it_stands"] == {"participants": 10, "segments": 6}
-    assert len(found["powers"]) == len(made.cells)
+    result = json.loads(first[0].read_text("utf-8"))
+    assert result["as_it_stands"] == {"participants": 10, "segments": 6}
+    assert len(result["powers"]) == len(made.cells)
 
 
 def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
     alone = replace(REQUEST, participants=(1, 10), items=(1,), own=(10, 1))
 
-    found = plan(alone, Runner(folder=tmp_path))
-    said = "\n".join(sentences(found))
-    write_plan(found, tmp_path / "out")
+    result = plan(alone, Runner(folder=tmp_path))
+    text = "\n".join(sentences(result))
+    write_plan(result, tmp_path / "out")
 
     powers = json.loads((tmp_path / "out" / "plan.json").read_text("utf-8"))["powers"]
 
-    assert "1 x 1: one participant allows no test" in said
-    assert "10 x 1: one segment allows no test" in said
+    assert "1 x 1: one participant allows no test" in text
+    assert "10 x 1: one segment allows no test" in text
     assert {row["power"] for row in powers} == {None}

@@ -39,8 +39,8 @@ SKETCHES = (
 
 
 def part(sketch: Sketch, participants: int, items: int) -> Part:
-    (found,) = sketch.size(participants, items, excluded=0.0).parts
-    return found
+    (result,) = sketch.size(participants, items, excluded=0.0).parts
+    return result
 
 
 def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power:
@@ -85,19 +85,19 @@ def test_rankings_are_corrected_over_all_their_tests_as_the_report_does() -> Non
 
 
 def test_the_same_seed_gives_the_same_power_and_says_how_sure_it_is() -> None:
-    found, again = (power(PAIRS, 12, 8, 0.5) for _ in range(2))
+    result, again = (power(PAIRS, 12, 8, 0.5) for _ in range(2))
 
-    assert found == again
-    assert 0 < found.error < 0.04
-    assert found.modelled == 0
+    assert result == again
+    assert 0 < result.error < 0.04
+    assert result.modelled == 0
 
 
 @pytest.mark.parametrize(("participants", "items", "why"), [(1, 5, "participant"), (5, 1, "segm")])
 def test_one_of_either_has_no_power_and_says_why(participants: int, items: int, why: str) -> None:
-    found = power(PAIRS, participants, items, 0.5)
+    result = power(PAIRS, participants, items, 0.5)
 
-    assert np.isnan(found.power)
-    assert f"one {why}" in found.reason
+    assert np.isnan(result.power)
+    assert f"one {why}" in result.reason
 
 
 def test_few_participants_are_judged_by_the_win_share() -> None:
@@ -146,10 +146,10 @@ def test_what_the_quick_test_misses_is_put_right() -> None:
     exact = tests.exact(answers, np.empty(0, bool))
     plain = float(np.mean(holm_rows(exact.p_values)[:, :2] < 0.05))
 
-    found = power_of((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
+    result = power_of((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
 
-    assert found.modelled >= 40
-    assert found.power == pytest.approx(plain, abs=3 * np.hypot(found.error, 0.03))
+    assert result.modelled >= 40
+    assert result.power == pytest.approx(plain, abs=3 * np.hypot(result.error, 0.03))
 
 
 POWERS = {
@@ -168,9 +168,9 @@ def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
     for participants, items, known in POWERS[effect]:
         tests = DecidingTests(part(PAIRS, participants, items), Opinions(), effect)
         drawn = drawn_answers(tests.part, Opinions(), effect, 2000, np.random.default_rng(1))
-        found = tests.quick(drawn)
+        result = tests.quick(drawn)
 
-        assert np.mean((found.p_values < 0.05) & (found.signs > 0)) == pytest.approx(
+        assert np.mean((result.p_values < 0.05) & (result.signs > 0)) == pytest.approx(
             known, abs=0.05
         )
 
@@ -184,7 +184,7 @@ def test_a_study_that_is_simulated_otherwise_has_another_version(sketch: Sketch)
         effort=Effort(quick=100, exact=20),
         seed=3,
     )
-    (found,) = simulated(task)
-    assert [found.power, found.alone, found.uncorrected, found.error] == pytest.approx(
+    (result,) = simulated(task)
+    assert [result.power, result.alone, result.uncorrected, result.error] == pytest.approx(
         POWERS_OF_VERSION[grid.VERSION][sketch.kind], abs=1e-6
     )

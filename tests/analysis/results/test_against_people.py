@@ -19,11 +19,11 @@ def _study(**settings: Any) -> tuple[pd.DataFrame, StudyMetrics]:
 
 def test_a_metric_that_orders_conditions_as_people_do_agrees_entirely() -> None:
     answers, metrics = _study(tau=1.0, noise=0.0, within=1.0)
-    (found,) = against_people("rating", answers, metrics, resamples=100).metrics
-    assert found.kendall.estimate == found.spearman.estimate == 1
-    assert found.kendall.low < 1
-    assert found.kendall.high == 1
-    assert found.within.estimate == pytest.approx(1)
+    (result,) = against_people("rating", answers, metrics, resamples=100).metrics
+    assert result.kendall.estimate == result.spearman.estimate == 1
+    assert result.kendall.low < 1
+    assert result.kendall.high == 1
+    assert result.within.estimate == pytest.approx(1)
 
 
 def test_two_conditions_have_no_correlation_and_three_no_interval() -> None:
@@ -39,23 +39,23 @@ def test_two_conditions_have_no_correlation_and_three_no_interval() -> None:
 
 
 def test_one_participant_gives_no_interval_and_says_so() -> None:
-    found = against_people("rating", *_study(participants=1), resamples=50).metrics[0]
-    assert math.isnan(found.kendall.low)
-    assert found.kendall.reason.startswith("one participant")
-    assert math.isnan(found.places[0].low)
+    result = against_people("rating", *_study(participants=1), resamples=50).metrics[0]
+    assert math.isnan(result.kendall.low)
+    assert result.kendall.reason.startswith("one participant")
+    assert math.isnan(result.places[0].low)
 
 
 def test_answers_that_are_all_alike_give_no_correlation() -> None:
     answers, metrics = _study()
-    found = against_people("rating", answers.assign(value=3.0), metrics, resamples=50).metrics[0]
-    assert found.kendall.reason == "all conditions are equal in the metric or in the answers"
-    assert "do not differ" in found.within.reason
+    result = against_people("rating", answers.assign(value=3.0), metrics, resamples=50).metrics[0]
+    assert result.kendall.reason == "all conditions are equal in the metric or in the answers"
+    assert "do not differ" in result.within.reason
 
 
 def test_resamples_without_a_correlation_are_counted() -> None:
-    found = against_people("rating", *_study(conditions=4), resamples=2000).metrics[0]
+    result = against_people("rating", *_study(conditions=4), resamples=2000).metrics[0]
     # All four draws are one condition with a chance of 4 in 4⁴.
-    assert 10 < found.kendall.degenerate < 60
+    assert 10 < result.kendall.degenerate < 60
 
 
 def test_one_seed_gives_one_result_with_a_reason_for_every_missing_number() -> None:
@@ -73,9 +73,9 @@ def test_intervals_contain_the_truth_at_least_as_often_as_they_say() -> None:
     chance = np.random.default_rng(11)
     over, within = [], []
     for _ in range(60):
-        found = against_people("rating", *study.drawn(chance), resamples=200).metrics[0]
-        over.append(found.kendall.low <= study.tau <= found.kendall.high)
-        within.append(found.within.low <= truth <= found.within.high)
+        result = against_people("rating", *study.drawn(chance), resamples=200).metrics[0]
+        over.append(result.kendall.low <= study.tau <= result.kendall.high)
+        within.append(result.within.low <= truth <= result.within.high)
     assert np.mean(over) >= 0.93
     # 88 of 100 is what 93 of 100 may come to in 60 studies.
     assert np.mean(within) >= 0.88

@@ -33,16 +33,13 @@ def given(
 def headline(report: TableReport) -> list[tuple[object, ...]]:
     """Return the report's own numbers: of whom, estimate, interval, answers."""
     results: Any = report.results
-    match report.protocol:
-        case "pairwise":
-            shares = [(one.a, one.b, one.win_share) for one in results.comparisons]
-        case "mismatch":
-            shares = [(one.condition, "", one.win_share) for one in results.conditions]
-        case "ranking":
-            shares = [(one.condition, "", one.mean_rank) for one in results.conditions]
-        case _:
-            shares = [(one.condition, "", one) for one in results.conditions]
-    return [(a, b, one.estimate, one.low, one.high, one.n) for a, b, one in shares]
+    field = {"ranking": "mean_rank", "rating": ""}.get(report.protocol, "win_share")
+    rows = []
+    for result in results.comparisons if report.protocol == "pairwise" else results.conditions:
+        number = getattr(result, field) if field else result
+        names = (*result.names, "")[:2]
+        rows.append((*names, number.estimate, number.low, number.high, number.n))
+    return rows
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
@@ -54,8 +51,11 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
     numbers = headline_numbers(table, left_out.analysed)
     [agreed] = agreed_so_far(table, left_out)
 
-    found = [(one.a, one.b, one.estimate, one.low, one.high, one.n) for one in numbers]
-    assert found == headline(report)
+    result = [
+        (number.a, number.b, number.estimate, number.low, number.high, number.n)
+        for number in numbers
+    ]
+    assert result == headline(report)
     is_ranking = protocol == "ranking"
     [whole] = (results.kendall_w if is_ranking else results.agreement).results.values()
     assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
@@ -78,8 +78,10 @@ def test_agreement_does_not_tell_which_way_people_answer(protocol: str, tmp_path
     assert [getattr(other, name) for name in numbers] == pytest.approx(
         [getattr(one, name) for name in numbers]
     )
-    bare, turned = (replace(each, estimate=0, low=0, high=0, retest=None) for each in (one, other))
-    assert bare == turned
+    bare, mirrored = (
+        replace(each, estimate=0, low=0, high=0, retest=None) for each in (one, other)
+    )
+    assert bare == mirrored
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
@@ -87,7 +89,7 @@ def test_too_few_answers_give_no_interval_and_say_why(protocol: str, tmp_path: P
     table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=1))
 
     numbers = headline_numbers(table, left_out.analysed)
-    assert {one.reason for one in numbers} == {"one participant"}
+    assert {number.reason for number in numbers} == {"one participant"}
     [agreed] = agreed_so_far(table, left_out)
     assert agreed.estimate != agreed.estimate and agreed.reason
 
@@ -106,9 +108,10 @@ def with_and_without(
 ) -> tuple[Sensitivity, ...]:
     """Return the numbers of a table where p01 watches too little and p02 answers too fast."""
     made = TABLES[protocol](participants=6, segments=4) if table is None else table
-    who = made["participant"]
+    people = made["participant"]
     flawed = made.assign(
-        watched=np.where(who == "p01", 0.5, 1), response_seconds=np.where(who == "p02", 1.0, 9.0)
+        watched=np.where(people == "p01", 0.5, 1),
+        response_seconds=np.where(people == "p02", 1.0, 9.0),
     )
     return sensitivity(*given(protocol, folder, flawed, *rules))
 
@@ -121,10 +124,14 @@ def test_nothing_depends_on_exclusions_where_there_are_none(tmp_path: Path) -> N
 def test_every_headline_number_is_given_of_all_three_groups(tmp_path: Path, protocol: str) -> None:
     each = with_and_without(tmp_path, protocol, PLANNED, AFTERWARDS)
     assert each
-    for one in each:
-        assert not one.is_as_planned
-        assert [g.participants for g in (one.analysed, one.as_planned, one.everyone)] == [4, 5, 6]
-        assert one.analysed.low < one.analysed.estimate < one.analysed.high
+    for number in each:
+        assert not number.is_as_planned
+        assert [g.participants for g in (number.analysed, number.as_planned, number.everyone)] == [
+            4,
+            5,
+            6,
+        ]
+        assert number.analysed.low < number.analysed.estimate < number.analysed.high
 
 
 def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: Path) -> None:
@@ -139,8 +146,8 @@ def test_they_are_the_numbers_of_reports_with_and_without_the_rule(
     with_rule = analyse_table(tmp_path / "answers.csv", protocol, exclude=[PLANNED])
     without = analyse_table(tmp_path / "answers.csv", protocol)
     for name, report in (("analysed", with_rule), ("everyone", without)):
-        found = [getattr(one, name).estimate for one in each]
-        assert found == pytest.approx([row[2] for row in headline(report)])
+        result = [getattr(number, name).estimate for number in each]
+        assert result == pytest.approx([row[2] for row in headline(report)])
     assert without.sensitivity == ()
     assert len(with_rule.sensitivity) == len(each)
 

@@ -36,11 +36,11 @@ def with_emotions(table: pd.DataFrame) -> pd.DataFrame:
     ],
 )
 def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Path) -> None:
-    found = apart(tmp_path, with_emotions(TABLES[protocol](participants=8)), protocol)
+    result = apart(tmp_path, with_emotions(TABLES[protocol](participants=8)), protocol)
 
-    assert {one.measure for one in found} == {measure}
-    assert {one.by for one in found} == {"emotion", "speaker", "segment"}
-    for one in found:
+    assert {one.measure for one in result} == {measure}
+    assert {one.by for one in result} == {"emotion", "speaker", "segment"}
+    for one in result:
         described = {level.level: level.descriptive for level in one.levels}
         if one.by == "emotion":
             assert described == {"anger": False, "joy": True}
@@ -52,10 +52,10 @@ def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Pa
         for level in one.levels:
             assert bool(level.remark) == level.descriptive
             assert np.isnan(level.p_value) == level.descriptive
-    assert [one.test.p_holm for one in found] == pytest.approx(
-        holm([one.test.p_value for one in found]), nan_ok=True
+    assert [one.test.p_holm for one in result] == pytest.approx(
+        holm([one.test.p_value for one in result]), nan_ok=True
     )
-    tested = [w for one in found for w in one.levels if not w.descriptive]
+    tested = [w for one in result for w in one.levels if not w.descriptive]
     assert [w.p_holm for w in tested] == pytest.approx(
         holm([w.p_value for w in tested]), nan_ok=True
     )
@@ -66,10 +66,10 @@ def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:
     results: Any = report_of(table, "pairwise", tmp_path).results
 
     for whole in results.comparisons:
-        for one in results.heterogeneity:
-            if (one.a, one.b, one.question) == (whole.a, whole.b, whole.question):
-                assert sum(level.n for level in one.levels) == whole.n
-                together = sum(level.n * level.estimate for level in one.levels) / whole.n
+        for effect in results.heterogeneity:
+            if (effect.a, effect.b, effect.question) == (whole.a, whole.b, whole.question):
+                assert sum(level.n for level in effect.levels) == whole.n
+                together = sum(level.n * level.estimate for level in effect.levels) / whole.n
                 assert together == pytest.approx(whole.win_share.estimate)
 
 
@@ -77,44 +77,48 @@ def test_ratings_without_a_partner_have_no_difference(tmp_path: Path) -> None:
     table = with_emotions(TABLES["rating"](participants=6))
     lonely = table[~((table["condition"] == "ours") & (table["segment"] == "s0"))]
 
-    found = apart(tmp_path, lonely, "rating")
+    result = apart(tmp_path, lonely, "rating")
 
-    pair = next(one for one in found if one.by == "segment" and {one.a, one.b} == {"truth", "ours"})
+    pair = next(
+        one for one in result if one.by == "segment" and {one.a, one.b} == {"truth", "ours"}
+    )
     assert [level.level for level in pair.levels] == [f"s{n}" for n in range(1, 6)]
 
 
 def test_without_emotions_there_is_nothing_to_take_apart_by_them(tmp_path: Path) -> None:
     table = TABLES["pairwise"](participants=4)
 
-    found = apart(tmp_path, table.assign(emotion="joy"), "pairwise")
+    result = apart(tmp_path, table.assign(emotion="joy"), "pairwise")
 
-    assert {one.by for one in found} == {"segment"}
+    assert {one.by for one in result} == {"segment"}
 
 
 def made_wins() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     chance = np.random.default_rng(2)
-    who, what = np.repeat(np.arange(9), 12), np.tile(np.arange(12), 9)
-    return chance.integers(0, 3, len(who)) / 2, who, what
+    people, items = np.repeat(np.arange(9), 12), np.tile(np.arange(12), 9)
+    return chance.integers(0, 3, len(people)) / 2, people, items
 
 
 def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
-    wins, who, what = made_wins()
+    wins, people, items = made_wins()
 
-    [first, second] = cells(wins, what // 6, ["anger", "joy"], who, what, null=0.5, limits=(0, 1))
+    [first, second] = cells(
+        wins, items // 6, ["anger", "joy"], people, items, null=0.5, limits=(0, 1)
+    )
 
-    own = what < 6
+    own = items < 6
     assert (first.level, second.level) == ("anger", "joy")
-    whole = clustered_mean(wins[own], who[own], what[own])
+    whole = clustered_mean(wins[own], people[own], items[own])
     assert vars(whole).items() <= vars(first).items()
     assert not first.descriptive
 
 
 def test_a_level_of_three_segments_is_described_and_not_tested() -> None:
-    wins, who, what = made_wins()
+    wins, people, items = made_wins()
 
-    found = cells(wins, what // 3, list("abcd"), who, what, null=0.5, limits=(0, 1))
+    result = cells(wins, items // 3, list("abcd"), people, items, null=0.5, limits=(0, 1))
 
-    for cell in found:
+    for cell in result:
         assert cell.descriptive
         assert math.isnan(cell.p_value)
         assert cell.low < cell.estimate < cell.high
@@ -122,23 +126,23 @@ def test_a_level_of_three_segments_is_described_and_not_tested() -> None:
 
 
 def test_a_single_segment_has_the_interval_of_its_participants() -> None:
-    wins, who, what = made_wins()
+    wins, people, items = made_wins()
 
-    found = cells(wins, what, [f"s{n}" for n in range(12)], who, what, null=0.5)
+    result = cells(wins, items, [f"s{n}" for n in range(12)], people, items, null=0.5)
 
-    own = wins[what == 4]
+    own = wins[items == 4]
     expected = stats.ttest_1samp(own, 0.5).confidence_interval()
-    assert (found[4].low, found[4].high) == pytest.approx(tuple(expected))
-    assert found[4].method == ONE_SEGMENT
-    assert all(cell.descriptive for cell in found)
+    assert (result[4].low, result[4].high) == pytest.approx(tuple(expected))
+    assert result[4].method == ONE_SEGMENT
+    assert all(cell.descriptive for cell in result)
 
 
 def test_levels_without_answers_are_left_out_and_others_say_why_they_have_no_interval() -> None:
-    what = np.array([0, 0, 2])
+    items = np.array([0, 0, 2])
 
-    found = cells(
-        np.array([1.0, 1.0, 0.0]), what, ["a", "b", "c"], np.array([0, 1, 0]), what, null=0.5
+    result = cells(
+        np.array([1.0, 1.0, 0.0]), items, ["a", "b", "c"], np.array([0, 1, 0]), items, null=0.5
     )
 
-    assert [cell.level for cell in found] == ["a", "c"]
-    assert [cell.reason for cell in found] == ["all answers alike", "one participant"]
+    assert [cell.level for cell in result] == ["a", "c"]
+    assert [cell.reason for cell in result] == ["all answers alike", "one participant"]

@@ -18,7 +18,7 @@ from analysis.stats.clustered_mean import Estimate
     ],
 )
 def test_the_better_one_is_found_or_not(truth: float, estimate: float, sign: str) -> None:
-    found = Estimate(estimate=estimate, low=estimate - 0.1, high=estimate + 0.1)
+    result = Estimate(estimate=estimate, low=estimate - 0.1, high=estimate + 0.1)
     difference = KnownDifference(
         part="",
         question="fit",
@@ -26,17 +26,17 @@ def test_the_better_one_is_found_or_not(truth: float, estimate: float, sign: str
         first="ours",
         second="theirs",
         truth=truth,
-        found=found,
-        decided=not found.covers(0.0),
+        found=result,
+        decided=not result.covers(0.0),
     )
     assert difference.sign == sign
     assert difference.half_width == pytest.approx(0.1)
 
 
 def test_a_missing_interval_covers_nothing() -> None:
-    found = Estimate(estimate=0.5, reason="one participant")
-    assert not found.has_interval
-    assert not found.covers(0.5)
+    result = Estimate(estimate=0.5, reason="one participant")
+    assert not result.has_interval
+    assert not result.covers(0.5)
 
 
 def test_the_other_sides_share_is_the_mirror_image() -> None:

@@ -22,25 +22,25 @@ NOW = replace(LOOK, finished=30, answers=300)
 
 
 def test_looks_at_the_reported_answers_are_not_before_them() -> None:
-    found = looks_before([LOOK, LATER, NOW, NOW], finished=30, answers=300)
+    result = looks_before([LOOK, LATER, NOW, NOW], finished=30, answers=300)
 
-    assert (found.count, found.looks, found.finished) == (2, (LOOK, LATER), (10, 20))
-    assert found.false_positive_rate == pytest.approx(equally_spaced(3))
-    assert found.reason == ""
+    assert (result.count, result.looks, result.finished) == (2, (LOOK, LATER), (10, 20))
+    assert result.false_positive_rate == pytest.approx(equally_spaced(3))
+    assert result.reason == ""
 
 
 def test_looks_in_a_row_that_are_alike_are_counted_together() -> None:
     other = replace(LOOK, reason="curious")
 
-    found = looks_before([LOOK, LOOK, other, LOOK], finished=30, answers=300)
+    result = looks_before([LOOK, LOOK, other, LOOK], finished=30, answers=300)
 
-    assert [(look.reason, look.times) for look in found.looks] == [
+    assert [(look.reason, look.times) for look in result.looks] == [
         ("a video broke", 2),
         ("curious", 1),
         ("a video broke", 1),
     ]
-    assert found.count == 4
-    assert found.false_positive_rate == pytest.approx(
+    assert result.count == 4
+    assert result.false_positive_rate == pytest.approx(
         looks_before([LOOK], finished=30, answers=300).false_positive_rate
     )
 
@@ -56,8 +56,8 @@ def test_looks_in_a_row_that_are_alike_are_counted_together() -> None:
 def test_without_participants_or_looks_there_is_no_rate_but_a_reason(
     looks: list[Look], finished: int, reason: str
 ) -> None:
-    found = looks_before(looks, finished=finished, answers=300)
+    result = looks_before(looks, finished=finished, answers=300)
 
-    assert math.isnan(found.false_positive_rate)
-    assert found.reason == reason
+    assert math.isnan(result.false_positive_rate)
+    assert result.reason == reason
     assert math.isnan(NOT_LOGGED.false_positive_rate) and NOT_LOGGED.reason

@@ -26,21 +26,21 @@ SEGMENTS = ("s00", "s01")
 
 
 def _within(answers: pd.DataFrame, metrics: StudyMetrics) -> WithinCorrelation:
-    found = tally("rating", answers)
-    (side,) = oriented_metrics(metrics, found.conditions, found.segments, None)
-    return within_conditions(found, side)
+    result = tally("rating", answers)
+    (side,) = oriented_metrics(metrics, result.conditions, result.segments, None)
+    return within_conditions(result, side)
 
 
 def test_it_is_the_correlation_of_what_is_left_when_condition_means_are_taken_off() -> None:
     answers, metrics = AgreeingStudy(within=0.6).drawn(np.random.default_rng(1))
-    found = _within(answers, metrics)
+    result = _within(answers, metrics)
     rows = answers.groupby(["condition", "segment"], observed=True)["value"].mean().reset_index()
     rows["score"] = [clip.result.value for clip in metrics.clips]
     rows["value"] -= rows.groupby("condition", observed=True)["value"].transform("mean")
     rows["score"] -= rows.groupby("condition", observed=True)["score"].transform("mean")
-    assert found.estimate == pytest.approx(rows["value"].corr(rows["score"]))
-    assert found.low < found.estimate < found.high
-    assert (found.cells, found.segments, found.answers) == (72, 12, 1440)
+    assert result.estimate == pytest.approx(rows["value"].corr(rows["score"]))
+    assert result.low < result.estimate < result.high
+    assert (result.cells, result.segments, result.answers) == (72, 12, 1440)
 
 
 def test_differences_between_conditions_do_not_enter() -> None:
@@ -63,18 +63,18 @@ def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> Non
             "value": np.where(wins, 1, 5),
         }
     )
-    found = tally("pairwise", answers)
-    (side,) = oriented_metrics(metrics_of(scores), found.conditions, found.segments, None)
+    result = tally("pairwise", answers)
+    (side,) = oriented_metrics(metrics_of(scores), result.conditions, result.segments, None)
     expected = np.corrcoef(scores[0] - scores[1], wins)[0, 1]
-    assert within_conditions(found, side).estimate == pytest.approx(expected)
+    assert within_conditions(result, side).estimate == pytest.approx(expected)
 
 
 def test_few_segments_give_an_estimate_without_interval() -> None:
     answers, metrics = AgreeingStudy(segments=4).drawn(np.random.default_rng(1))
-    found = _within(answers, metrics)
-    assert not math.isnan(found.estimate)
-    assert math.isnan(found.low)
-    assert found.reason == "4 segments are too few for an interval"
+    result = _within(answers, metrics)
+    assert not math.isnan(result.estimate)
+    assert math.isnan(result.low)
+    assert result.reason == "4 segments are too few for an interval"
 
 
 def test_what_does_not_differ_is_named() -> None:
@@ -86,9 +86,9 @@ def test_what_does_not_differ_is_named() -> None:
 
 def test_one_segment_has_nothing_to_correlate() -> None:
     answers, metrics = AgreeingStudy(segments=1).drawn(np.random.default_rng(1))
-    found = _within(answers, metrics)
-    assert math.isnan(found.estimate)
-    assert "fewer than two segments" in found.reason
+    result = _within(answers, metrics)
+    assert math.isnan(result.estimate)
+    assert "fewer than two segments" in result.reason
 
 
 @pytest.mark.parametrize(
@@ -96,29 +96,29 @@ def test_one_segment_has_nothing_to_correlate() -> None:
     [("higher", [2.0, 5.0, 2.0]), ("lower", [-2.0, -5.0, -2.0]), ("near the reference", [3, 3])],
 )
 def test_more_always_speaks_for_a_condition(better: Better, spoken: list[float]) -> None:
-    (found,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
-    assert found.resampled(np.ones((1, 2)))[0] == pytest.approx(
+    (result,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
+    assert result.resampled(np.ones((1, 2)))[0] == pytest.approx(
         np.abs(spoken) * np.sign(spoken[0]) * (-1 if better == "near the reference" else 1)
     )
 
 
 def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts() -> None:
-    (found,) = oriented_metrics(
+    (result,) = oriented_metrics(
         metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01"
     )
-    assert found.left_out == {1: ITSELF}
-    assert found.recorded == 5
+    assert result.left_out == {1: ITSELF}
+    assert result.recorded == 5
 
 
 def test_without_recorded_motion_nothing_is_near_to_it() -> None:
     metrics = metrics_of(SCORES, better="near the reference")
-    (found,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
-    assert set(found.left_out.values()) == {NOTHING_RECORDED}
+    (result,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
+    assert set(result.left_out.values()) == {NOTHING_RECORDED}
 
 
 def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
-    (found,) = oriented_metrics(metrics_of(SCORES), NAMES, SEGMENTS, None)
-    drawn = found.resampled(np.array([[2.0, 0.0], [0.0, 2.0]]))
+    (result,) = oriented_metrics(metrics_of(SCORES), NAMES, SEGMENTS, None)
+    drawn = result.resampled(np.array([[2.0, 0.0], [0.0, 2.0]]))
     assert drawn[1] == pytest.approx([3, 6, 2])
     assert drawn[0, :2] == pytest.approx([1, 4])
     assert math.isnan(drawn[0, 2])
@@ -126,8 +126,8 @@ def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
 
 def test_a_condition_without_a_score_says_why() -> None:
     scores = np.array([[1.0, 3.0], [math.nan, math.nan]])
-    (found,) = oriented_metrics(metrics_of(scores), NAMES, SEGMENTS, None)
-    assert found.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
+    (result,) = oriented_metrics(metrics_of(scores), NAMES, SEGMENTS, None)
+    assert result.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
 
 
 def test_scores_that_call_nothing_better_are_not_among_them() -> None:
@@ -151,5 +151,5 @@ def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:
         for name, value in (("c00", 3.0), ("c01", 1.0))
     )
     metrics = StudyMetrics(frame_rate=30.0, clips=(), conditions=whole)
-    (found,) = oriented_metrics(metrics, NAMES[:2], SEGMENTS, None)
-    assert found.resampled(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]
+    (result,) = oriented_metrics(metrics, NAMES[:2], SEGMENTS, None)
+    assert result.resampled(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]

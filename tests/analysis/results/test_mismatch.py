@@ -13,10 +13,10 @@ from tests.analysis.results.made_tables import mismatch_table, report_of
 
 def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> None:
     table = mismatch_table()
-    found = report_of(table, "mismatch", tmp_path).results
-    assert isinstance(found, MismatchResults)
+    result = report_of(table, "mismatch", tmp_path).results
+    assert isinstance(result, MismatchResults)
 
-    truth, static = found.conditions
+    truth, static = result.conditions
     own = table[table["condition"] == "truth"]
     towards = np.where(own["right_speech"] == "own", 1, -1) * (own["response"] - 3)
     assert truth.counts["own_strong"] == (towards == 2).sum()
@@ -24,7 +24,7 @@ def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> No
     assert truth.clmm.estimate > static.clmm.estimate
     assert truth.decision.p_holm == pytest.approx(min(1, 2 * truth.decision.p_value))
     assert set(truth.share) == {"own", "other", "equal"}
-    bias = found.side_bias.of_set(None)["fits"]
+    bias = result.side_bias.of_set(None)["fits"]
     assert bias.on_left == pytest.approx((table["left_speech"] == "own").mean())
 
 
@@ -43,6 +43,6 @@ def test_practice_trials_meet_their_own_repeats() -> None:
     answers = pd.DataFrame(rows, columns=["participant", "kind", "segment", "condition", "value"])
     named = answers.astype(dict.fromkeys(("participant", "segment", "condition"), "category"))
 
-    found = retest_of(named)
+    result = retest_of(named)
 
-    assert (found.n, found.participants, found.equal_share) == (2, 1, 0.5)
+    assert (result.n, result.participants, result.equal_share) == (2, 1, 0.5)

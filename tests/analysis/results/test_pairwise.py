@@ -124,18 +124,20 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
 
 def test_equivalence_is_told_where_a_margin_was_stated(found: PairwiseResults) -> None:
     assert len(found.equivalence) == len(found.comparisons)
-    for one, comparison in zip(found.equivalence, found.comparisons, strict=True):
-        assert one.estimate == pytest.approx(comparison.win_share.estimate - 0.5)
-        inside = one.low > -0.45 and one.high < 0.45
-        assert one.verdict.startswith("equivalent") == inside
+    for equivalence, comparison in zip(found.equivalence, found.comparisons, strict=True):
+        assert equivalence.estimate == pytest.approx(comparison.win_share.estimate - 0.5)
+        inside = equivalence.low > -0.45 and equivalence.high < 0.45
+        assert equivalence.verdict.startswith("equivalent") == inside
 
 
 def test_strengths_add_up_to_zero_and_follow_the_truth(found: PairwiseResults) -> None:
     fitted = found.bradley_terry.of_set(None)["rhythm"]
-    strengths = {one.condition: one.estimate for one in fitted.conditions}
+    strengths = {condition.condition: condition.estimate for condition in fitted.conditions}
     assert sum(strengths.values()) == pytest.approx(0, abs=1e-9)
     assert strengths["ours"] > strengths["other"] > strengths["static"]
-    assert all(1 <= (one.best or 0) <= (one.worst or 0) <= 3 for one in fitted.conditions)
+    assert all(
+        1 <= (condition.best or 0) <= (condition.worst or 0) <= 3 for condition in fitted.conditions
+    )
 
 
 def test_with_few_segments_the_win_share_decides_and_it_says_why(tmp_path: Path) -> None:
@@ -216,14 +218,14 @@ def test_of_more_than_three_conditions_strengths_decide(five: pd.DataFrame, tmp_
 
     assert found.decided_by == "strengths"
     assert len(found.contrasts) == 10
-    assert [one.p_holm for one in found.contrasts] == pytest.approx(
-        holm([one.p_value for one in found.contrasts])
+    assert [contrast.p_holm for contrast in found.contrasts] == pytest.approx(
+        holm([contrast.p_value for contrast in found.contrasts])
     )
     fitted = found.bradley_terry.of_set(None)["emotion"]
     assert fitted.omnibus.p_value < 0.1
-    one = found.contrasts[0]
+    contrast = found.contrasts[0]
     strengths = {each.condition: each.estimate for each in fitted.conditions}
-    assert one.estimate == pytest.approx(strengths[one.a] - strengths[one.b])
+    assert contrast.estimate == pytest.approx(strengths[contrast.a] - strengths[contrast.b])
 
 
 def test_comparisons_with_one_condition_alone_decide_by_themselves(
@@ -245,9 +247,11 @@ def test_a_declared_family_alone_decides(
 ) -> None:
     found = results(tmp_path, five, family=family)
 
-    members = [one for one in found.contrasts if not math.isnan(one.p_holm)]
-    assert {tuple(sorted((one.a, one.b))) for one in members} == inside
-    assert [one.p_holm for one in members] == pytest.approx(holm([one.p_value for one in members]))
+    members = [contrast for contrast in found.contrasts if not math.isnan(contrast.p_holm)]
+    assert {tuple(sorted((contrast.a, contrast.b))) for contrast in members} == inside
+    assert [contrast.p_holm for contrast in members] == pytest.approx(
+        holm([contrast.p_value for contrast in members])
+    )
 
 
 @pytest.mark.parametrize(
@@ -271,10 +275,10 @@ def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(
     fitted = found.bradley_terry.of_set(None)["emotion"]
 
     assert "c never lost" in fitted.remark
-    assert [one.worst for one in fitted.conditions if one.condition == "c"] == [1]
-    for one in found.contrasts:
-        swept = "c" in (one.a, one.b)
-        assert one.by == ("sign" if swept else "wald")
-        assert math.isnan(one.low) == swept
+    assert [fit.worst for fit in fitted.conditions if fit.condition == "c"] == [1]
+    for contrast in found.contrasts:
+        swept = "c" in (contrast.a, contrast.b)
+        assert contrast.by == ("sign" if swept else "wald")
+        assert math.isnan(contrast.low) == swept
         if swept:
-            assert one.p_value == pytest.approx(2 * 0.5**10)
+            assert contrast.p_value == pytest.approx(2 * 0.5**10)

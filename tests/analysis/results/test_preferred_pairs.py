@@ -30,14 +30,14 @@ def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept
         columns=["participant", "segment", "left", "right", "response"],
     ).assign(question="fit")
 
-    found = pairs_of(rows, "pairwise", tmp_path)
+    result = pairs_of(rows, "pairwise", tmp_path)
 
-    assert [(one.first, one.second, one.segment) for one in found] == [
+    assert [(one.first, one.second, one.segment) for one in result] == [
         ("ours", "theirs", "liked"),
         ("ours", "theirs", "disliked"),
     ]
-    assert [one.win_shares for one in found] == [{"fit": 1.0}, {"fit": 0.25}]
-    assert [one.answers for one in found] == [{"fit": 2}, {"fit": 2}]
+    assert [one.win_shares for one in result] == [{"fit": 1.0}, {"fit": 0.25}]
+    assert [one.answers for one in result] == [{"fit": 2}, {"fit": 2}]
 
 
 @pytest.mark.parametrize(
@@ -56,30 +56,30 @@ def test_of_ratings_and_rankings_the_clip_placed_higher_won(
         }
     )
 
-    (found,) = pairs_of(rows, protocol, tmp_path)
+    (result,) = pairs_of(rows, protocol, tmp_path)
 
-    assert (found.first, found.second, found.win_shares) == ("ours", "theirs", {"realism": 1.0})
+    assert (result.first, result.second, result.win_shares) == ("ours", "theirs", {"realism": 1.0})
 
 
 def test_pairs_are_sorted_by_the_first_question_and_have_a_share_for_each(tmp_path: Path) -> None:
     rows = pairwise_table(questions=("emotion", "fit"))
 
-    found = pairs_of(rows, "pairwise", tmp_path)
+    result = pairs_of(rows, "pairwise", tmp_path)
 
-    shares = [one.win_shares["emotion"] for one in found]
+    shares = [one.win_shares["emotion"] for one in result]
     assert shares == sorted(shares, reverse=True)
-    assert all(set(one.win_shares) == {"emotion", "fit"} for one in found)
+    assert all(set(one.win_shares) == {"emotion", "fit"} for one in result)
 
 
 def test_of_many_conditions_both_ends_of_the_order_are_kept(tmp_path: Path) -> None:
     names = tuple("abcdef")
     rows = pairwise_table(names, participants=3, effects=(3, 2, 1, 0, -1, -2))
 
-    found = pairs_of(rows, "pairwise", tmp_path)
+    result = pairs_of(rows, "pairwise", tmp_path)
 
-    assert len(found) == MOST_PAIRS
-    assert found[0].win_shares["emotion"] == 1.0
-    assert found[-1].win_shares["emotion"] < 0.5
+    assert len(result) == MOST_PAIRS
+    assert result[0].win_shares["emotion"] == 1.0
+    assert result[-1].win_shares["emotion"] < 0.5
 
 
 def test_a_mismatch_task_compares_no_conditions(tmp_path: Path) -> None:

@@ -54,8 +54,8 @@ def test_values_equal_but_for_rounding_are_ties() -> None:
 
 
 def test_ten_conditions_show_a_true_half_as_anything_from_nearly_none_to_nearly_all() -> None:
-    found = sampling_range(10)
-    assert (round(found.low, 2), round(found.high, 2)) == (0.07, 0.82)
+    result = sampling_range(10)
+    assert (round(result.low, 2), round(result.high, 2)) == (0.07, 0.82)
 
 
 def test_more_conditions_show_more() -> None:

@@ -16,24 +16,24 @@ from tests.analysis.results.made_tables import rating_table, report_of
 
 
 def results(folder: Path, table: pd.DataFrame, margin: float | None = None) -> RatingResults:
-    found = report_of(table, "rating", folder, margin=margin).results
-    assert isinstance(found, RatingResults)
-    return found
+    result = report_of(table, "rating", folder, margin=margin).results
+    assert isinstance(result, RatingResults)
+    return result
 
 
 @with_reference
 def test_it_agrees_with_r(tmp_path: Path) -> None:
     ratings, expected = reference_ratings()
     table = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "response"})
-    found = results(tmp_path, table.assign(question="match"), margin=0.3)
+    result = results(tmp_path, table.assign(question="match"), margin=0.3)
 
-    for one in found.conditions:
+    for one in result.conditions:
         row = expected["table2"][one.condition]
         assert (one.n, one.estimate, one.sd) == pytest.approx((row["n"], row["mean"], row["sd"]))
         assert {str(score): n for score, n in one.counts.items()} == row["counts"]
         at_least = {str(score): percent for score, percent in one.at_least.items()}
         assert at_least == pytest.approx(row["cumulative_lower_bound_pct"], abs=1e-9)
-    model, fitted = found.clmm.of_set(None)["match"], expected["clmm"]
+    model, fitted = result.clmm.of_set(None)["match"], expected["clmm"]
     assert model.log_likelihood == pytest.approx(fitted["loglik"], abs=1e-3)
     estimates = model.estimates
     for name, effect in fitted["beta"].items():
@@ -41,7 +41,7 @@ def test_it_agrees_with_r(tmp_path: Path) -> None:
         assert estimates[condition] - estimates["Ours"] == pytest.approx(effect, abs=1e-3)
     for row in expected["emmeans_pairs_unadjusted"]:
         pair = row["contrast"].split(" - ")
-        contrast = next(c for c in found.contrasts if {c.a, c.b} == set(pair))
+        contrast = next(c for c in result.contrasts if {c.a, c.b} == set(pair))
         sign = 1 if contrast.a == pair[0] else -1
         assert contrast.log_odds == pytest.approx(sign * row["estimate"], abs=1e-3)
         assert contrast.odds_ratio == pytest.approx(math.exp(contrast.log_odds))
@@ -58,22 +58,22 @@ def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> Non
 def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=8, segments=4)
     steps = np.random.default_rng(1).integers(0, 20, len(table))
-    found = results(tmp_path, table.assign(response=20 * (table["response"] - 1) + steps))
-    assert found.conditions[0].estimate > 20
-    assert not found.conditions[0].reason
-    assert "no ordered categories" in found.clmm.of_set(None)["match"].reason
-    assert found.contrasts[0].cliffs_delta.estimate > 0
-    assert found.contrasts[0].remark
+    result = results(tmp_path, table.assign(response=20 * (table["response"] - 1) + steps))
+    assert result.conditions[0].estimate > 20
+    assert not result.conditions[0].reason
+    assert "no ordered categories" in result.clmm.of_set(None)["match"].reason
+    assert result.contrasts[0].cliffs_delta.estimate > 0
+    assert result.contrasts[0].remark
 
 
 def test_paired_differences_of_all_questions_are_one_family(tmp_path: Path) -> None:
     table = rating_table(("x", "y", "z"), ("match", "style"), participants=8, segments=5)
-    found = results(tmp_path, table).contrasts
+    result = results(tmp_path, table).contrasts
 
-    assert [one.difference.p_holm for one in found] == pytest.approx(
-        holm([one.difference.p_value for one in found])
+    assert [one.difference.p_holm for one in result] == pytest.approx(
+        holm([one.difference.p_value for one in result])
     )
-    for one in found:
+    for one in result:
         own = table[table["question"] == one.question].pivot(
             index=["participant", "segment"], columns="condition", values="response"
         )
@@ -84,9 +84,9 @@ def test_paired_differences_of_all_questions_are_one_family(tmp_path: Path) -> N
 
 def test_equivalence_is_tested_with_segments_as_a_sample_too(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=10, segments=6)
-    found = results(tmp_path, table, margin=0.4)
+    result = results(tmp_path, table, margin=0.4)
 
-    [one], [contrast] = found.equivalence, found.contrasts
+    [one], [contrast] = result.equivalence, result.contrasts
     assert one.two_way.estimate == pytest.approx(contrast.difference.estimate)
     assert one.two_way.high - one.two_way.low < contrast.difference.high - contrast.difference.low
     inside = one.two_way.low > -0.4 and one.two_way.high < 0.4
@@ -98,9 +98,9 @@ def test_intervals_are_cut_at_the_ends_of_a_stated_scale_and_nowhere_else(tmp_pa
     table["response"] = [5, 5, 4] * 6
 
     def highest(scale: tuple[int, int] | None) -> float:
-        found = report_of(table, "rating", tmp_path, scale=scale).results
-        assert isinstance(found, RatingResults)
-        return max(one.high for one in found.conditions)
+        result = report_of(table, "rating", tmp_path, scale=scale).results
+        assert isinstance(result, RatingResults)
+        return max(condition.high for condition in result.conditions)
 
     assert highest((1, 5)) == 5
     assert 5 < highest((1, 7)) == highest(None) < 7

@@ -26,9 +26,9 @@ def answers() -> pd.DataFrame:
 
 
 def test_estimates_are_the_means(answers: pd.DataFrame) -> None:
-    found = resample_preferences(tally("rating", answers), resamples=10, seed=0)
+    result = resample_preferences(tally("rating", answers), resamples=10, seed=0)
     means = answers.groupby("condition", observed=True)["value"].mean()
-    assert found.estimates == pytest.approx(means.to_numpy())
+    assert result.estimates == pytest.approx(means.to_numpy())
 
 
 def test_resamples_are_those_of_the_two_way_bootstrap(answers: pd.DataFrame) -> None:
@@ -37,9 +37,9 @@ def test_resamples_are_those_of_the_two_way_bootstrap(answers: pd.DataFrame) -> 
     chance = np.random.default_rng(4)
     people, things = chance.integers(20, size=(500, 20)), chance.integers(12, size=(500, 12))
     expected = [table[np.ix_(p, t)].mean() for p, t in zip(people, things, strict=True)]
-    found = resample_preferences(tally("rating", answers), resamples=500, seed=4)
-    assert found.draws[:, 1] == pytest.approx(expected)
-    assert found.segments.sum(axis=1) == pytest.approx(12)
+    result = resample_preferences(tally("rating", answers), resamples=500, seed=4)
+    assert result.draws[:, 1] == pytest.approx(expected)
+    assert result.segments.sum(axis=1) == pytest.approx(12)
 
 
 def test_one_seed_gives_one_result(answers: pd.DataFrame) -> None:
@@ -65,19 +65,19 @@ def test_strengths_have_the_greatest_likelihood() -> None:
 
 def test_a_condition_that_always_wins_is_strong_but_finite() -> None:
     wins = np.array([[0, 500.0, 500], [0, 0, 300], [0, 200, 0]])
-    found = fit_strengths_of_tables(wins[None])[0]
-    assert np.isfinite(found).all()
-    assert found[0] > found[1] > found[2]
-    assert found.sum() == pytest.approx(0)
+    result = fit_strengths_of_tables(wins[None])[0]
+    assert np.isfinite(result).all()
+    assert result[0] > result[1] > result[2]
+    assert result.sum() == pytest.approx(0)
 
 
 def test_conditions_that_no_comparison_connects_have_no_strengths() -> None:
     apart = np.zeros((2, 4, 4))
     apart[:, 0, 1] = apart[:, 2, 3] = 5
     apart[1, 1, 2] = 1
-    found = fit_strengths_of_tables(apart)
-    assert np.isnan(found[0]).all()
-    assert np.isfinite(found[1]).all()
+    result = fit_strengths_of_tables(apart)
+    assert np.isnan(result[0]).all()
+    assert np.isfinite(result[1]).all()
 
 
 def _answers(protocol: str, rows: pd.DataFrame, folder: Path) -> pd.DataFrame:
@@ -88,10 +88,10 @@ def _answers(protocol: str, rows: pd.DataFrame, folder: Path) -> pd.DataFrame:
 @pytest.mark.parametrize("protocol", TABLES)
 def test_every_answer_is_counted_once(protocol: str, tmp_path: Path) -> None:
     answers = _answers(protocol, TABLES[protocol](), tmp_path)
-    found = tally(protocol, answers)
-    assert found.cells[1].sum() == len(answers)
-    assert found.participants == answers["participant"].nunique()
-    assert set(found.segments) == set(answers["segment"])
+    result = tally(protocol, answers)
+    assert result.cells[1].sum() == len(answers)
+    assert result.participants == answers["participant"].nunique()
+    assert set(result.segments) == set(answers["segment"])
 
 
 def test_a_win_counts_for_the_first_of_a_pair_wherever_it_stood(tmp_path: Path) -> None:
@@ -104,9 +104,9 @@ def test_a_win_counts_for_the_first_of_a_pair_wherever_it_stood(tmp_path: Path) 
         ],
         columns=["participant", "segment", "question", "left", "right", "response"],
     )
-    found = tally("pairwise", _answers("pairwise", rows, tmp_path))
-    sums, counts = found.cells
-    first = found.conditions[found.groups[0, 0]]
+    result = tally("pairwise", _answers("pairwise", rows, tmp_path))
+    sums, counts = result.cells
+    first = result.conditions[result.groups[0, 0]]
     share = sums.sum() / counts.sum()
     assert share == pytest.approx(2.5 / 4 if first == "x" else 1.5 / 4)
 
@@ -123,8 +123,8 @@ def test_own_speech_wins_wherever_it_was_heard(tmp_path: Path) -> None:
             *("left_speech", "right_speech", "response"),
         ],
     )
-    found = tally("mismatch", _answers("mismatch", rows, tmp_path))
-    assert found.cells[0].sum() == 2
+    result = tally("mismatch", _answers("mismatch", rows, tmp_path))
+    assert result.cells[0].sum() == 2
 
 
 def test_tied_ranks_share_their_places_and_the_best_is_highest(tmp_path: Path) -> None:
@@ -132,8 +132,8 @@ def test_tied_ranks_share_their_places_and_the_best_is_highest(tmp_path: Path) -
         [("p1", "s1", "q", "x", 1), ("p1", "s1", "q", "y", 2), ("p1", "s1", "q", "z", 2)],
         columns=["participant", "segment", "question", "condition", "rank"],
     )
-    found = tally("ranking", _answers("ranking", rows, tmp_path))
-    by_condition = dict(zip(found.conditions, found.cells[0].ravel(), strict=True))
+    result = tally("ranking", _answers("ranking", rows, tmp_path))
+    by_condition = dict(zip(result.conditions, result.cells[0].ravel(), strict=True))
     assert by_condition == {"x": -1.0, "y": -2.5, "z": -2.5}
 
 
@@ -146,6 +146,6 @@ def test_many_participants_are_kept_as_a_sparse_table() -> None:
             "value": np.ones(200),
         }
     )
-    found = tally("rating", answers)
-    assert not isinstance(found.counts, np.ndarray)
-    assert found.cells[1].sum() == 200
+    result = tally("rating", answers)
+    assert not isinstance(result.counts, np.ndarray)
+    assert result.cells[1].sum() == 200

@@ -41,22 +41,22 @@ def drawn(
 @with_reference
 def test_it_is_what_krippendorff_published() -> None:
     table = pd.read_csv(REFERENCE / "krippendorff2011.csv").melt("observer").dropna()
-    found = krippendorff_alpha(
+    result = krippendorff_alpha(
         table["value"].to_numpy(),
         table["observer"].to_numpy(str),
         table["variable"].to_numpy(str),
     )
-    assert round(found.estimate, 3) == PUBLISHED
-    assert (found.n, found.items, found.participants) == (40, 11, 4)
-    assert found.low < found.estimate < found.high
+    assert round(result.estimate, 3) == PUBLISHED
+    assert (result.n, result.items, result.participants) == (40, 11, 4)
+    assert result.low < result.estimate < result.high
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_it_agrees_with_another_implementation(seed: int) -> None:
     table = drawn(seed)
     expected = krippendorff.alpha(table, level_of_measurement="ordinal")
-    found = krippendorff_alpha(*answers(table), resamples=50)
-    assert found.estimate == pytest.approx(expected)
+    result = krippendorff_alpha(*answers(table), resamples=50)
+    assert result.estimate == pytest.approx(expected)
 
 
 def test_a_resample_is_alpha_of_the_items_drawn() -> None:
@@ -100,18 +100,18 @@ def test_kappa_agrees_with_another_implementation() -> None:
     first, again, people = made()
     table = np.zeros((5, 5))
     np.add.at(table, (first + 2, again + 2), 1)
-    found = retest_agreement(first, again, people)
-    assert found.estimate == pytest.approx(cohens_kappa(table, wt="quadratic").kappa)
-    assert found.spearman == pytest.approx(stats.spearmanr(first, again).statistic)
-    assert found.equal_share == pytest.approx((first == again).mean())
-    assert found.low < found.estimate < found.high
-    assert (found.n, found.participants, found.reason) == (90, 30, "")
+    result = retest_agreement(first, again, people)
+    assert result.estimate == pytest.approx(cohens_kappa(table, wt="quadratic").kappa)
+    assert result.spearman == pytest.approx(stats.spearmanr(first, again).statistic)
+    assert result.equal_share == pytest.approx((first == again).mean())
+    assert result.low < result.estimate < result.high
+    assert (result.n, result.participants, result.reason) == (90, 30, "")
 
 
 def test_the_same_answers_again_are_full_agreement() -> None:
     first, _, people = made()
-    found = retest_agreement(first, first, people)
-    assert (found.estimate, found.low, found.high, found.equal_share) == (1, 1, 1, 1)
+    result = retest_agreement(first, first, people)
+    assert (result.estimate, result.low, result.high, result.equal_share) == (1, 1, 1, 1)
 
 
 def test_a_participant_counts_as_one_however_many_trials() -> None:
@@ -123,9 +123,9 @@ def test_a_participant_counts_as_one_however_many_trials() -> None:
 
 
 def test_all_alike_has_a_share_but_no_kappa_and_one_side_alike_no_rank_correlation() -> None:
-    found = retest_agreement(np.zeros(4, int), np.zeros(4, int), np.arange(4))
+    result = retest_agreement(np.zeros(4, int), np.zeros(4, int), np.arange(4))
     one_side = retest_agreement(np.array([0, 1]), np.array([1, 1]), np.array([0, 1]))
-    assert found.equal_share == 1
-    assert math.isnan(found.estimate)
+    assert result.equal_share == 1
+    assert math.isnan(result.estimate)
     assert math.isnan(one_side.spearman)
     assert one_side.reason == "one side's answers are all alike"

@@ -30,8 +30,8 @@ def votes() -> Votes:
 
 
 def expected(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))[name]
-    return found
+    result: dict[str, Any] = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))[name]
+    return result
 
 
 def from_the_first(fit: BradleyTerry) -> list[float]:
@@ -44,17 +44,17 @@ def from_the_first(fit: BradleyTerry) -> list[float]:
 @pytest.mark.parametrize("name", ["davidson", "davidson_left_effect"])
 def test_strengths_and_clustered_errors_agree_with_the_reference(votes: Votes, name: str) -> None:
     wanted = expected(name)
-    found = bradley_terry(votes, left_effect=name == "davidson_left_effect")
+    result = bradley_terry(votes, left_effect=name == "davidson_left_effect")
 
-    assert found.strengths == pytest.approx([wanted["centred"][c] for c in CONDITIONS], abs=1e-6)
-    assert from_the_first(found) == pytest.approx(
+    assert result.strengths == pytest.approx([wanted["centred"][c] for c in CONDITIONS], abs=1e-6)
+    assert from_the_first(result) == pytest.approx(
         list(wanted["se_cluster_participant_CR0"].values()), rel=1e-4
     )
-    assert found.log_likelihood == pytest.approx(wanted["loglik"], abs=1e-6)
+    assert result.log_likelihood == pytest.approx(wanted["loglik"], abs=1e-6)
     for ours, theirs in (("tie", "log_nu"), ("left", "left_logit")):
         if theirs in wanted:
-            assert getattr(found, ours) == pytest.approx(wanted[theirs], abs=1e-6)
-    assert found.n == 1800
+            assert getattr(result, ours) == pytest.approx(wanted[theirs], abs=1e-6)
+    assert result.n == 1800
 
 
 def made_votes(tie_share: float = 0.2, left: float = 0.0, seed: int = 0) -> Votes:
@@ -76,11 +76,11 @@ def made_votes(tie_share: float = 0.2, left: float = 0.0, seed: int = 0) -> Vote
 
 
 def test_it_finds_what_was_put_in() -> None:
-    found = bradley_terry(made_votes(tie_share=0.0, left=0.3))
+    result = bradley_terry(made_votes(tie_share=0.0, left=0.3))
 
-    assert found.strengths == pytest.approx([0.9, 0.2, -0.3, -0.8], abs=0.15)
-    assert found.left == pytest.approx(0.3, abs=0.1)
-    assert math.isnan(found.tie)
+    assert result.strengths == pytest.approx([0.9, 0.2, -0.3, -0.8], abs=0.15)
+    assert result.left == pytest.approx(0.3, abs=0.1)
+    assert math.isnan(result.tie)
 
 
 def test_strengths_add_up_to_zero_and_swapping_sides_turns_the_left_effect() -> None:

@@ -57,14 +57,14 @@ def test_an_unbalanced_sample_agrees_with_the_formula() -> None:
     people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)
     values = (np.sign((people - 4) + (items - 3) + generator.normal(0, 3, 150)) + 1) / 2
     people[:60] = 0
-    found = clustered_mean(values, people, items)
+    result = clustered_mean(values, people, items)
     variance, freedom = by_matrices(values, people, items)
-    assert found.method == TWO_WAY
-    assert found.standard_error**2 == pytest.approx(variance)
-    assert found.df == pytest.approx(freedom)
-    margin = stats.t(freedom).ppf(0.975) * found.standard_error
-    assert found.low == pytest.approx(found.estimate - margin)
-    assert found.high == pytest.approx(found.estimate + margin)
+    assert result.method == TWO_WAY
+    assert result.standard_error**2 == pytest.approx(variance)
+    assert result.df == pytest.approx(freedom)
+    margin = stats.t(freedom).ppf(0.975) * result.standard_error
+    assert result.low == pytest.approx(result.estimate - margin)
+    assert result.high == pytest.approx(result.estimate + margin)
 
 
 def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None:
@@ -79,9 +79,9 @@ def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None
 def test_an_interval_is_cut_where_values_can_no_longer_lie() -> None:
     people, items = np.repeat([0, 1, 2], 3), np.tile([0, 1, 2], 3)
     values = np.array([1, 1, 2, 1, 1, 1, 1, 2, 5])
-    found = clustered_mean(values, people, items, null=3, limits=(1, 5))
-    assert found.low == 1
-    assert found.estimate < found.high < 5
+    result = clustered_mean(values, people, items, null=3, limits=(1, 5))
+    assert result.low == 1
+    assert result.estimate < result.high < 5
 
 
 @pytest.mark.parametrize(
@@ -97,15 +97,15 @@ def test_an_interval_is_cut_where_values_can_no_longer_lie() -> None:
 def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(
     rows: list[list[float]], method: str, variance: float
 ) -> None:
-    found = means(rows)
-    assert found.method == method
-    assert found.standard_error**2 == pytest.approx(variance)
+    result = means(rows)
+    assert result.method == method
+    assert result.standard_error**2 == pytest.approx(variance)
 
 
 def test_of_one_segment_participants_alone_are_the_sample() -> None:
-    found = means([[1], [0], [1], [1]])
-    assert found.method == ONE_SEGMENT
-    assert found.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
+    result = means([[1], [0], [1], [1]])
+    assert result.method == ONE_SEGMENT
+    assert result.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
 
 
 def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them() -> (
@@ -114,11 +114,11 @@ def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_ha
     generator = np.random.default_rng(8)
     people = np.concatenate([np.zeros(300, int), generator.integers(1, 30, 210)])
     values = np.where(people == 0, generator.random(510) < 0.7, generator.random(510) < 0.5)
-    found = clustered_mean(values.astype(float), people, generator.integers(0, 17, 510))
+    result = clustered_mean(values.astype(float), people, generator.integers(0, 17, 510))
 
     without = [values[people != one].mean() for one in np.unique(people)]
-    assert found.df < 4
-    assert found.remark == (
+    assert result.df < 4
+    assert result.remark == (
         "one participant gave 300 of 510 answers; without any one participant the estimate lies "
         f"between {min(without):.3g} and {max(without):.3g}"
     )
@@ -127,12 +127,12 @@ def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_ha
 def test_a_very_busy_participant_no_longer_makes_false_findings() -> None:
     generator = np.random.default_rng(9)
     people = np.concatenate([np.zeros(300, int), np.arange(210) % 29 + 1])
-    items, found = np.tile(np.arange(17), 30), 0
+    items, result = np.tile(np.arange(17), 30), 0
     for _ in range(300):
         tastes, luck = generator.normal(0, 0.6, 30), generator.normal(0, 0.45, 17)
         latent = tastes[people] + luck[items] + generator.logistic(size=510)
-        found += clustered_mean((latent > 0).astype(float), people, items).p_value < 0.05
-    assert found / 300 < 0.065
+        result += clustered_mean((latent > 0).astype(float), people, items).p_value < 0.05
+    assert result / 300 < 0.065
 
 
 tables = st.integers(2, 6).flatmap(
@@ -148,16 +148,16 @@ tables = st.integers(2, 6).flatmap(
 def test_an_interval_lies_in_the_unit_range_around_the_mean_and_is_mirrored_with_the_answers(
     rows: list[list[float]],
 ) -> None:
-    found, mirrored = means(rows), means(1 - np.asarray(rows))
-    assert found.estimate == pytest.approx(np.mean(rows))
-    assert mirrored.estimate == pytest.approx(1 - found.estimate)
-    assert mirrored.reason == found.reason
-    if not found.reason:
-        assert mirrored.low == pytest.approx(1 - found.high)
-        assert mirrored.p_value == pytest.approx(found.p_value)
-        assert 0 <= found.low <= found.estimate <= found.high <= 1
-        assert found.low < found.high
-        assert 0 <= found.p_value <= 1
+    result, mirrored = means(rows), means(1 - np.asarray(rows))
+    assert result.estimate == pytest.approx(np.mean(rows))
+    assert mirrored.estimate == pytest.approx(1 - result.estimate)
+    assert mirrored.reason == result.reason
+    if not result.reason:
+        assert mirrored.low == pytest.approx(1 - result.high)
+        assert mirrored.p_value == pytest.approx(result.p_value)
+        assert 0 <= result.low <= result.estimate <= result.high <= 1
+        assert result.low < result.high
+        assert 0 <= result.p_value <= 1
 
 
 def test_names_and_order_of_clusters_do_not_matter() -> None:

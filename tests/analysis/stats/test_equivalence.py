@@ -19,14 +19,14 @@ def test_it_agrees_with_r_on_participant_means() -> None:
     expected = reference["tost_ours_vs_GT_delta0.3"]
     means = ratings.groupby(["participant", "method"])["rating"].mean().unstack()
 
-    found = equivalence_of_means((means["Ours"] - means["GT"]).to_numpy(), 0.3)
+    result = equivalence_of_means((means["Ours"] - means["GT"]).to_numpy(), 0.3)
 
-    assert found.estimate == pytest.approx(expected["mean_diff"], abs=1e-9)
-    assert found.standard_error == pytest.approx(expected["se"], abs=1e-9)
-    assert found.df == expected["df"]
-    assert found.p_value == pytest.approx(expected["p"], rel=1e-6)
-    assert (found.low, found.high) == pytest.approx(expected["ci90"], abs=1e-9)
-    assert (found.verdict, found.n) == ("equivalent", 30)
+    assert result.estimate == pytest.approx(expected["mean_diff"], abs=1e-9)
+    assert result.standard_error == pytest.approx(expected["se"], abs=1e-9)
+    assert result.df == expected["df"]
+    assert result.p_value == pytest.approx(expected["p"], rel=1e-6)
+    assert (result.low, result.high) == pytest.approx(expected["ci90"], abs=1e-9)
+    assert (result.verdict, result.n) == ("equivalent", 30)
 
 
 def test_it_agrees_with_another_implementation() -> None:
@@ -52,10 +52,10 @@ def test_it_tells_four_cases_apart(estimate: float, error: float, verdict: str) 
 def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
     estimate: float, error: float, margin: float, df: float
 ) -> None:
-    found = equivalence(estimate, error, margin, df=df)
-    within = -margin < found.low and found.high < margin
-    if abs(found.p_value - 0.05) > 1e-9:
-        assert within == (found.p_value < 0.05) == found.verdict.startswith("equivalent")
+    result = equivalence(estimate, error, margin, df=df)
+    within = -margin < result.low and result.high < margin
+    if abs(result.p_value - 0.05) > 1e-9:
+        assert within == (result.p_value < 0.05) == result.verdict.startswith("equivalent")
 
 
 @pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])

@@ -20,13 +20,13 @@ def outcome(table: ArrayLike) -> FTest:
 def test_it_is_made_of_the_two_t_tests() -> None:
     generator = np.random.default_rng(7)
     table = 0.4 + generator.normal(0, 0.5, (20, 1)) + generator.normal(0, 1, (20, 12))
-    found = outcome(table)
+    result = outcome(table)
     f1 = stats.ttest_1samp(table.mean(axis=1), 0).statistic ** 2
     f2 = stats.ttest_1samp(table.mean(axis=0), 0).statistic ** 2
-    assert found.statistic == pytest.approx(f1 * f2 / (f1 + f2))
-    assert found.df_rest == pytest.approx((f1 + f2) ** 2 / (f1**2 / 11 + f2**2 / 19))
-    assert found.p_value == pytest.approx(stats.f.sf(found.statistic, 1, found.df_rest))
-    assert found.statistic < min(f1, f2)
+    assert result.statistic == pytest.approx(f1 * f2 / (f1 + f2))
+    assert result.df_rest == pytest.approx((f1 + f2) ** 2 / (f1**2 / 11 + f2**2 / 19))
+    assert result.p_value == pytest.approx(stats.f.sf(result.statistic, 1, result.df_rest))
+    assert result.statistic < min(f1, f2)
 
 
 def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
@@ -41,20 +41,20 @@ def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
 
 def test_participants_all_alike_leave_the_test_to_the_items() -> None:
     table = [[1, 2, 0], [1, 2, 0], [0, 2, 1]]
-    found = outcome(table)
+    result = outcome(table)
     of_items = stats.ttest_1samp(np.mean(table, axis=0), 0).statistic ** 2
-    assert found.statistic == pytest.approx(of_items)
-    assert found.df_rest == pytest.approx(2)
+    assert result.statistic == pytest.approx(of_items)
+    assert result.df_rest == pytest.approx(2)
 
 
 def test_a_mean_of_zero_is_no_effect() -> None:
-    found = outcome([[1, -1, 0], [0, 1, -1]])
-    assert (found.statistic, found.p_value, found.reason) == (0.0, 1.0, "")
+    result = outcome([[1, -1, 0], [0, 1, -1]])
+    assert (result.statistic, result.p_value, result.reason) == (0.0, 1.0, "")
 
 
 def test_it_is_conservative_without_an_effect() -> None:
     generator = np.random.default_rng(3)
-    found = [
+    result = [
         outcome(
             generator.normal(0, 0.6, (15, 1))
             + generator.normal(0, 0.4, (1, 10))
@@ -62,7 +62,7 @@ def test_it_is_conservative_without_an_effect() -> None:
         ).p_value
         for _ in range(200)
     ]
-    assert np.mean(np.array(found) < 0.05) <= 0.065
+    assert np.mean(np.array(result) < 0.05) <= 0.065
 
 
 Study = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -71,44 +71,46 @@ Study = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 def made(groups: float = 0.0, items: float = 0.5, seed: int = 1) -> Study:
     """Return answers of 14 participants about 12 segments in 4 groups."""
     chance = np.random.default_rng(seed)
-    who, what = np.repeat(np.arange(14), 12), np.tile(np.arange(12), 14)
+    people, what = np.repeat(np.arange(14), 12), np.tile(np.arange(12), 14)
     group = what % 4
     values = groups * chance.normal(size=4)[group] + items * chance.normal(size=12)[what]
-    values = values + 0.5 * chance.normal(size=(14, 4))[who, group] + chance.normal(size=14)[who]
-    return values + chance.normal(size=len(who)), group, who, what
+    values = (
+        values + 0.5 * chance.normal(size=(14, 4))[people, group] + chance.normal(size=14)[people]
+    )
+    return values + chance.normal(size=len(people)), group, people, what
 
 
 def test_groups_join_the_two_analyses_of_variance() -> None:
-    values, group, who, what = made(groups=1.0)
-    frame = pd.DataFrame({"y": values, "group": group, "who": who, "what": what})
+    values, group, people, items = made(groups=1.0)
+    frame = pd.DataFrame({"y": values, "group": group, "who": people, "what": items})
     within = AnovaRM(frame, "y", "who", within=["group"], aggregate_func="mean").fit()
     f_people = within.anova_table["F Value"].iloc[0]
     means = frame.groupby(["what", "group"], as_index=False)["y"].mean()
     f_items = anova_lm(ols("y ~ C(group)", means).fit())["F"].iloc[0]
 
-    found = between_groups(values, group, who, what)
+    result = between_groups(values, group, people, items)
 
-    assert found.statistic == pytest.approx(f_people * f_items / (f_people + f_items))
-    assert found.df == 3
-    assert found.df_rest == pytest.approx(
+    assert result.statistic == pytest.approx(f_people * f_items / (f_people + f_items))
+    assert result.df == 3
+    assert result.df_rest == pytest.approx(
         (f_people + f_items) ** 2 / (f_people**2 / 8 + f_items**2 / 39)
     )
 
 
 def test_segments_are_compared_within_participants() -> None:
-    values, _, who, what = made()
+    values, _, people, items = made()
     some = np.random.default_rng(3).random(len(values)) < 0.7
-    frame = pd.DataFrame({"y": values, "who": who, "what": what})[some]
+    frame = pd.DataFrame({"y": values, "who": people, "what": items})[some]
     table = anova_lm(ols("y ~ C(who) + C(what)", frame).fit())
 
-    found = between_segments(values[some], who[some], what[some])
+    result = between_segments(values[some], people[some], items[some])
 
-    assert found.statistic == pytest.approx(table["F"].loc["C(what)"])
-    assert found.p_value == pytest.approx(table["PR(>F)"].loc["C(what)"])
-    assert (found.df, found.df_rest) == (11, table["df"].loc["Residual"])
+    assert result.statistic == pytest.approx(table["F"].loc["C(what)"])
+    assert result.p_value == pytest.approx(table["PR(>F)"].loc["C(what)"])
+    assert (result.df, result.df_rest) == (11, table["df"].loc["Residual"])
 
 
 def test_segments_and_tastes_that_differ_are_no_difference_between_groups() -> None:
-    found = [between_groups(*made(items=1.0, seed=seed)).p_value < 0.05 for seed in range(200)]
+    result = [between_groups(*made(items=1.0, seed=seed)).p_value < 0.05 for seed in range(200)]
 
-    assert np.mean(found) <= 0.08
+    assert np.mean(result) <= 0.08

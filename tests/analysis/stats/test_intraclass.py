@@ -42,37 +42,37 @@ def drawn(
 
 
 def test_it_is_what_shrout_and_fleiss_published() -> None:
-    found = of(SHROUT_AND_FLEISS)
-    assert round(found.single.estimate, 2) == 0.29
-    assert round(found.average.estimate, 2) == 0.62
-    assert (found.single.low, found.single.high) == pytest.approx((0.019, 0.761), abs=5e-4)
-    assert (found.average.low, found.average.high) == pytest.approx((0.071, 0.927), abs=5e-4)
-    assert found.method == COMPLETE
+    result = of(SHROUT_AND_FLEISS)
+    assert round(result.single.estimate, 2) == 0.29
+    assert round(result.average.estimate, 2) == 0.62
+    assert (result.single.low, result.single.high) == pytest.approx((0.019, 0.761), abs=5e-4)
+    assert (result.average.low, result.average.high) == pytest.approx((0.071, 0.927), abs=5e-4)
+    assert result.method == COMPLETE
 
 
 def test_missing_answers_are_named_and_bias_nothing() -> None:
     generator = np.random.default_rng(1)
-    found = [of(drawn(generator, missing=0.4)) for _ in range(200)]
-    assert all(f.method == INCOMPLETE for f in found)
-    assert np.mean([f.item_variance for f in found]) == pytest.approx(0.36, abs=0.03)
-    assert np.mean([f.rater_variance for f in found]) == pytest.approx(0.36, abs=0.04)
-    assert np.mean([f.residual_variance for f in found]) == pytest.approx(1, abs=0.03)
+    result = [of(drawn(generator, missing=0.4)) for _ in range(200)]
+    assert all(f.method == INCOMPLETE for f in result)
+    assert np.mean([f.item_variance for f in result]) == pytest.approx(0.36, abs=0.03)
+    assert np.mean([f.rater_variance for f in result]) == pytest.approx(0.36, abs=0.04)
+    assert np.mean([f.residual_variance for f in result]) == pytest.approx(1, abs=0.03)
 
 
 def test_intervals_of_incomplete_tables_hold() -> None:
     generator = np.random.default_rng(2)
     truth = 0.36 / 1.72
-    found = [of(drawn(generator, missing=0.5)).single for _ in range(200)]
-    assert np.mean([f.low <= truth <= f.high for f in found]) > 0.92
+    result = [of(drawn(generator, missing=0.5)).single for _ in range(200)]
+    assert np.mean([f.low <= truth <= f.high for f in result]) > 0.92
 
 
 def test_items_alike_give_a_number_below_zero_and_no_error() -> None:
-    found = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
-    assert found.single.estimate < 0
-    assert found.average.low == -1
+    result = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
+    assert result.single.estimate < 0
+    assert result.average.low == -1
 
 
 def test_judges_who_differ_by_a_constant_only_give_no_error() -> None:
-    found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
-    assert found.residual_variance == 0
-    assert found.single.low <= found.single.estimate <= found.single.high
+    result = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
+    assert result.residual_variance == 0
+    assert result.single.low <= result.single.estimate <= result.single.high

@@ -46,9 +46,9 @@ def test_unequal_looks_err_as_often_as_simulated_studies_do() -> None:
     looks = np.array([5, 8, 20, 25])
     steps = np.diff(looks, prepend=0) ** 0.5
     walks = np.random.default_rng(1).normal(size=(400_000, 4)) * steps
-    found = (np.abs(walks.cumsum(axis=1)) > 1.959964 * looks**0.5).any(axis=1).mean()
+    result = (np.abs(walks.cumsum(axis=1)) > 1.959964 * looks**0.5).any(axis=1).mean()
 
-    assert false_positive_rate(looks.tolist()) == pytest.approx(found, abs=0.002)
+    assert false_positive_rate(looks.tolist()) == pytest.approx(result, abs=0.002)
 
 
 def test_a_look_at_the_same_participants_again_costs_nothing() -> None:

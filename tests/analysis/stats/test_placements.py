@@ -16,27 +16,27 @@ ABC = ("a", "b", "c")
 
 def test_ties_share_the_mean_of_their_places_however_they_are_numbered() -> None:
     for tied in (1, 2):
-        found = placements(ranking({"a": 1, "b": 1, "c": tied + 1}), ABC)
-        assert found.ranks.tolist() == [[1.5, 1.5, 3]]
-        assert found.better.tolist() == [[0, 0, 2]]
-        assert found.tied.tolist() == [[2, 2, 1]]
+        result = placements(ranking({"a": 1, "b": 1, "c": tied + 1}), ABC)
+        assert result.ranks.tolist() == [[1.5, 1.5, 3]]
+        assert result.better.tolist() == [[0, 0, 2]]
+        assert result.tied.tolist() == [[2, 2, 1]]
 
 
 def test_a_condition_left_out_has_no_rank_and_takes_none() -> None:
-    found = placements(ranking({"a": 2, "c": 1}), ABC)
-    assert found.ranks[0, [0, 2]].tolist() == [2, 1]
-    assert np.isnan(found.ranks[0, 1])
-    assert found.complete.tolist() == [False]
+    result = placements(ranking({"a": 2, "c": 1}), ABC)
+    assert result.ranks[0, [0, 2]].tolist() == [2, 1]
+    assert np.isnan(result.ranks[0, 1])
+    assert result.complete.tolist() == [False]
 
 
 def test_every_ranking_is_a_row_whatever_the_order_of_the_table() -> None:
     table = made_rankings(participants=4, segments=3)
-    found = placements(table, ("ours", "second", "third", "last"))
+    result = placements(table, ("ours", "second", "third", "last"))
     shuffled = placements(
         table.sample(frac=1, random_state=1).astype({"participant": "category"}),
         ("ours", "second", "third", "last"),
     )
-    assert found.given.shape == (12, 4)
+    assert result.given.shape == (12, 4)
 
     def named(rankings: Placements) -> dict[tuple[str, str], tuple[float, ...]]:
         return {
@@ -46,7 +46,7 @@ def test_every_ranking_is_a_row_whatever_the_order_of_the_table() -> None:
             )
         }
 
-    assert named(found) == named(shuffled)
+    assert named(result) == named(shuffled)
 
 
 def test_a_condition_placed_twice_is_refused() -> None:
@@ -67,7 +67,7 @@ def test_shares_of_places_worked_by_hand() -> None:
 
 def test_a_mean_rank_has_the_two_way_interval_within_the_places() -> None:
     table = made_rankings()
-    found = rank_summaries(placements(table, CONDITIONS))[0]
+    result = rank_summaries(placements(table, CONDITIONS))[0]
     own = table[table["condition"] == "ours"]
     expected = clustered_mean(
         own["rank"].to_numpy(float),
@@ -76,9 +76,9 @@ def test_a_mean_rank_has_the_two_way_interval_within_the_places() -> None:
         null=2.5,
         limits=(1, 4),
     )
-    assert found.mean_rank == expected
-    assert found.first_share.p_value < 0.05
-    assert found.mean_rank.participants == 22
+    assert result.mean_rank == expected
+    assert result.first_share.p_value < 0.05
+    assert result.mean_rank.participants == 22
 
 
 def test_rankings_that_leave_conditions_out_are_named() -> None:
@@ -89,6 +89,6 @@ def test_rankings_that_leave_conditions_out_are_named() -> None:
 
 
 def test_a_condition_that_nobody_placed_says_so() -> None:
-    found = rank_summaries(placements(ranking({"a": 1, "b": 2}), ("a", "b", "c")))[2]
-    assert (found.n, found.mean_rank.reason) == (0, "no answers")
-    assert all(math.isnan(percent) for percent in found.rank_percent.values())
+    result = rank_summaries(placements(ranking({"a": 1, "b": 2}), ("a", "b", "c")))[2]
+    assert (result.n, result.mean_rank.reason) == (0, "no answers")
+    assert all(math.isnan(percent) for percent in result.rank_percent.values())

@@ -29,12 +29,12 @@ def drawn(worths: dict[str, float], count: int, seed: int = 0) -> pd.DataFrame:
 def test_it_finds_what_was_put_in() -> None:
     worths = {"a": 1.0, "b": 0.0, "c": -0.2, "d": -0.8}
 
-    found = plackett_luce(drawn(worths, 800), tuple(worths))
+    result = plackett_luce(drawn(worths, 800), tuple(worths))
 
-    assert found.strengths == pytest.approx(list(worths.values()), abs=0.2)
-    assert found.strengths.sum() == pytest.approx(0, abs=1e-9)
-    assert (found.errors > 0).all()
-    assert (found.n, found.participants) == (800, 20)
+    assert result.strengths == pytest.approx(list(worths.values()), abs=0.2)
+    assert result.strengths.sum() == pytest.approx(0, abs=1e-9)
+    assert (result.errors > 0).all()
+    assert (result.n, result.participants) == (800, 20)
 
 
 def test_of_two_conditions_with_ties_it_is_davidsons_model() -> None:
@@ -65,10 +65,10 @@ def test_rankings_that_leave_conditions_out_count_for_those_they_hold() -> None:
     whole = drawn({"a": 0.8, "b": 0.0, "c": -0.8}, 300)
     partial = whole[~((whole["ranking"] % 3 == 0) & (whole["condition"] == "b"))]
 
-    found = plackett_luce(partial, ("a", "b", "c"))
+    result = plackett_luce(partial, ("a", "b", "c"))
 
-    assert not found.reason
-    assert found.strengths[0] > found.strengths[1] > found.strengths[2]
+    assert not result.reason
+    assert result.strengths[0] > result.strengths[1] > result.strengths[2]
 
 
 def test_the_last_choice_of_one_says_nothing() -> None:
@@ -80,10 +80,10 @@ def test_the_last_choice_of_one_says_nothing() -> None:
 
 
 def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
-    found = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]), "ab")
+    result = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]), "ab")
 
-    assert found.swept == "a never lost to any of the others"
-    assert np.isfinite(found.strengths).all()
+    assert result.swept == "a never lost to any of the others"
+    assert np.isfinite(result.strengths).all()
 
 
 def test_a_condition_placed_twice_is_refused() -> None:

@@ -28,23 +28,23 @@ CONDITIONS = ("ours", "other", "static")
 def made(seed: int = 1) -> tuple[np.ndarray, ...]:
     """Return ratings, conditions, participants and segments of a crossed study."""
     chance = np.random.default_rng(seed)
-    who, what, which = (part.ravel() for part in np.indices((10, 8, 3)))
-    taste = chance.normal(size=(10, 3))[who, which] + chance.normal(size=(8, 3))[what, which]
-    level = chance.normal(size=10)[who]
+    people, items, which = (part.ravel() for part in np.indices((10, 8, 3)))
+    taste = chance.normal(size=(10, 3))[people, which] + chance.normal(size=(8, 3))[items, which]
+    level = chance.normal(size=10)[people]
     values = np.clip(np.rint(3 + 0.5 * (which == 0) + taste + level), 1, 5)
-    return values, which, who, what
+    return values, which, people, items
 
 
 def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None:
-    values, which, who, what = made()
+    values, which, people, items = made()
     table = values.reshape(80, 3)
 
-    cells = rated_cells(values, which, who, what, count=3)
+    cells = rated_cells(values, which, people, items, count=3)
 
     for a, b in combinations(range(3), 2):
         one = mean_difference(cells, a, b)
         by_hand = clustered_mean(
-            table[:, a] - table[:, b], who[::3], what[::3], null=0, limits=(-9, 9)
+            table[:, a] - table[:, b], people[::3], items[::3], null=0, limits=(-9, 9)
         )
         assert (one.estimate, one.low, one.high, one.p_value) == pytest.approx(
             (by_hand.estimate, by_hand.low, by_hand.high, by_hand.p_value)
@@ -54,38 +54,40 @@ def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None
 
 
 def test_ratings_without_a_partner_are_left_out_while_they_are_few() -> None:
-    values, which, who, what = made()
-    few = ~((which == 0) & (what < 2))
+    values, which, people, items = made()
+    few = ~((which == 0) & (items < 2))
 
-    found = mean_difference(
-        rated_cells(values[few], which[few], who[few], what[few], count=3), 0, 1
+    result = mean_difference(
+        rated_cells(values[few], which[few], people[few], items[few], count=3), 0, 1
     )
 
-    assert found.n == 60
-    assert found.segments == 6
+    assert result.n == 60
+    assert result.segments == 6
 
 
 def test_without_pairs_it_is_the_difference_of_two_means() -> None:
-    values, which, who, what = made(seed=3)
-    apart = which == (who + what) % 3
+    values, which, people, items = made(seed=3)
+    apart = which == (people + items) % 3
     y, first = values[apart], which[apart] == 0
     two = which[apart] < 2
 
-    found = mean_difference(rated_cells(y, which[apart], who[apart], what[apart], count=3), 0, 1)
+    result = mean_difference(
+        rated_cells(y, which[apart], people[apart], items[apart], count=3), 0, 1
+    )
 
     design = np.column_stack([np.ones(two.sum()), first[two]])
     fitted = OLS(y[two], design).fit()
-    expected = cov_cluster_2groups(fitted, who[apart][two], what[apart][two])[0][1, 1]
+    expected = cov_cluster_2groups(fitted, people[apart][two], items[apart][two])[0][1, 1]
     expected *= (two.sum() - 2) / (two.sum() - 1)  # Its factor for few answers.
-    assert found.method.startswith("all ratings")
-    assert found.estimate == pytest.approx(fitted.params[1])
-    assert found.standard_error == pytest.approx(math.sqrt(expected), rel=1e-3)
+    assert result.method.startswith("all ratings")
+    assert result.estimate == pytest.approx(fitted.params[1])
+    assert result.standard_error == pytest.approx(math.sqrt(expected), rel=1e-3)
 
 
 def test_ratings_given_twice_count_as_their_mean() -> None:
-    values, which, who, what = made()
-    once = mean_difference(rated_cells(values, which, who, what, count=3), 0, 2)
-    doubled = (np.tile(part, 2) for part in (values, which, who, what))
+    values, which, people, items = made()
+    once = mean_difference(rated_cells(values, which, people, items, count=3), 0, 2)
+    doubled = (np.tile(part, 2) for part in (values, which, people, items))
     twice = mean_difference(rated_cells(*doubled, count=3), 0, 2)
     assert twice == once
 
@@ -118,11 +120,11 @@ def test_it_is_the_mean_of_all_pairs() -> None:
 
 
 def test_turning_the_pair_round_mirrors_the_interval() -> None:
-    found = of(made_ratings(), "ours", "static")
-    turned = of(made_ratings(), "static", "ours")
-    assert turned.estimate == pytest.approx(-found.estimate)
-    assert (turned.low, turned.high) == pytest.approx((-found.high, -found.low))
-    assert found.low < found.estimate < found.high
+    result = of(made_ratings(), "ours", "static")
+    mirrored = of(made_ratings(), "static", "ours")
+    assert mirrored.estimate == pytest.approx(-result.estimate)
+    assert (mirrored.low, mirrored.high) == pytest.approx((-result.high, -result.low))
+    assert result.low < result.estimate < result.high
 
 
 def test_the_interval_holds_where_participants_and_segments_differ() -> None:
@@ -132,7 +134,7 @@ def test_the_interval_holds_where_participants_and_segments_differ() -> None:
 
 def test_a_mean_has_the_two_way_interval_within_the_scale() -> None:
     ratings = made_ratings()
-    found = rating_table(ratings, CONDITIONS, SCORES)[0]
+    result = rating_table(ratings, CONDITIONS, SCORES)[0]
     own = ratings[ratings["condition"] == "ours"]
     expected = clustered_mean(
         own["value"].to_numpy(float),
@@ -140,24 +142,24 @@ def test_a_mean_has_the_two_way_interval_within_the_scale() -> None:
         own["segment"].to_numpy(str),
         limits=(1, 5),
     )
-    assert (found.low, found.high) == pytest.approx((expected.low, expected.high))
-    assert 1 < found.low < found.high < 5
-    assert math.isnan(found.p_value)
+    assert (result.low, result.high) == pytest.approx((expected.low, expected.high))
+    assert 1 < result.low < result.high < 5
+    assert math.isnan(result.p_value)
 
 
 def test_a_score_that_nobody_gave_is_counted_as_zero() -> None:
-    [found] = rating_table(made_ratings().query("value in [2, 4]"), ["ours"], SCORES)
-    assert list(found.counts) == [1, 2, 3, 4, 5]
-    assert found.counts[3] == 0
-    assert found.at_least[1] == 100
-    assert found.at_least[3] == found.at_least[4]
+    [result] = rating_table(made_ratings().query("value in [2, 4]"), ["ours"], SCORES)
+    assert list(result.counts) == [1, 2, 3, 4, 5]
+    assert result.counts[3] == 0
+    assert result.at_least[1] == 100
+    assert result.at_least[3] == result.at_least[4]
 
 
 def test_a_condition_without_ratings_says_so() -> None:
-    [found] = rating_table(made_ratings(), ["absent"], SCORES)
-    assert (found.n, found.reason) == (0, "no answers")
-    assert math.isnan(found.sd)
-    assert math.isnan(found.at_least[1])
+    [result] = rating_table(made_ratings(), ["absent"], SCORES)
+    assert (result.n, result.reason) == (0, "no answers")
+    assert math.isnan(result.sd)
+    assert math.isnan(result.at_least[1])
 
 
 def test_a_score_off_the_scale_is_refused() -> None:
@@ -177,19 +179,19 @@ def made_ratings(
 ) -> pd.DataFrame:
     """Return ratings 1 to 5 of every condition by every participant in every segment."""
     generator = np.random.default_rng(seed)
-    who, what, which = (
+    people, items, which = (
         index.ravel() for index in np.indices((participants, segments, len(effects)))
     )
     latent = (
         np.asarray(effects)[which]
-        + generator.normal(0, 1, participants)[who]
-        + generator.normal(0, 0.4, segments)[what]
-        + generator.logistic(size=len(who))
+        + generator.normal(0, 1, participants)[people]
+        + generator.normal(0, 0.4, segments)[items]
+        + generator.logistic(size=len(people))
     )
     return pd.DataFrame(
         {
-            "participant": [f"p{k:02d}" for k in who],
-            "segment": [f"s{k}" for k in what],
+            "participant": [f"p{k:02d}" for k in people],
+            "segment": [f"s{k}" for k in items],
             "condition": np.array(CONDITIONS)[which],
             "value": np.digitize(latent, [-2.5, -1.0, 0.4, 2.0]) + 1,
         }

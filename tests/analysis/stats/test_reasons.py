@@ -50,14 +50,14 @@ def again(first: ArrayLike, second: ArrayLike, people: ArrayLike) -> Any:
     return retest_agreement(*(np.array(part, int) for part in (first, second, people)))
 
 
-def rated(values: ArrayLike, which: ArrayLike, who: ArrayLike, what: ArrayLike) -> Any:
-    codes = (np.array(part, int) for part in (which, who, what))
+def rated(values: ArrayLike, which: ArrayLike, people: ArrayLike, items: ArrayLike) -> Any:
+    codes = (np.array(part, int) for part in (which, people, items))
     return mean_difference(rated_cells(np.array(values, float), *codes, count=2), 0, 1)
 
 
-def dominant(values: ArrayLike, first: ArrayLike, who: ArrayLike) -> Any:
+def dominant(values: ArrayLike, first: ArrayLike, people: ArrayLike) -> Any:
     y = np.array(values)
-    return cliffs_delta(y, np.array(first, bool), np.array(who), np.arange(len(y)))
+    return cliffs_delta(y, np.array(first, bool), np.array(people), np.arange(len(y)))
 
 
 CASES: list[tuple[Callable[[], Any], str]] = [
@@ -143,12 +143,14 @@ CASES: list[tuple[Callable[[], Any], str]] = [
 
 @pytest.mark.parametrize(("statistic", "reason"), CASES)
 def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reason: str) -> None:
-    found = statistic()
+    result = statistic()
 
-    assert found.reason == reason
-    numbers = [getattr(getattr(found, "single", found), name, NONE) for name in ("low", "p_value")]
+    assert result.reason == reason
+    numbers = [
+        getattr(getattr(result, "single", result), name, NONE) for name in ("low", "p_value")
+    ]
     assert all(math.isnan(number) for number in numbers)
-    assert getattr(found, "verdict", "unknown") == "unknown"
+    assert getattr(result, "verdict", "unknown") == "unknown"
 
 
 @pytest.mark.parametrize(
@@ -160,7 +162,7 @@ def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reas
     ],
 )
 def test_strengths_that_do_not_exist_have_a_reason(votes: Any, reason: str) -> None:
-    found = bradley_terry(votes)
+    result = bradley_terry(votes)
 
-    assert reason in found.reason
-    assert np.isnan(found.strengths).all()
+    assert reason in result.reason
+    assert np.isnan(result.strengths).all()

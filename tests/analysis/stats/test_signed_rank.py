@@ -22,9 +22,9 @@ def by_all_signs(values: NDArray[np.float64]) -> float:
     kept = values[values != 0]
     ranks = stats.rankdata(np.abs(kept))
     sums = np.array([np.dot(ranks, s) for s in itertools.product([0, 1], repeat=len(ranks))])
-    found = ranks[kept > 0].sum()
+    result = ranks[kept > 0].sum()
     centre = ranks.sum() / 2
-    return float(np.mean(np.abs(sums - centre) >= abs(found - centre) - 1e-9))
+    return float(np.mean(np.abs(sums - centre) >= abs(result - centre) - 1e-9))
 
 
 small = st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any)
@@ -33,31 +33,31 @@ small = st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any)
 @settings(max_examples=60)
 @given(small)
 def test_with_ties_and_zeros_it_is_what_all_signs_give(values: list[float]) -> None:
-    found = signed_rank(np.array(values) / 7)
-    assert found.p_value == pytest.approx(by_all_signs(np.array(values)))
+    result = signed_rank(np.array(values) / 7)
+    assert result.p_value == pytest.approx(by_all_signs(np.array(values)))
 
 
 def test_without_ties_it_is_the_textbook_test() -> None:
     values = np.random.default_rng(1).normal(0.3, 1, 25)
     expected = stats.wilcoxon(values, method="exact", alternative="two-sided")
-    found = signed_rank(values)
-    assert found.p_value == pytest.approx(expected.pvalue)
-    assert min(found.statistic, 25 * 26 / 2 - found.statistic) == expected.statistic
+    result = signed_rank(values)
+    assert result.p_value == pytest.approx(expected.pvalue)
+    assert min(result.statistic, 25 * 26 / 2 - result.statistic) == expected.statistic
 
 
 def test_very_many_values_are_taken_for_normal() -> None:
     values = np.random.default_rng(2).integers(-2, 4, 400).astype(float)
     expected = stats.wilcoxon(values, correction=False, method="approx")
-    found = signed_rank(values)
-    assert found.p_value == found.normal_p == pytest.approx(expected.pvalue)
+    result = signed_rank(values)
+    assert result.p_value == result.normal_p == pytest.approx(expected.pvalue)
 
 
 def test_the_normal_approximation_stands_beside_the_exact_p() -> None:
     values = np.array([1, 2, 2, 3, 4, -1, 5, 6, 0, 7, -3, 2]) / 3
-    found = signed_rank(values)
+    result = signed_rank(values)
     expected = stats.wilcoxon(np.round(values * 3), correction=False, method="approx")
-    assert found.normal_p == pytest.approx(expected.pvalue)
-    assert found.normal_p != found.p_value
+    assert result.normal_p == pytest.approx(expected.pvalue)
+    assert result.normal_p != result.p_value
 
 
 def test_rounding_of_means_breaks_no_tie() -> None:
@@ -75,24 +75,24 @@ def test_the_counted_distribution_is_one_and_symmetric(weights: list[int]) -> No
 
 @given(small)
 def test_turning_all_signs_changes_no_p_value(values: list[float]) -> None:
-    found, turned = signed_rank(np.array(values)), signed_rank(-np.array(values))
-    assert turned.p_value == pytest.approx(found.p_value)
+    result, mirrored = signed_rank(np.array(values)), signed_rank(-np.array(values))
+    assert mirrored.p_value == pytest.approx(result.p_value)
 
 
 def test_it_is_what_the_plain_tests_give() -> None:
     answers = np.random.default_rng(1).integers(-2, 3, 600)
-    found = pooled_tests(answers)
+    result = pooled_tests(answers)
     wins, losses = int((answers > 0).sum()), int((answers < 0).sum())
-    assert found.binomial_p == pytest.approx(stats.binomtest(wins, wins + losses).pvalue)
+    assert result.binomial_p == pytest.approx(stats.binomtest(wins, wins + losses).pvalue)
     plain = stats.wilcoxon(answers.astype(float), correction=False, method="approx")
-    assert found.wilcoxon_p == pytest.approx(plain.pvalue)
+    assert result.wilcoxon_p == pytest.approx(plain.pvalue)
 
 
 def test_six_above_and_one_below_worked_by_hand() -> None:
-    found = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
-    assert found.p_value == pytest.approx(2 * (1 + 7) / 2**7)
-    assert found.estimate == pytest.approx(6 / 7)
-    assert found.low < 0.5 < found.high
+    result = sign_test(np.array([0.2, 0.1, 0.5, 0.3, 0.0, 0.4, 0.9, -0.1]))
+    assert result.p_value == pytest.approx(2 * (1 + 7) / 2**7)
+    assert result.estimate == pytest.approx(6 / 7)
+    assert result.low < 0.5 < result.high
 
 
 def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:

@@ -19,19 +19,19 @@ from tests.analysis.stats.named_votes import votes_of
 def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
     """Thirty participants and twelve segments differ in which of four conditions they favour."""
     chance = np.random.default_rng(3)
-    who, what = np.repeat(np.arange(30), 36), np.tile(np.arange(36) % 12, 30)
-    worth = taste * chance.normal(size=(30, 4))[who] + luck * chance.normal(size=(12, 4))[what]
-    left = chance.integers(4, size=len(who))
-    right = (left + chance.integers(1, 4, size=len(who))) % 4
-    rows = np.arange(len(who))
-    latent = worth[rows, left] - worth[rows, right] + chance.logistic(size=len(who))
+    people, items = np.repeat(np.arange(30), 36), np.tile(np.arange(36) % 12, 30)
+    worth = taste * chance.normal(size=(30, 4))[people] + luck * chance.normal(size=(12, 4))[items]
+    left = chance.integers(4, size=len(people))
+    right = (left + chance.integers(1, 4, size=len(people))) % 4
+    rows = np.arange(len(people))
+    latent = worth[rows, left] - worth[rows, right] + chance.logistic(size=len(people))
     return Votes(
         conditions=("a", "b", "c", "d"),
         left=left,
         right=right,
         outcome=np.where(latent > 0, 1, -1),
-        participant=who,
-        segment=what,
+        participant=people,
+        segment=items,
     )
 
 
@@ -43,47 +43,47 @@ def test_errors_agree_with_those_of_a_logistic_regression() -> None:
     covariance = covariance * (len(design) - 3) / (len(design) - 1)  # Its factor for few answers.
     turn = np.eye(4)[:, 1:] - 1 / 4
 
-    found = bradley_terry(votes, left_effect=False)
+    result = bradley_terry(votes, left_effect=False)
 
-    assert found.two_way is not None
-    assert found.two_way.method == TWO_WAY
+    assert result.two_way is not None
+    assert result.two_way.method == TWO_WAY
     # Theirs is CR1, from which CR2 differs little where all have answered alike often.
-    assert found.errors_two_way == pytest.approx(
+    assert result.errors_two_way == pytest.approx(
         np.sqrt(np.diagonal(turn @ covariance @ turn.T)), rel=5e-3
     )
-    assert found.two_way.differences[0, 1:] == pytest.approx(
+    assert result.two_way.differences[0, 1:] == pytest.approx(
         np.sqrt(np.diagonal(covariance)), rel=5e-3
     )
-    two_way = found.two_way.by_participant + found.two_way.by_segment - found.two_way.by_cell
+    two_way = result.two_way.by_participant + result.two_way.by_segment - result.two_way.by_cell
     assert two_way == pytest.approx(turn @ covariance @ turn.T, rel=1e-6)
 
 
 def test_segments_that_differ_make_errors_larger_than_those_of_participants_alone() -> None:
-    found = bradley_terry(made_votes(taste=0.3, luck=1.5))
+    result = bradley_terry(made_votes(taste=0.3, luck=1.5))
 
-    assert (found.errors_two_way > 1.5 * found.errors).all()
+    assert (result.errors_two_way > 1.5 * result.errors).all()
 
 
 def test_a_larger_one_way_variance_takes_the_place_of_the_two_way_one() -> None:
     votes = made_votes(taste=0.0, luck=0.0)
-    found = bradley_terry(votes)
+    result = bradley_terry(votes)
 
-    assert found.two_way is not None
-    assert found.two_way.method == MIXED
-    matrix = found.two_way.by_participant
+    assert result.two_way is not None
+    assert result.two_way.method == MIXED
+    matrix = result.two_way.by_participant
     own = np.diagonal(matrix)
     of_participants = own[:, None] + own - 2 * matrix
-    assert (found.two_way.differences**2 >= 0.999 * of_participants - 1e-12).all()
+    assert (result.two_way.differences**2 >= 0.999 * of_participants - 1e-12).all()
 
 
 def test_of_one_segment_they_are_those_of_participants() -> None:
     votes = made_votes()
 
-    found = bradley_terry(replace(votes, segment=np.zeros_like(votes.left)))
+    result = bradley_terry(replace(votes, segment=np.zeros_like(votes.left)))
 
-    assert found.two_way is not None
-    assert found.two_way.method == ONE_SEGMENT
-    assert found.errors_two_way == pytest.approx(found.errors, rel=0.03)
+    assert result.two_way is not None
+    assert result.two_way.method == ONE_SEGMENT
+    assert result.errors_two_way == pytest.approx(result.errors, rel=0.03)
 
 
 def test_rankings_of_two_conditions_are_votes() -> None:
@@ -110,9 +110,9 @@ def test_rankings_of_two_conditions_are_votes() -> None:
 
     ranked = plackett_luce(rows, ("a", "b"))
 
-    found = bradley_terry(votes, left_effect=False)
-    assert ranked.strengths == pytest.approx(found.strengths, abs=1e-8)
-    assert ranked.errors_two_way == pytest.approx(found.errors_two_way, rel=1e-4)
+    result = bradley_terry(votes, left_effect=False)
+    assert ranked.strengths == pytest.approx(result.strengths, abs=1e-8)
+    assert ranked.errors_two_way == pytest.approx(result.errors_two_way, rel=1e-4)
 
 
 def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -157,21 +157,23 @@ def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_
     errors = TwoWayErrors.of(influences, alone, np.arange(15), np.arange(15), alone)
     assert errors is not None
 
-    found = omnibus(given.mean(axis=0), errors)
+    result = omnibus(given.mean(axis=0), errors)
 
     turn = np.array([[-1, 1, 0], [-1, 0, 1]])
     means, spread = turn @ given.mean(axis=0), turn @ np.cov(given.T) @ turn.T
     squared = 15 * means @ np.linalg.solve(spread, means)
-    assert (found.df, found.df_rest) == pytest.approx((2, 13))
-    assert found.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
+    assert (result.df, result.df_rest) == pytest.approx((2, 13))
+    assert result.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
 
 
 def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
     votes = made_votes()
     few = replace(votes, segment=votes.segment % 3)
-    found = bradley_terry(few)
-    assert found.two_way is not None
-    assert "too few for one test of 4 conditions" in omnibus(found.strengths, found.two_way).reason
+    result = bradley_terry(few)
+    assert result.two_way is not None
+    assert (
+        "too few for one test of 4 conditions" in omnibus(result.strengths, result.two_way).reason
+    )
 
 
 def swept() -> Votes:
@@ -186,21 +188,21 @@ def swept() -> Votes:
 
 
 def test_who_never_lost_has_a_strength_after_a_prior_and_is_named() -> None:
-    found = bradley_terry(swept(), left_effect=False)
-    assert not found.reason
-    assert found.swept == "c never lost to any of the others"
-    assert np.isfinite(found.strengths).all()
-    assert found.strengths[found.conditions.index("c")] > 2
+    result = bradley_terry(swept(), left_effect=False)
+    assert not result.reason
+    assert result.swept == "c never lost to any of the others"
+    assert np.isfinite(result.strengths).all()
+    assert result.strengths[result.conditions.index("c")] > 2
 
 
 def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:
     votes = votes_of(["c"] * 9, ["a"] * 9, [1] * 9, [str(n) for n in range(9)])
-    found = bradley_terry(votes, left_effect=False)
+    result = bradley_terry(votes, left_effect=False)
     # With strengths s and -s: 9 log F(2s) + 2 * (log F(s) + log F(-s)) / 2 is largest.
     tried = np.linspace(0, 6, 60_001)
     value = -9 * np.log1p(np.exp(-2 * tried)) - np.log1p(np.exp(-tried)) - np.log1p(np.exp(tried))
-    assert found.strengths[0] == pytest.approx(tried[value.argmax()], abs=1e-3)
-    assert found.log_likelihood == pytest.approx(-9 * np.log1p(np.exp(-2 * found.strengths[0])))
+    assert result.strengths[0] == pytest.approx(tried[value.argmax()], abs=1e-3)
+    assert result.log_likelihood == pytest.approx(-9 * np.log1p(np.exp(-2 * result.strengths[0])))
 
 
 def test_groups_that_were_never_compared_are_named() -> None:

@@ -22,14 +22,14 @@ def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> 
     definition.write_text(text, "utf-8")
     answer_study(pairwise, people=16, stop_after=2)
 
-    found = read_pilot(pairwise, "pairwise")
+    result = read_pilot(pairwise, "pairwise")
 
-    assert 0 < found.excluded < 1
-    assert found.opinions.participant_sd >= 0
-    assert 0 < found.opinions.slight <= found.opinions.clear
-    assert "Estimated from" in found.source
-    assert "pairwise" in found.source
-    assert "its spreads are rough" in found.notes[0]
+    assert 0 < result.excluded < 1
+    assert result.opinions.participant_sd >= 0
+    assert 0 < result.opinions.slight <= result.opinions.clear
+    assert "Estimated from" in result.source
+    assert "pairwise" in result.source
+    assert "its spreads are rough" in result.notes[0]
 
 
 def test_a_study_that_nobody_answered_tells_nothing(pairwise: Path) -> None:

@@ -40,10 +40,10 @@ def test_without_random_effects_it_is_the_exact_likelihood() -> None:
     codes, fixed = np.array([0, 1, 1]), np.array([[0.0], [1.0], [-1.0]])
     made = Answers(codes, Thresholds(2), fixed, None, ())
 
-    found = likelihood(made, np.array([0.3, 0.5]))
+    result = likelihood(made, np.array([0.3, 0.5]))
 
     expected = np.log(expit(0.3)) + np.log(expit(0.5 - 0.3)) + np.log(expit(-0.5 - 0.3))
-    assert found.value == pytest.approx(expected)
+    assert result.value == pytest.approx(expected)
 
 
 def test_it_is_near_the_integral_over_a_random_effect() -> None:

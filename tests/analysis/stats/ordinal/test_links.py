@@ -18,10 +18,10 @@ STEP = 1e-5
 def test_the_probability_is_that_of_the_interval() -> None:
     lower, upper = ENDS
 
-    found = Interval(lower, upper)
+    result = Interval(lower, upper)
 
     np.testing.assert_allclose(
-        np.exp(found.log_probability), logistic.cdf(upper) - logistic.cdf(lower), rtol=1e-12
+        np.exp(result.log_probability), logistic.cdf(upper) - logistic.cdf(lower), rtol=1e-12
     )
 
 
@@ -34,14 +34,14 @@ def test_derivatives_are_those_of_the_probability(moved: str) -> None:
     behind = Interval(lower - low, upper - high)
     here = Interval(lower, upper)
 
-    found = {
+    result = {
         "eta": (here.slope, -here.weights, here.weight_slope),
         "upper": here.by_upper,
         "lower": here.by_lower,
     }[moved]
 
     before = ("log_probability", "slope", "weights")
-    for name, derivative in zip(before, found, strict=True):
+    for name, derivative in zip(before, result, strict=True):
         differences = (getattr(ahead, name) - getattr(behind, name)) / (2 * STEP)
         np.testing.assert_allclose(derivative, differences, atol=1e-6)
 
@@ -51,10 +51,10 @@ def test_far_intervals_keep_their_digits(far: float) -> None:
     ends = np.array([far]), np.array([far + 1])
     mirrored = sorted((-abs(far), -abs(far) + np.sign(-far)))
 
-    found = Interval(*ends)
+    result = Interval(*ends)
 
     expected = np.log(logistic.cdf(mirrored[1]) - logistic.cdf(mirrored[0]))
-    np.testing.assert_allclose(found.log_probability, expected, rtol=1e-9)
+    np.testing.assert_allclose(result.log_probability, expected, rtol=1e-9)
 
 
 @given(st.data(), st.integers(2, 8))

@@ -60,22 +60,22 @@ def test_thresholds_of_graded_preferences_agree_with_clm() -> None:
         for condition in expected["beta"]
     }
 
-    found = fit(answers["pref_left"].to_numpy(int), covariates)
+    result = fit(answers["pref_left"].to_numpy(int), covariates)
 
-    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
-    assert found.estimates == pytest.approx(expected["beta"], abs=1e-4)
+    assert result.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
+    assert result.estimates == pytest.approx(expected["beta"], abs=1e-4)
     if "se" in expected:
-        assert found.standard_errors == pytest.approx(expected["se"], abs=1e-4)
+        assert result.standard_errors == pytest.approx(expected["se"], abs=1e-4)
 
 
 def test_it_finds_what_was_put_in() -> None:
     made = made_answers(participants=60, items=60)
 
-    found = fit(made.values, {"side": made.side}, made.slopes)
+    result = fit(made.values, {"side": made.side}, made.slopes)
 
-    assert abs(found.estimates["side"] - 0.4) < 3 * found.standard_errors["side"]
-    assert found.deviations["participant"] == pytest.approx(0.6, abs=0.2)
-    assert found.deviations["item"] == pytest.approx(0.45, abs=0.2)
+    assert abs(result.estimates["side"] - 0.4) < 3 * result.standard_errors["side"]
+    assert result.deviations["participant"] == pytest.approx(0.6, abs=0.2)
+    assert result.deviations["item"] == pytest.approx(0.45, abs=0.2)
 
 
 def test_the_order_of_answers_and_of_random_effects_does_not_matter() -> None:
@@ -97,11 +97,11 @@ def test_the_order_of_answers_and_of_random_effects_does_not_matter() -> None:
 def test_swapping_the_sides_turns_the_sign_only() -> None:
     made = made_answers()
 
-    found = fit(made.values, {"side": made.side}, made.slopes)
+    result = fit(made.values, {"side": made.side}, made.slopes)
     swapped = fit(4 - made.values, {"side": made.side}, made.slopes)
 
-    assert swapped.estimates["side"] == pytest.approx(-found.estimates["side"], abs=1e-4)
-    assert swapped.thresholds == pytest.approx([-t for t in found.thresholds[::-1]], abs=1e-3)
+    assert swapped.estimates["side"] == pytest.approx(-result.estimates["side"], abs=1e-4)
+    assert swapped.thresholds == pytest.approx([-t for t in result.thresholds[::-1]], abs=1e-3)
 
 
 @pytest.mark.parametrize("size", [(22, 24), (8, 3), (40, 300)])
@@ -140,21 +140,21 @@ def test_a_variance_at_its_boundary_is_said() -> None:
         name="item", groups=np.repeat([0, 1], len(made.side)), multiplier=np.tile(made.side, 2)
     )
 
-    found = fit(np.tile(made.values, 2), {"side": np.tile(made.side, 2)}, [alike])
+    result = fit(np.tile(made.values, 2), {"side": np.tile(made.side, 2)}, [alike])
 
-    assert found.converged
-    assert "The variance between groups of item is at its boundary" in found.remark
-    assert found.standard_errors["side"] > 0
+    assert result.converged
+    assert "The variance between groups of item is at its boundary" in result.remark
+    assert result.standard_errors["side"] > 0
 
 
 def test_separated_answers_are_said_and_have_no_p() -> None:
     made = made_answers()
     answers = np.where(made.side > 0, 4, made.values % 2)
 
-    found = fit(answers, {"side": made.side}, made.slopes)
+    result = fit(answers, {"side": made.side}, made.slopes)
 
-    assert not found.converged
-    assert "separated by side" in found.remark
+    assert not result.converged
+    assert "separated by side" in result.remark
 
 
 @pytest.mark.parametrize("answers", [[], [2, 2, 2]])
@@ -201,9 +201,9 @@ def test_a_fit_converges_or_says_what_parts_the_answers_and_so_does_its_mirror_i
 ) -> None:
     one, other = fitted(made), fitted(made, mirrored=True)
 
-    for found in (one, other):
-        assert found.converged or "separated" in found.remark or "Hardly any" in found.remark
-        assert not found.converged or found.standard_errors["side"] > 0
+    for result in (one, other):
+        assert result.converged or "separated" in result.remark or "Hardly any" in result.remark
+        assert not result.converged or result.standard_errors["side"] > 0
     if one.converged and other.converged:
         assert other.log_likelihood == pytest.approx(one.log_likelihood, abs=0.01)
 
@@ -217,11 +217,11 @@ def test_a_climb_that_ends_too_early_goes_on() -> None:
         for name in ("participant", "segment")
     ]
 
-    found = fit(table["response"].to_numpy(int), {"side": side}, random)
+    result = fit(table["response"].to_numpy(int), {"side": side}, random)
     mirrored = fit(6 - table["response"].to_numpy(int), {"side": side}, random)
 
-    assert found.converged
-    assert mirrored.estimates["side"] == pytest.approx(-found.estimates["side"], abs=1e-3)
+    assert result.converged
+    assert mirrored.estimates["side"] == pytest.approx(-result.estimates["side"], abs=1e-3)
 
 
 def test_a_deviation_does_not_stay_at_zero_where_the_answers_say_otherwise() -> None:
@@ -236,9 +236,9 @@ def test_a_deviation_does_not_stay_at_zero_where_the_answers_say_otherwise() -> 
     latent = side * (effect + taste[who] + luck[what]) + chance.logistic(size=people * items)
     values = np.digitize(latent, (-1.6, -0.45, 0.45, 1.6))
 
-    found = fitted(MadeAnswers(values, side, who, what))
+    result = fitted(MadeAnswers(values, side, who, what))
 
     assert fitted(MadeAnswers(values, side, who, what), mirrored=True).log_likelihood == (
-        pytest.approx(found.log_likelihood, abs=1e-4)
+        pytest.approx(result.log_likelihood, abs=1e-4)
     )
-    assert found.deviations["participant"] > 0.1
+    assert result.deviations["participant"] > 0.1
