@@ -147,8 +147,10 @@ def answers_in(
             layout,
             unanswered=int(answers["value"].isna().sum()),
             # Of a ranking it is enough to ask for the place of one condition.
-            doubled=0 if "trial" in cells.rows or layout.answered_once else _doubled(answers),
-            strange=_strange(
+            duplicates=0
+            if "trial" in cells.rows or layout.answered_once
+            else _count_duplicates(answers),
+            oddity=_oddity(
                 answers, analysed, layout, has_scale=scale is not None or bool(order.scales)
             ),
             unasked=0
@@ -280,14 +282,15 @@ def _notes(
     *,
     unanswered: int,
     unasked: int,
-    doubled: int,
-    strange: str,
+    duplicates: int,
+    oddity: str,
 ) -> tuple[str, ...]:
-    notes = [strange] if strange else []
-    if doubled:
+    notes = [oddity] if oddity else []
+    if duplicates:
         notes.append(
-            f"{_rows(doubled)} the same as an earlier one, and no column trial tells presentations "
-            "apart: each counts as an answer of its own. Is the table joined with itself?"
+            f"{_rows(duplicates)} the same as an earlier one, and no column trial tells "
+            "presentations apart: each counts as an answer of its own. Is the table joined with "
+            "itself?"
         )
     if cells.ignored:
         notes.append(f"Columns that are not read: {', '.join(cells.ignored)}.")
@@ -306,12 +309,12 @@ def _notes(
     return tuple(notes)
 
 
-def _doubled(answers: pd.DataFrame) -> int:
+def _count_duplicates(answers: pd.DataFrame) -> int:
     """Return how many rows say the same as an earlier one."""
     return int(answers[answers["value"].notna()].duplicated().sum())
 
 
-def _strange(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
+def _oddity(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
     """Return what is odd about the values of a table; empty where nothing is."""
     shown = answers[analysed]
     if layout.protocol == "rating" and not has_scale:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.planning.many_studies import clustered_tests, thresholds_of
+from analysis.planning.many_studies import clustered_tests, preference_thresholds
 from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import (
     Expected,
@@ -84,7 +84,7 @@ class DecidingTests:
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
 
     def quick(self, answers: Floats) -> BlockTests:
-        """Test all studies of `answers`, as `drawn_answers` gives them."""
+        """Test all studies of `answers`, as `simulate_answers` gives them."""
         tests = [
             self._clustered(answers, rows, pair, modelled)
             for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
@@ -142,7 +142,7 @@ class DecidingTests:
 
     def _expected(self, answers: SidedAnswers, pair: tuple[int, int]) -> Expected | None:
         """Return where fits begin; None where not all answers were given yet."""
-        above = thresholds_of(self.part.levels, self.opinions)
+        above = preference_thresholds(self.part.levels, self.opinions)
         thresholds = tuple(sorted({*above, *(-each for each in above)}))
         if len(np.unique(answers.responses)) != len(thresholds) + 1:
             return None

@@ -15,7 +15,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from analysis.planning.part import Opinions, Part, Size
-from analysis.planning.power import FEWEST_EXACT, Effort, Power, power_of
+from analysis.planning.power import FEWEST_EXACT, Effort, Power, simulate_power
 from motion.files import write_text
 
 VERSION: Final = "2"
@@ -84,16 +84,16 @@ class Task:
         return digest.hexdigest()[:32]
 
 
-def simulated(task: Task) -> tuple[Power, ...]:
+def simulate_cell(task: Task) -> tuple[Power, ...]:
     """Return the powers of a cell's parts."""
     # The same noise for every effect: powers rise smoothly with it.
     seed = (task.seed, *task.size.numbers)
     # Small matrices: threads of the linear algebra would only wait for one another.
     with threadpool_limits(limits=1, user_api="blas"):
-        return power_of(task.size.parts, task.opinions, task.effect, task.effort, seed)
+        return simulate_power(task.size.parts, task.opinions, task.effect, task.effort, seed)
 
 
-def kept_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
+def load_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
     """Return what was simulated before; None where nothing was, or it cannot be read."""
     try:
         rows = json.loads((folder / f"{task.key}.json").read_text("utf-8"))
@@ -102,7 +102,7 @@ def kept_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
         return None
 
 
-def keep_powers(task: Task, powers: Sequence[Power], folder: Path) -> None:
+def save_powers(task: Task, powers: Sequence[Power], folder: Path) -> None:
     """Keep what was simulated for a later run."""
     write_text(folder / f"{task.key}.json", json.dumps([asdict(power) for power in powers]))
 
@@ -158,12 +158,12 @@ class Runner:
         """Return the cell of each task, in their order; an interrupted run goes on."""
         powers_of: dict[int, tuple[Power, ...]] = {}
         for number, task in enumerate(tasks):
-            if (powers := kept_powers(task, self.folder)) is not None:
+            if (powers := load_powers(task, self.folder)) is not None:
                 powers_of[number] = powers
         waiting = [number for number in range(len(tasks)) if number not in powers_of]
         self._tell(len(powers_of), len(tasks))
         for number, powers in self._simulated(tasks, waiting):
-            keep_powers(tasks[number], powers, self.folder)
+            save_powers(tasks[number], powers, self.folder)
             powers_of[number] = powers
             self._tell(len(powers_of), len(tasks))
         return [Cell(size=task.size, powers=powers_of[n]) for n, task in enumerate(tasks)]
@@ -178,14 +178,14 @@ class Runner:
         work = sum(tasks[number].seconds for number in waiting)
         if min(self.processes, len(waiting)) < 2 or work < SHORT:
             for number in waiting:
-                yield number, simulated(tasks[number])
+                yield number, simulate_cell(tasks[number])
             return
         # The longest first, so that no process is left with one at the end.
         order = sorted(waiting, key=lambda number: -tasks[number].seconds)
         # New processes, not forks: OpenMP's threads do not survive a fork.
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(min(self.processes, len(waiting)), context) as pool:
-            running = {pool.submit(simulated, tasks[number]): number for number in order}
+            running = {pool.submit(simulate_cell, tasks[number]): number for number in order}
             try:
                 for future in as_completed(running):
                     yield running[future], future.result()
@@ -193,7 +193,7 @@ class Runner:
                 pool.shutdown(wait=False, cancel_futures=True)
 
 
-def within(tasks: Sequence[Task], minutes: float) -> list[Task]:
+def limit_effort(tasks: Sequence[Task], minutes: float) -> list[Task]:
     """Return the tasks with so much less effort that they take about so many minutes.
 
     The estimate is for two processors. It depends on the studies alone, so that the numbers do
@@ -206,7 +206,7 @@ def within(tasks: Sequence[Task], minutes: float) -> list[Task]:
     return [replace(task, effort=_less(task.effort, share)) for task in tasks]
 
 
-def minutes_of(tasks: Sequence[Task]) -> float:
+def estimate_minutes(tasks: Sequence[Task]) -> float:
     """Return about how many minutes the tasks take on two processors."""
     return sum(task.seconds for task in tasks) / 60 / PROCESSORS
 

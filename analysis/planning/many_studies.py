@@ -27,12 +27,12 @@ POINTS: Final = len(RATING_THRESHOLDS) + 1
 _NODES, _WEIGHTS = hermegauss(61)
 
 
-def graded(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) -> Floats:
+def grade_preferences(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) -> Floats:
     """Return how clearly a felt difference is answered: below 0 for the second condition."""
     return np.asarray(np.sign(latent) * np.searchsorted(thresholds, np.abs(latent)), np.float64)
 
 
-def drawn_answers(
+def simulate_answers(
     part: Part, opinions: Opinions, effect: float, studies: int, generator: np.random.Generator
 ) -> Floats:
     """Return what the participants of many studies answer in one block of a part.
@@ -52,7 +52,7 @@ def drawn_answers(
     if part.kind == "pairs":
         latent = _differences(trials, opinions, effect, studies, generator)
         latent += generator.logistic(size=latent.shape)
-        return graded(latent, thresholds_of(part.levels, opinions))
+        return grade_preferences(latent, preference_thresholds(part.levels, opinions))
     worth = _worths(trials, opinions, effect, studies, generator)
     if part.kind == "rankings":
         worth += generator.gumbel(size=worth.shape)
@@ -104,7 +104,7 @@ def _differences(
     return np.asarray(worth[:, rows, first] - worth[:, rows, second], np.float64)
 
 
-def thresholds_of(levels: int, opinions: Opinions) -> tuple[float, ...]:
+def preference_thresholds(levels: int, opinions: Opinions) -> tuple[float, ...]:
     """Return from which felt difference on each answer of a preference is given, in logits."""
     return {2: (0.0,), 3: (opinions.slight,), 5: (opinions.slight, opinions.clear)}[levels]
 
@@ -124,11 +124,11 @@ def _rated(latent: Floats, levels: int) -> Floats:
     return np.asarray(1 + np.searchsorted(rating_thresholds(levels), latent), np.float64)
 
 
-def in_answers(part: Part, opinions: Opinions, effect: float) -> str:
+def describe_effect(part: Part, opinions: Opinions, effect: float) -> str:
     """Return what people answer where one condition is better by `effect` logits, in words."""
     spread = math.hypot(opinions.participant_sd, opinions.item_sd)
     if part.kind == "pairs":
-        tie = thresholds_of(part.levels, opinions)[0]
+        tie = preference_thresholds(part.levels, opinions)[0]
         wins = _mean(expit(effect + spread * _NODES - tie))
         losses = _mean(expit(-effect - spread * _NODES - tie))
         return f"{wins:.0%} wins, {losses:.0%} losses"

@@ -155,6 +155,6 @@ class Size:
         return self.participants, self.items
 
 
-def kept(participants: int, excluded: float) -> int:
+def count_analysed(participants: int, excluded: float) -> int:
     """Return how many of so many participants are analysed where a share is left out."""
     return participants - int(participants * excluded + 0.5)

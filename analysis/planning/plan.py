@@ -10,8 +10,8 @@ from typing import Final
 
 from scipy.stats import norm
 
-from analysis.planning.grid import Cell, Runner, Task, minutes_of, within
-from analysis.planning.many_studies import in_answers
+from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_effort
+from analysis.planning.many_studies import describe_effect
 from analysis.planning.part import Opinions, Size
 from analysis.planning.power import Effort
 
@@ -163,7 +163,7 @@ def plan(request: Request, runner: Runner) -> Plan:
         for size in sizes.values()
         for effect in request.effects
     ]
-    tasks = within(asked, request.minutes)
+    tasks = limit_effort(asked, request.minutes)
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
     if request.own is not None:
@@ -177,7 +177,7 @@ def plan(request: Request, runner: Runner) -> Plan:
         request=request,
         cells=tuple(cells),
         meanings={
-            (part.name, effect): in_answers(part, request.opinions, effect)
+            (part.name, effect): describe_effect(part, request.opinions, effect)
             for part in first.parts
             for effect in request.effects
         },
@@ -225,7 +225,7 @@ def _smallest(
             Smallest(
                 part=part.name,
                 effect=effect,
-                in_answers="" if reason else in_answers(part, request.opinions, effect),
+                in_answers="" if reason else describe_effect(part, request.opinions, effect),
                 reason=reason,
             )
         )
@@ -239,7 +239,7 @@ def _cut(request: Request, asked: Sequence[Task], tasks: Sequence[Task]) -> str:
     if tasks[0].effort == asked[0].effort:
         return ""
     effort = tasks[0].effort
-    long = minutes_of(tasks)
+    long = estimate_minutes(tasks)
     still = f", which still takes about {math.ceil(long)}" if long > 1.2 * request.minutes else ""
     return (
         f"Each power rests on {effort.quick:,} simulated studies instead of "

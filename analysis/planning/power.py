@@ -18,7 +18,7 @@ from analysis.planning.deciding_tests import (
     decided_by_holm,
     detection_shares,
 )
-from analysis.planning.many_studies import drawn_answers
+from analysis.planning.many_studies import simulate_answers
 from analysis.planning.part import Opinions, Part, Trials
 
 Floats = NDArray[np.float64]
@@ -90,7 +90,7 @@ class Power:
     reason: str = ""
 
 
-def power_of(
+def simulate_power(
     parts: Sequence[Part], opinions: Opinions, effect: float, effort: Effort, seed: Sequence[int]
 ) -> tuple[Power, ...]:
     """Simulate a study and return how often it finds `effect`, part by part.
@@ -159,7 +159,7 @@ class _Pool:
         seeds = np.random.SeedSequence(seed).spawn(len(starts))
         for start, chunk_seed in zip(starts, seeds, strict=True):
             count = min(chunk, effort.quick - start)
-            answers = drawn_answers(
+            answers = simulate_answers(
                 part, opinions, effect, count, np.random.default_rng(chunk_seed)
             )
             results.append(tests.quick(answers))

@@ -23,7 +23,7 @@ APART: Final = 0.05
 """Powers that differ by more are worth a sentence."""
 
 
-def sentences(plan: Plan) -> tuple[str, ...]:
+def plan_sentences(plan: Plan) -> tuple[str, ...]:
     """Return what a plan says, the most important first."""
     by_part = [
         f"{part}: {sentence}" if part else sentence

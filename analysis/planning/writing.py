@@ -15,7 +15,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
-from analysis.planning.words import sentences, with_error
+from analysis.planning.words import plan_sentences, with_error
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
 from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
 from analysis.report.tables import write_frame
@@ -31,8 +31,8 @@ _WIDE: Final = 32
 
 def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
     """Write ``plan.json``, ``power.csv`` and ``power.png``, ``.svg`` and ``.pdf`` into `folder`."""
-    write_text(folder / "plan.json", as_json(document(plan)))
-    write_frame(folder / "power.csv", rows(plan))
+    write_text(folder / "plan.json", as_json(plan_document(plan)))
+    write_frame(folder / "power.csv", power_table(plan))
     written = [folder / "plan.json", folder / "power.csv"]
     figure = power_figure(plan)
     for ending in FORMATS:
@@ -43,7 +43,7 @@ def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
     return tuple(written)
 
 
-def document(plan: Plan) -> dict[str, Any]:
+def plan_document(plan: Plan) -> dict[str, Any]:
     """Return what ``plan.json`` holds."""
     request = plan.request
     return {
@@ -62,13 +62,13 @@ def document(plan: Plan) -> dict[str, Any]:
         "pay": request.pay,
         "seed": request.seed,
         "effort": asdict(plan.effort),
-        "sentences": sentences(plan),
+        "sentences": plan_sentences(plan),
         "smallest": [asdict(smallest) for smallest in plan.smallest],
-        "powers": rows(plan).to_dict("records"),
+        "powers": power_table(plan).to_dict("records"),
     }
 
 
-def rows(plan: Plan) -> pd.DataFrame:
+def power_table(plan: Plan) -> pd.DataFrame:
     """Return a row for each size, part of the study and effect."""
     table = []
     for cell in plan.cells:
@@ -96,7 +96,7 @@ def rows(plan: Plan) -> pd.DataFrame:
     return pd.DataFrame(table)
 
 
-def lines(plan: Plan) -> Iterator[str]:
+def power_lines(plan: Plan) -> Iterator[str]:
     """Yield a table of powers, a line for each size, a column for each effect."""
     effects = plan.request.effects
     for number, part in enumerate(plan.parts):

@@ -78,10 +78,10 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
         return FTest(reason="all answers alike")
     dfs_rest = len(means[0]) - 1, len(means[1]) - 1
     noise = [1 / f if f else math.inf for f in map(_f, means, variances)]
-    return joined(noise, 1, dfs_rest, df_of_zero=_df(variances, dfs_rest))
+    return combine(noise, 1, dfs_rest, df_of_zero=_df(variances, dfs_rest))
 
 
-def joined(
+def combine(
     noise: Sequence[float],
     df: int,
     dfs_rest: Sequence[float],
@@ -165,7 +165,7 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
     if not sum(noise):
         return FTest(reason="all answers of a group alike")
     dfs_rest = (count - 1) * (len(by_person) - 1), df_rest
-    return joined(noise, count - 1, dfs_rest, df_of_zero=min(dfs_rest), method=MIN_F)
+    return combine(noise, count - 1, dfs_rest, df_of_zero=min(dfs_rest), method=MIN_F)
 
 
 def between_segments(values: Floats, participants: Codes, segments: Codes) -> FTest:

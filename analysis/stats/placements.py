@@ -102,9 +102,11 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     InputError
         If a ranking places a condition twice.
     """
-    columns = pd.Categorical(answers["condition"], categories=list(conditions)).codes
+    columns = pd.Index(list(conditions)).get_indexer(
+        pd.Index(answers["condition"].to_numpy(object))
+    )
     known = columns >= 0
-    answers, columns = answers[known], columns[known].astype(np.intp)
+    answers, columns = answers[known], columns[known]
     participants, participant_names = pd.factorize(answers["participant"])
     segments, segment_names = pd.factorize(answers["segment"])
     trials = pd.factorize(answers["trial"])[0] if "trial" in answers else np.zeros_like(segments)

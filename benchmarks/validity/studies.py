@@ -11,7 +11,7 @@ from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from analysis.planning.many_studies import graded
+from analysis.planning.many_studies import grade_preferences
 from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS
 
 Floats = NDArray[np.float64]
@@ -179,7 +179,10 @@ def preferences(
     )
     side = generator.choice([-1.0, 1.0], people.size)
     return Preferences(
-        towards_first=graded(latent).astype(np.intp), side=side, participants=people, items=items
+        towards_first=grade_preferences(latent).astype(np.intp),
+        side=side,
+        participants=people,
+        items=items,
     )
 
 

@@ -73,12 +73,12 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     tests decide. Without speech yet, --items says how many segments it will have.
     """
     # Imported here: statistics take seconds to load, which --help need not wait for.
-    from analysis.planning.words import sentences
-    from analysis.planning.writing import lines
+    from analysis.planning.words import plan_sentences
+    from analysis.planning.writing import power_lines
     from studyapp.planning.plan import plan_study
 
     with progress("simulating", "cell") as show:
         found = plan_study(folder, **options, processes=processes, show=show)
     where = folder.root / "plan"
-    click.echo("\n".join((*lines(found), "", *sentences(found), "")))
+    click.echo("\n".join((*power_lines(found), "", *plan_sentences(found), "")))
     click.echo(f"The figure is {where / 'power.png'}, the numbers are {where / 'power.csv'}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.planning.part import Kind, Part, Size, Trials, kept
+from analysis.planning.part import Kind, Part, Size, Trials, count_analysed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class Sketch:
         excluded : float
             Share of participants who will be left out.
         """
-        analysed = kept(participants, excluded)
+        analysed = count_analysed(participants, excluded)
         trials = items if self.trials is None else min(self.trials, items)
         numbers = np.arange(analysed * trials)
         who, what = numbers // max(trials, 1), numbers % max(items, 1)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from analysis.planning.grid import Runner, Task, minutes_of, within
+from analysis.planning.grid import Runner, Task, estimate_minutes, limit_effort
 from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.power import Effort
-from analysis.planning.words import sentences
+from analysis.planning.words import plan_sentences
 from analysis.planning.writing import write_plan
 from tests.analysis.planning.sketch import Sketch
 
@@ -61,8 +61,8 @@ def test_what_was_simulated_is_not_simulated_again(tmp_path: Path) -> None:
 
     assert again.powers[0].power == 0.123
     kept.write_text("{broken", "utf-8")
-    (simulated,) = Runner(folder=tmp_path).cells([task()])
-    assert simulated.powers == first.powers
+    (fresh,) = Runner(folder=tmp_path).cells([task()])
+    assert fresh.powers == first.powers
 
 
 def test_another_seed_effect_or_design_is_another_cell() -> None:
@@ -90,10 +90,10 @@ def test_progress_is_told_cell_by_cell(tmp_path: Path) -> None:
 def test_less_is_simulated_where_it_would_take_too_long() -> None:
     tasks = [replace(task(), effort=Effort())] * 10
 
-    assert within(tasks, minutes_of(tasks) * 1.01) == tasks
-    less = within(tasks, minutes_of(tasks) / 2)
+    assert limit_effort(tasks, estimate_minutes(tasks) * 1.01) == tasks
+    less = limit_effort(tasks, estimate_minutes(tasks) / 2)
     assert less[0].effort.quick == 1000
-    assert minutes_of(less) < minutes_of(tasks)
+    assert estimate_minutes(less) < estimate_minutes(tasks)
 
 
 def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
@@ -102,7 +102,7 @@ def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
     result = plan(short, Runner(folder=tmp_path))
 
     assert "400 simulated studies instead of 500" in result.cut
-    assert sentences(result)[-1] == result.cut
+    assert plan_sentences(result)[-1] == result.cut
 
 
 def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
@@ -113,7 +113,7 @@ def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
 
 
 def test_sentences_say_what_a_researcher_must_know(made: Plan) -> None:
-    text = "\n".join(sentences(made))
+    text = "\n".join(plan_sentences(made))
 
     assert "As it stands, with 10 participants per comparison (9 of them analysed)" in text
     assert "30 participants in all cost 75.00." in text
@@ -149,7 +149,7 @@ SATURATED = {
 
 
 def test_where_participants_add_little_segments_are_recommended(made: Plan) -> None:
-    text = "\n".join(sentences(with_powers(made, SATURATED)))
+    text = "\n".join(plan_sentences(with_powers(made, SATURATED)))
 
     assert (
         "With 6 segments, more than 20 participants per comparison add little: 80 raise the power "
@@ -159,7 +159,7 @@ def test_where_participants_add_little_segments_are_recommended(made: Plan) -> N
 
 
 def test_segments_are_not_recommended_where_they_add_no_more(made: Plan) -> None:
-    text = "\n".join(sentences(with_powers(made, {**SATURATED, (20, 12): 0.56})))
+    text = "\n".join(plan_sentences(with_powers(made, {**SATURATED, (20, 12): 0.56})))
 
     assert "add little" in text
     assert "add segments" not in text
@@ -168,7 +168,7 @@ def test_segments_are_not_recommended_where_they_add_no_more(made: Plan) -> None
 def test_where_participants_still_help_nothing_is_called_little(made: Plan) -> None:
     rising = {**SATURATED, (80, 6): 0.79}
 
-    assert "add little" not in "\n".join(sentences(with_powers(made, rising)))
+    assert "add little" not in "\n".join(plan_sentences(with_powers(made, rising)))
 
 
 def test_the_smallest_difference_lies_where_the_power_is_reached(made: Plan) -> None:
@@ -219,7 +219,7 @@ def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
     alone = replace(REQUEST, participants=(1, 10), items=(1,), own=(10, 1))
 
     result = plan(alone, Runner(folder=tmp_path))
-    text = "\n".join(sentences(result))
+    text = "\n".join(plan_sentences(result))
     write_plan(result, tmp_path / "out")
 
     powers = json.loads((tmp_path / "out" / "plan.json").read_text("utf-8"))["powers"]

@@ -7,10 +7,10 @@ import pytest
 
 from analysis.planning import grid
 from analysis.planning.deciding_tests import DecidingTests
-from analysis.planning.grid import Task, simulated
-from analysis.planning.many_studies import drawn_answers
+from analysis.planning.grid import Task, simulate_cell
+from analysis.planning.many_studies import simulate_answers
 from analysis.planning.part import Opinions, Part
-from analysis.planning.power import Effort, Power, power_of
+from analysis.planning.power import Effort, Power, simulate_power
 from analysis.results.net_preference import (
     SidedAnswers,
     net_preference,
@@ -45,7 +45,7 @@ def part(sketch: Sketch, participants: int, items: int) -> Part:
 
 def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power:
     parts = (part(sketch, participants, items),)
-    return power_of(parts, ALIKE, effect, QUICK, (1, 2))[0]
+    return simulate_power(parts, ALIKE, effect, QUICK, (1, 2))[0]
 
 
 PAIRS = Sketch(kind="pairs", own_participants=True)
@@ -103,7 +103,7 @@ def test_one_of_either_has_no_power_and_says_why(participants: int, items: int, 
 def test_few_participants_are_judged_by_the_win_share() -> None:
     few = part(PAIRS, 10, 30)
     tests = DecidingTests(few, ALIKE, 0.4)
-    answers = drawn_answers(few, ALIKE, 0.4, 5, np.random.default_rng(1))
+    answers = simulate_answers(few, ALIKE, 0.4, 5, np.random.default_rng(1))
 
     quick = tests.quick(answers)
 
@@ -117,7 +117,7 @@ def test_few_participants_are_judged_by_the_win_share() -> None:
 def test_many_participants_are_judged_by_the_mixed_model() -> None:
     many = part(PAIRS, 20, 20)
     tests = DecidingTests(many, ALIKE, 0.4)
-    answers = drawn_answers(many, ALIKE, 0.4, 3, np.random.default_rng(1))
+    answers = simulate_answers(many, ALIKE, 0.4, 3, np.random.default_rng(1))
     left, right = many.trials.left, many.trials.right
     assert left is not None
     assert right is not None
@@ -142,11 +142,11 @@ def test_many_participants_are_judged_by_the_mixed_model() -> None:
 def test_what_the_quick_test_misses_is_put_right() -> None:
     rankings = part(Sketch(kind="rankings", conditions=3), 15, 8)
     tests = DecidingTests(rankings, ALIKE, 0.6)
-    answers = drawn_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
+    answers = simulate_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
     exact = tests.exact(answers, np.empty(0, bool))
     plain = float(np.mean(holm_rows(exact.p_values)[:, :2] < 0.05))
 
-    result = power_of((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
+    result = simulate_power((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
 
     assert result.modelled >= 40
     assert result.power == pytest.approx(plain, abs=3 * np.hypot(result.error, 0.03))
@@ -167,7 +167,7 @@ def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
 ) -> None:
     for participants, items, known in POWERS[effect]:
         tests = DecidingTests(part(PAIRS, participants, items), Opinions(), effect)
-        drawn = drawn_answers(tests.part, Opinions(), effect, 2000, np.random.default_rng(1))
+        drawn = simulate_answers(tests.part, Opinions(), effect, 2000, np.random.default_rng(1))
         result = tests.quick(drawn)
 
         assert np.mean((result.p_values < 0.05) & (result.signs > 0)) == pytest.approx(
@@ -184,7 +184,7 @@ def test_a_study_that_is_simulated_otherwise_has_another_version(sketch: Sketch)
         effort=Effort(quick=100, exact=20),
         seed=3,
     )
-    (result,) = simulated(task)
+    (result,) = simulate_cell(task)
     assert [result.power, result.alone, result.uncorrected, result.error] == pytest.approx(
         POWERS_OF_VERSION[grid.VERSION][sketch.kind], abs=1e-6
     )
