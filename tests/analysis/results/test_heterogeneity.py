@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -111,18 +110,6 @@ def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
     whole = clustered_mean(wins[own], people[own], items[own])
     assert vars(whole).items() <= vars(first).items()
     assert not first.descriptive
-
-
-def test_a_level_of_three_segments_is_described_and_not_tested() -> None:
-    wins, people, items = made_wins()
-
-    result = cells(wins, items // 3, list("abcd"), people, items, null=0.5, limits=(0, 1))
-
-    for cell in result:
-        assert cell.descriptive
-        assert math.isnan(cell.p_value)
-        assert cell.low < cell.estimate < cell.high
-        assert cell.segments == 3
 
 
 def test_a_single_segment_has_the_interval_of_its_participants() -> None:

@@ -43,12 +43,6 @@ def test_it_is_the_correlation_of_what_is_left_when_condition_means_are_taken_of
     assert (result.cells, result.segments, result.answers) == (72, 12, 1440)
 
 
-def test_differences_between_conditions_do_not_enter() -> None:
-    answers, metrics = AgreeingStudy(within=0.3).drawn(np.random.default_rng(2))
-    moved = answers.assign(value=answers["value"] + 5.0 * answers["condition"].cat.codes)
-    assert _within(moved, metrics).estimate == pytest.approx(_within(answers, metrics).estimate)
-
-
 def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> None:
     chance = np.random.default_rng(5)
     scores = chance.normal(size=(2, 10))
@@ -69,6 +63,27 @@ def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> Non
     assert within_conditions(result, side).estimate == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(
+    ("study", "change", "reason"),
+    [
+        (AgreeingStudy(), {"value": 0.1}, "the answers do not differ within conditions"),
+        (AgreeingStudy(segments=1), {}, "fewer than two segments have scores and answers"),
+    ],
+)
+def test_without_a_correlation_the_reason_is_given(
+    study: AgreeingStudy, change: dict[str, float], reason: str
+) -> None:
+    answers, metrics = study.drawn(np.random.default_rng(1))
+    result = _within(answers.assign(**change), metrics)
+    assert math.isnan(result.estimate)
+    assert result.reason == reason
+
+
+def test_scores_that_are_all_alike_have_no_correlation() -> None:
+    answers, _ = AgreeingStudy().drawn(np.random.default_rng(1))
+    assert "scores do not differ" in _within(answers, metrics_of(np.full((6, 12), 0.1))).reason
+
+
 def test_few_segments_give_an_estimate_without_interval() -> None:
     answers, metrics = AgreeingStudy(segments=4).drawn(np.random.default_rng(1))
     result = _within(answers, metrics)
@@ -77,43 +92,22 @@ def test_few_segments_give_an_estimate_without_interval() -> None:
     assert result.reason == "4 segments are too few for an interval"
 
 
-def test_what_does_not_differ_is_named() -> None:
-    answers, metrics = AgreeingStudy().drawn(np.random.default_rng(1))
-    assert "answers do not differ" in _within(answers.assign(value=0.1), metrics).reason
-    alike = metrics_of(np.full((6, 12), 0.1))
-    assert "scores do not differ" in _within(answers, alike).reason
-
-
-def test_one_segment_has_nothing_to_correlate() -> None:
-    answers, metrics = AgreeingStudy(segments=1).drawn(np.random.default_rng(1))
-    result = _within(answers, metrics)
-    assert math.isnan(result.estimate)
-    assert "fewer than two segments" in result.reason
-
-
 @pytest.mark.parametrize(
-    ("better", "spoken"),
-    [("higher", [2.0, 5.0, 2.0]), ("lower", [-2.0, -5.0, -2.0]), ("near the reference", [3, 3])],
+    ("better", "oriented"),
+    [("higher", [2, 5, 2]), ("lower", [-2, -5, -2]), ("near the reference", [-3, -3])],
 )
-def test_more_always_speaks_for_a_condition(better: Better, spoken: list[float]) -> None:
+def test_higher_oriented_scores_are_always_better(better: Better, oriented: list[float]) -> None:
     (result,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
-    assert result.resampled(np.ones((1, 2)))[0] == pytest.approx(
-        np.abs(spoken) * np.sign(spoken[0]) * (-1 if better == "near the reference" else 1)
-    )
+    assert result.resampled(np.ones((1, 2)))[0] == pytest.approx(oriented)
 
 
 def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts() -> None:
-    (result,) = oriented_metrics(
-        metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01"
-    )
+    metrics = metrics_of(SCORES, better="near the reference")
+    (result,) = oriented_metrics(metrics, NAMES, SEGMENTS, "c01")
+    (without,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
     assert result.left_out == {1: ITSELF}
     assert result.recorded == 5
-
-
-def test_without_recorded_motion_nothing_is_near_to_it() -> None:
-    metrics = metrics_of(SCORES, better="near the reference")
-    (result,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
-    assert set(result.left_out.values()) == {NOTHING_RECORDED}
+    assert set(without.left_out.values()) == {NOTHING_RECORDED}
 
 
 def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:

@@ -42,13 +42,6 @@ def test_resamples_are_those_of_the_two_way_bootstrap(answers: pd.DataFrame) -> 
     assert result.segments.sum(axis=1) == pytest.approx(12)
 
 
-def test_one_seed_gives_one_result(answers: pd.DataFrame) -> None:
-    first, again = (
-        resample_preferences(tally("rating", answers), resamples=50, seed=2) for _ in range(2)
-    )
-    assert np.array_equal(first.draws, again.draws)
-
-
 def test_strengths_have_the_greatest_likelihood() -> None:
     chance = np.random.default_rng(3)
     wins = chance.integers(1, 30, (4, 4)).astype(float)

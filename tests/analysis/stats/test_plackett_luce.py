@@ -43,20 +43,21 @@ def test_of_two_conditions_with_ties_it_is_davidsons_model() -> None:
     left, right = left * 40, right * 40
     outcome = [int(value) for value in chance.integers(-1, 2, len(left))]
     people = [f"P{number % 12}" for number in range(len(left))]
+    segments = [f"s{number % 7}" for number in range(len(left))]
     rows = []
-    for number, (first, second, won, who) in enumerate(
-        zip(left, right, outcome, people, strict=True)
-    ):
+    for number, (first, second, won) in enumerate(zip(left, right, outcome, strict=True)):
         rows += [
-            (number, who, first, 1 if won >= 0 else 2),
-            (number, who, second, 1 if won <= 0 else 2),
+            (number, people[number], first, 1 if won >= 0 else 2),
+            (number, people[number], second, 1 if won <= 0 else 2),
         ]
+    votes = votes_of(left, right, outcome, people, segment=segments)
 
-    pairs = bradley_terry(votes_of(left, right, outcome, people), left_effect=False)
-    ranked = plackett_luce(rankings(rows), pairs.conditions)
+    pairs = bradley_terry(votes, left_effect=False)
+    ranked = plackett_luce(rankings(rows).assign(segment=np.repeat(segments, 2)), pairs.conditions)
 
     assert ranked.strengths == pytest.approx(pairs.strengths, abs=1e-8)
     assert ranked.errors == pytest.approx(pairs.errors, rel=1e-6)
+    assert ranked.errors_two_way == pytest.approx(pairs.errors_two_way, rel=1e-3)
     assert ranked.ties[2] == pytest.approx(pairs.tie, abs=1e-8)
     assert ranked.log_likelihood == pytest.approx(pairs.log_likelihood)
 

@@ -3,7 +3,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy import stats
 from statsmodels.discrete.discrete_model import Logit
@@ -11,7 +10,6 @@ from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
-from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
 from tests.analysis.stats.named_votes import votes_of
 
@@ -84,35 +82,6 @@ def test_of_one_segment_they_are_those_of_participants() -> None:
     assert result.two_way is not None
     assert result.two_way.method == ONE_SEGMENT
     assert result.errors_two_way == pytest.approx(result.errors, rel=0.03)
-
-
-def test_rankings_of_two_conditions_are_votes() -> None:
-    votes = made_votes()
-    two = (votes.left < 2) & (votes.right < 2)
-    votes = Votes(
-        conditions=("a", "b"),
-        left=votes.left[two],
-        right=votes.right[two],
-        outcome=votes.outcome[two],
-        participant=votes.participant[two],
-        segment=votes.segment[two],
-    )
-    count = len(votes.left)
-    rows = pd.DataFrame(
-        {
-            "ranking": np.repeat(np.arange(count), 2),
-            "participant": np.repeat(votes.participant, 2),
-            "segment": np.repeat(votes.segment, 2),
-            "condition": np.array(["a", "b"])[np.stack([votes.left, votes.right], 1)].ravel(),
-            "rank": np.stack([1 + (votes.outcome < 0), 1 + (votes.outcome > 0)], 1).ravel(),
-        }
-    )
-
-    ranked = plackett_luce(rows, ("a", "b"))
-
-    result = bradley_terry(votes, left_effect=False)
-    assert ranked.strengths == pytest.approx(result.strengths, abs=1e-8)
-    assert ranked.errors_two_way == pytest.approx(result.errors_two_way, rel=1e-4)
 
 
 def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
