@@ -1,4 +1,4 @@
-"""The exclusion rules, each decides from the facts of one participant, and what they remove."""
+"""The exclusion rules, each of which judges the facts of one participant, and their outcomes."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import numpy as np
 from analysis.answers.participant_facts import ParticipantFacts
 
 BY_HAND: Final = "researcher"
-"""Name of the rule that removes whom researchers exclude one by one."""
+"""Name of the rule that removes participants whom researchers exclude one by one."""
 
 Judge = Callable[[ParticipantFacts], str | None]
 
 KEPT: Final = ""
-"""What a rule says of whom it keeps."""
+"""The verdict of a rule about a participant whom it keeps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class ExclusionRule:
 
 
 def marked() -> ExclusionRule:
-    """Return the rule that removes whom the table itself marks, for the reason written there."""
+    """Return the rule that removes participants marked in the table, for the reason given there."""
     return ExclusionRule(
         name="marked",
         description="marked as excluded in the table",
@@ -103,9 +103,9 @@ def marked() -> ExclusionRule:
 
 
 def excluded_by_hand() -> ExclusionRule:
-    """Return the rule that removes whom a researcher excluded, for the reason given then.
+    """Return the rule that removes participants whom a researcher excluded, for that reason.
 
-    Nobody settles beforehand who that will be: it is always exploratory.
+    It cannot be settled beforehand, so it is always exploratory.
     """
     return ExclusionRule(
         name=BY_HAND,
@@ -116,7 +116,7 @@ def excluded_by_hand() -> ExclusionRule:
 
 
 def incomplete() -> ExclusionRule:
-    """Return the rule that removes who did not get through all trials.
+    """Return the rule that removes participants who did not get through all trials.
 
     A trial whose video would not play counts as done: that is not a fault of the participant.
     """
@@ -139,7 +139,7 @@ def incomplete() -> ExclusionRule:
 
 
 def failed_catch_trials(allowed: int) -> ExclusionRule:
-    """Return the rule that removes who failed more catch trials than `allowed`.
+    """Return the rule that removes participants who failed more catch trials than `allowed`.
 
     A catch trial is failed when any of its questions is not answered in favour of the motion
     that is not flawed.
@@ -148,12 +148,12 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
         name="catch",
         description=f"failed {_more_than(allowed, 'catch trial')}",
         judge=lambda facts: _too_many(facts.failed_catch, allowed, "catch trial"),
-        missing="there are no catch trials with a side known to be right",
+        missing="there are no catch trials whose correct side is known",
     )
 
 
 def failed_attention_checks(allowed: int) -> ExclusionRule:
-    """Return the rule that removes who failed more attention checks than `allowed`.
+    """Return the rule that removes participants who failed more than `allowed` attention checks.
 
     A check is failed when any of its questions is not answered as it asks.
     """
@@ -166,7 +166,7 @@ def failed_attention_checks(allowed: int) -> ExclusionRule:
 
 
 def watched_less(below: float) -> ExclusionRule:
-    """Return the rule that removes who watched less than the share `below` of the videos.
+    """Return the rule that removes participants who watched less than `below` of the videos.
 
     It looks at the mean over the answers of main and repeated trials, in [0, 1].
     """
@@ -187,7 +187,7 @@ def watched_less(below: float) -> ExclusionRule:
 
 
 def answered_too_fast(below: float, share: float) -> ExclusionRule:
-    """Return the rule that removes who gave answers in less than `below` seconds too often.
+    """Return the rule that removes participants who too often answered within `below` seconds.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def answered_too_fast(below: float, share: float) -> ExclusionRule:
 
 
 def straight_lined(at_least: float, trials: int) -> ExclusionRule:
-    """Return the rule that removes who gave one answer to a question again and again.
+    """Return the rule that removes participants who gave nearly always the same answer.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def apply_rules(
 ) -> Removed:
     """Apply `rules` in order; a participant counts under the first that removes them.
 
-    Who cannot be judged by a rule stays, and the rule's outcome says so.
+    A participant whom a rule cannot judge stays, and the rule's outcome says so.
     """
     remaining = sorted(participants, key=lambda facts: facts.participant)
     outcomes: list[RuleOutcome] = []

@@ -1,4 +1,4 @@
-"""Which participants are left out, by which rule, and how many came, answered and are analysed."""
+"""Which participants are excluded, by which rule, and the flow from arrival to analysis."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ EVERYBODY: Final = ""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LeftOut:
-    """What the rules did.
+    """The answers with and without the participants whom the rules exclude.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class LeftOut:
     rules : tuple of RuleOutcome
         In the order in which they were applied.
     planned_exclusions : dict of str to str
-        Whom the rules leave out that were settled before answers could be seen, and the reason;
-        the same as `exclusions` where no rule is exploratory.
+        Participants excluded by the rules that were settled before answers could be seen, and the
+        reason; the same as `exclusions` where no rule is exploratory.
     kept : DataFrame
         Answers to practice, main and repeated trials of those whom every rule kept.
     analysed, everyone : DataFrame
@@ -62,12 +62,12 @@ class LeftOut:
 
     @property
     def is_as_planned(self) -> bool:
-        """Whether exactly those are left out whom the rules settled beforehand leave out."""
+        """Whether the rules settled beforehand exclude exactly the same participants."""
         return self.exclusions.keys() == self.planned_exclusions.keys()
 
     @property
     def as_planned(self) -> pd.DataFrame:
-        """Main and repeat answers of those whom the rules settled beforehand keep."""
+        """Main and repeat answers of participants whom the rules settled beforehand keep."""
         gone = self.everyone["participant"].isin(list(self.planned_exclusions))
         return self.everyone[~gone].reset_index(drop=True)
 
@@ -116,10 +116,9 @@ def leave_out(
 def table_rules(
     table: AnswerTable, max_catch_failures: int = MAX_CATCH_FAILURES
 ) -> tuple[ExclusionRule, ...]:
-    """Return the rules of a platform's table, which no study file states.
+    """Return the rules for a platform's table, which has no study file.
 
-    Who is marked in the table, then who failed too many catch trials; each only where the table
-    has something to apply it to.
+    First the marks in the table, then failed catch trials; each only where the table has any.
     """
     catches = bool((table.answers["kind"] == "catch").any())
     return (

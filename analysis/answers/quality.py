@@ -18,10 +18,10 @@ from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 Floats = NDArray[np.float64]
 
 RELATIVE_SPEED: Final = 2.0
-"""Times as fast as the typical participant from which one is too fast (Leiner 2019)."""
+"""A participant this many times as fast as the typical one is too fast (Leiner 2019)."""
 
 ALIKE: Final = 0.9
-"""Share of one answer among all of a participant from which the participant is listed."""
+"""A participant is listed from this share of one answer among all of theirs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +153,7 @@ _SHOWN: Final = (
     *("participant", "set", "trial", "segment", "kind", "left", "right", "condition"),
     *("left_speech", "right_speech", "correct_side"),
 )
-"""Columns that tell presentations apart, as far as a protocol has them."""
+"""Columns that identify a presentation, where a protocol has them."""
 
 
 def facts_of(

@@ -28,7 +28,7 @@ SLIPS: Final = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Order:
-    """In which order names stand, where it is not that of their appearance, and what they mean.
+    """The order of names, where it is not that of their appearance, and the scales of questions.
 
     Attributes
     ----------
@@ -233,8 +233,8 @@ def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFram
 def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
     """Return the trials of those who answered about something repeatedly; empty for others.
 
-    A table may number every row apart: trials tell answers apart only where one question about
-    a segment's condition was answered in several of them.
+    A table may give every row its own trial number. Trials distinguish answers only where one
+    question about a segment's condition was answered in several of them.
     """
     shared = ["participant", "set", "segment", "question"]
     about = [*shared, *(column.name for column in layout.conditions)]
@@ -258,7 +258,7 @@ def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
-    """Return why the table itself excludes people; the first reason of each counts."""
+    """Return the reason for which the table excludes participants, the first of each."""
     reasons = [_reason(str(text)) for text in excluded.categories]
     reason = np.append(np.array(reasons, object), "")[excluded.codes]
     marked = np.flatnonzero(reason != "")
@@ -310,12 +310,12 @@ def _notes(
 
 
 def _count_duplicates(answers: pd.DataFrame) -> int:
-    """Return how many rows say the same as an earlier one."""
+    """Return how many rows repeat an earlier one."""
     return int(answers[answers["value"].notna()].duplicated().sum())
 
 
 def _oddity(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
-    """Return what is odd about the values of a table; empty where nothing is."""
+    """Return a note about odd values in a table; empty where there are none."""
     shown = answers[analysed]
     if layout.protocol == "rating" and not has_scale:
         scores, counts = np.unique(shown["value"].to_numpy(np.float64), return_counts=True)

@@ -1,7 +1,7 @@
-"""The tests that a report decides by: each of many studies as it is, and a quick one of all.
+"""The tests that a report decides by, and quick approximations of them for many studies at once.
 
-Where the report's test is a mean's, the quick one is the same. Where it is a model's, the quick one
-stands in for it: it nearly always decides alike, and what it misses is measured on some studies.
+Where the report tests a mean, the quick test is the same. Where it fits a model, the quick test
+replaces it: the two nearly always agree, and their difference is measured on some studies.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class DecidingTests:
 
     @cached_property
     def _near(self) -> dict[int, Expected | None]:
-        """Where the fits of each test begin, as far as that is known."""
+        """Starting values of the fits of each test, where they are known."""
         return {}
 
     @cached_property
@@ -79,7 +79,7 @@ class DecidingTests:
         return [self.part.trials.of_pair(a, b) for a, b in self.pairs]
 
     def _groups(self, rows: NDArray[np.intp]) -> int:
-        """Return of which there are fewer in these trials: participants or items."""
+        """Return the number of participants or of items in these trials, whichever is smaller."""
         trials = self.part.trials
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
 

@@ -1,7 +1,7 @@
 """Many simulated studies of one design at once: their answers, and tests of their means.
 
-What people feel follows one process: a difference of two conditions has an effect, a part of the
-participant's own, one of the item's own, and logistic noise.
+The latent difference of two conditions is the sum of an effect, a participant's and an item's
+deviation, and logistic noise.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _NODES, _WEIGHTS = hermegauss(61)
 
 
 def grade_preferences(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) -> Floats:
-    """Return how clearly a felt difference is answered: below 0 for the second condition."""
+    """Return the graded answer to a latent difference: below 0 for the second condition."""
     return np.asarray(np.sign(latent) * np.searchsorted(thresholds, np.abs(latent)), np.float64)
 
 
@@ -81,7 +81,7 @@ def _worths(
 def _each(
     codes: NDArray[np.intp], studies: int, beside: tuple[int, ...], generator: np.random.Generator
 ) -> Floats:
-    """Return a normal draw for each of the groups, as it belongs to their trials."""
+    """Return a normal draw for each group, repeated for its trials."""
     drawn = generator.standard_normal((studies, int(codes.max(initial=-1)) + 1, *beside))
     return np.asarray(drawn[:, codes], np.float64)
 
@@ -105,7 +105,7 @@ def _differences(
 
 
 def preference_thresholds(levels: int, opinions: Opinions) -> tuple[float, ...]:
-    """Return from which felt difference on each answer of a preference is given, in logits."""
+    """Return the thresholds of a graded preference on the latent scale, in logits."""
     return {2: (0.0,), 3: (opinions.slight,), 5: (opinions.slight, opinions.clear)}[levels]
 
 

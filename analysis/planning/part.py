@@ -1,4 +1,4 @@
-"""What of a study of any size is simulated: who judges what, how opinions differ, the tests."""
+"""The parts of a study that are simulated: its trials, opinions and tests, for any size."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Codes = NDArray[np.intp]
 Kind = Literal["pairs", "ratings", "rankings"]
 
 THRESHOLDS: Final = (0.45, 1.6)
-"""Latent size of a difference from which answers are slight, and from which they are clear."""
+"""Thresholds of a latent difference from which answers are slight, and clear."""
 
 RATING_THRESHOLDS: Final = (-1.6, -0.45, 0.45, 1.6)
 """Between five ratings on the latent scale."""
@@ -35,8 +35,8 @@ class Opinions:
         Standard deviation, over participants and over items, of the difference between two
         conditions, in logits.
     slight, clear : float
-        A felt difference, its noise included, is answered as slight from the one and as clear
-        from the other on, in logits; ``0 < slight < clear``.
+        Thresholds, in logits, from which a latent difference, noise included, is answered as
+        slight and as clear; ``0 < slight < clear``.
     """
 
     participant_sd: float = PARTICIPANT_SD
@@ -156,5 +156,5 @@ class Size:
 
 
 def count_analysed(participants: int, excluded: float) -> int:
-    """Return how many of so many participants are analysed where a share is left out."""
+    """Return how many of so many participants are analysed where a share is excluded."""
     return participants - int(participants * excluded + 0.5)

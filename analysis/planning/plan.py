@@ -167,10 +167,10 @@ def plan(request: Request, runner: Runner) -> Plan:
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
     if request.own is not None:
-        stated = request.own
-        size = sizes.get(stated) or request.size(*stated)
+        own_size = request.own
+        size = sizes.get(own_size) or request.size(*own_size)
         # Found with at most as much effort as all others.
-        effort = min((task.effort for task in tasks), key=lambda each: each.quick)
+        effort = min((task.effort for task in tasks), key=lambda effort: effort.quick)
         smallest = _smallest(request, size, cells, effort, replace(runner, show=None))
     first = next(iter(sizes.values()))
     return Plan(

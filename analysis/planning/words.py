@@ -44,21 +44,21 @@ def with_error(power: Power) -> str:
 
 def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
     request, cells = plan.request, [(cell, cell.powers[number]) for cell in plan.cells]
-    stated = [(cell, power) for cell, power in cells if cell.size.numbers == request.own]
+    as_it_stands = [(cell, power) for cell, power in cells if cell.size.numbers == request.own]
     each = " per comparison" if request.per_comparison else ""
     untested: dict[str, dict[str, None]] = {}
     for cell, power in cells:
         if power.reason:
             size = f"{cell.size.participants} x {cell.size.items}"
             untested.setdefault(power.reason, {})[size] = None
-    known = [power for _, power in stated if not power.reason]
+    known = [power for _, power in as_it_stands if not power.reason]
     return paragraphs(
         "plan.part",
         request=request,
         people=lambda number: f"{count(number, 'participant')}{each}",
         with_error=with_error,
         wanted=f"{WANTED:g}".removeprefix("0"),
-        own=stated[0][0] if stated else None,
+        own=as_it_stands[0][0] if as_it_stands else None,
         differences=[
             f"{_logits(plan, part, power.effect)} with power {with_error(power)}"
             for power in known
@@ -66,9 +66,7 @@ def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
         ],
         nothing=[power for power in known if not power.effect],
         untested=untested,
-        smallest=[
-            smallest_effect for smallest_effect in plan.smallest if smallest_effect.part == part
-        ],
+        smallest=[effect for effect in plan.smallest if effect.part == part],
         saturated=[*_saturated(plan, number)][:1],
         cheapest=[*_cheapest(plan, cells, part)],
         alone=_alone(plan, number),

@@ -189,15 +189,15 @@ def against_people(
             _correlate(tallies, preferences, metric, too_few, seed) for metric in metrics_of
         ),
         method=METHOD,
-        reason="" if metrics_of else "no metric says which of its scores speak for a condition",
+        reason="" if metrics_of else "no metric says which of its scores are better",
     )
 
 
 def _too_few(tallies: Tallies) -> str:
     if tallies.participants < 2:
-        return "one participant: nothing tells how people differ"
+        return "one participant: it is unknown how people differ"
     if len(tallies.segments) < 2:
-        return "one segment: nothing tells how segments differ"
+        return "one segment: it is unknown how segments differ"
     return ""
 
 

@@ -30,7 +30,7 @@ SEPARATED: Final = (
 )
 
 ONE_SIDE: Final = (
-    "always shown on the same side: a preference for it cannot be told from one for the side"
+    "always shown on the same side: a preference for it cannot be told apart from one for the side"
 )
 
 

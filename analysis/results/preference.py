@@ -227,7 +227,7 @@ def _analyse(
 
 
 def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Decision:
-    """Return the first of model, win share and sign test that there is."""
+    """Return the first available of the mixed model, the win share and the sign test."""
     why = net.reason or (net.remark if math.isnan(net.p_value) else "")
     if not why and min(share.participants, share.segments) < FEWEST:
         why = (

@@ -42,7 +42,7 @@ from analysis.stats.ratings import (
 from motion.errors import InputError
 
 MOST_SCORES: Final = 21
-"""Different ratings up to which they are taken for ordered categories."""
+"""Ratings with more distinct values are not modelled as ordered categories."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +177,7 @@ def _contrasts(
     cells: RatedCells,
     model: RatingModel,
 ) -> Iterator[RatingContrast]:
-    """Compare every two conditions; without a model by what can be said without it."""
+    """Compare every two conditions."""
     names = answers["condition"].to_numpy(object)
     shown = shown_conditions(answers)
     for (a, first), (b, second) in combinations(enumerate(shown), 2):

@@ -26,7 +26,7 @@ from analysis.stats.strengths import FittedStrengths
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
-ONE_SEGMENT: Final = "one segment: intervals and ranks take it as the only one of interest"
+ONE_SEGMENT: Final = "one segment: intervals and ranks hold for this segment alone"
 
 PENALISED: Final = (
     "strengths are finite only because each condition is given half a win and half a loss against "
@@ -34,15 +34,15 @@ PENALISED: Final = (
 )
 
 NEVER_LOST: Final = (
-    "one of the two never lost to the other: the difference has no interval, and an exact sign "
-    "test of participants decides, who alone are taken as a sample"
+    "one of the two never lost to the other: the difference has no interval, and is decided by an "
+    "exact sign test, which takes participants as a sample and segments as fixed"
 )
 
 NEVER_MET: Final = (
     "one of the two conditions never lost, and they were never compared with each other"
 )
 
-LEANS_ON_ONE: Final = "one participant or one segment alone bears this difference"
+LEANS_ON_ONE: Final = "this difference rests on a single participant or a single segment"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -31,16 +31,16 @@ NOTHING: Final = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class FTest:
-    """An F test; what there is none of is NaN.
+    """An F test; every number is NaN where there is none.
 
     Attributes
     ----------
     statistic : float
         F.
     df, df_rest : float
-        Degrees of freedom of what is tested, and of what it is compared with.
+        Degrees of freedom of the numerator and of the denominator.
     p_value : float
-        Of there being no difference.
+        Of the hypothesis that there is no difference.
     method, reason : str
         Which test; why there is none.
     """
@@ -56,8 +56,8 @@ class FTest:
 def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.generic]) -> FTest:
     """Test whether the mean of `values` is zero (Clark 1973).
 
-    It is conservative: where there is no effect it finds one less often than in one case of
-    twenty. F1 and F2 are the squares of the one-sample t over participants' and items' means.
+    It is conservative: its false positives are rarer than its level. F1 and F2 are the squares of
+    the one-sample t over participants' and items' means.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def combine(
     df_of_zero: float,
     method: str = "",
 ) -> FTest:
-    """Join two F tests of one difference into min F′ = 1 / (1 / F1 + 1 / F2).
+    """Combine two F tests of one difference into min F′ = 1 / (1 / F1 + 1 / F2).
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def combine(
     df : int
         Degrees of freedom of the difference.
     dfs_rest : sequence of float
-        Those of what each is compared with.
+        Those of each denominator.
     df_of_zero : float
         Those of min F′ where it is zero.
     """
@@ -133,9 +133,9 @@ def _df(variances: Sequence[float], dfs_rest: Sequence[float]) -> float:
 def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> FTest:
     """Test whether emotions or speakers differ; each holds several segments (Clark 1973).
 
-    One F compares the groups with how differently participants take them, over those who answered
-    about all; the other with how much the segments of one group differ. min F′ lets both
-    participants and segments be samples, and is conservative.
+    One F compares the groups with their interaction with participants, over those who answered
+    about all groups; the other with the variance of segments within groups. min F′ takes both
+    participants and segments as samples, and is conservative.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ def _complete_means(values: Floats, group: Codes, participants: Codes, count: in
 
 
 def _within_people(means: Floats) -> float:
-    """Return F of the columns against how differently rows take them; NaN where all are alike."""
+    """Return F of the columns against their interaction with rows; NaN where all are alike."""
     people, count = means.shape
     centred = means - means.mean(axis=1, keepdims=True)
     columns = centred.mean(axis=0)
@@ -246,7 +246,7 @@ def _one_way(means: Floats, group: Codes, df_rest: int) -> float:
 
 
 def _ratio(between: float, residual: float, total: float) -> float:
-    """Return a quotient of variances, of which rounding is none."""
+    """Return a quotient of variances; differences due to rounding count as none."""
     if not total:
         return math.nan
     if between <= NOTHING * total:

@@ -1,8 +1,8 @@
 """Friedman's test, the tests pair by pair after it, and Kendall's W: how far rankings agree.
 
-Blocks are participants, each with one number per condition: their mean over segments. Participant
-and segment together are no block: single answers are not independent, and a test over them finds
-differences that are not there.
+Blocks are participants, each with one number per condition: their mean over segments. Pairs of
+participant and segment cannot be blocks: single answers are not independent, and a test over them
+finds differences that are not there.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Friedman:
     statistic, df, p_value : float
         Friedman's chi-square, corrected for ties.
     kendall_w : float
-        The same as concordance: 0 none, 1 all participants rank alike.
+        Concordance: 0 for none, 1 where all participants rank alike.
     n, incomplete : int
         Participants it rests on, and those left out.
     reason : str
@@ -89,7 +89,7 @@ class PairwiseRanks:
 
 
 def friedman(blocks: Blocks) -> Friedman:
-    """Test whether any condition is placed otherwise than the others (Friedman 1937)."""
+    """Test whether any condition is placed differently from the others (Friedman 1937)."""
     count, width = blocks.means.shape
     mean_ranks = blocks.ranks.mean(axis=0) if count else np.full(width, math.nan)
     unknown = Friedman(

@@ -125,14 +125,14 @@ def intraclass_correlation(
         return _without(components, "the variances come out negative")
     estimate = item / (item + rater + residual)
     low, high = _interval(components, estimate, float(stats.hmean(np.bincount(rater_codes))))
-    mean_of = components.participants_per_item
+    per_item = components.participants_per_item
     return replace(
         components,
         single=Interval(estimate=estimate, low=low, high=high),
         average=Interval(
-            estimate=_of_the_mean(estimate, mean_of),
-            low=_of_the_mean(low, mean_of),
-            high=_of_the_mean(high, mean_of),
+            estimate=_of_the_mean(estimate, per_item),
+            low=_of_the_mean(low, per_item),
+            high=_of_the_mean(high, per_item),
         ),
     )
 

@@ -74,15 +74,15 @@ def false_positive_rate(looks: Sequence[int]) -> float:
         raise ValueError("a look needs participants")
     limit = NormalDist().inv_cdf(1 - LEVEL / 2)
     # Where the walk may stand after a look without having been found, and how likely that is.
-    positions, weights_of = np.zeros(1), np.ones(1)
+    positions, masses = np.zeros(1), np.ones(1)
     previous = 0
     for number in numbers:
         step = math.sqrt(number - previous)
         nodes, weights = _nodes(limit * math.sqrt(number), step)
         density = np.exp(-(((nodes[:, None] - positions) / step) ** 2) / 2)
-        weights_of = weights * (density @ weights_of) / (step * math.sqrt(2 * math.pi))
+        masses = weights * (density @ masses) / (step * math.sqrt(2 * math.pi))
         positions, previous = nodes, number
-    return 1 - float(weights_of.sum())
+    return 1 - float(masses.sum())
 
 
 def equally_spaced(looks: int) -> float:

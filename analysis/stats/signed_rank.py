@@ -55,7 +55,7 @@ def sign_test(values: Floats) -> SignTest:
 
 
 EXACT: Final = 300
-"""Up to so many values the distribution is counted out; beyond, it is taken for normal."""
+"""Up to so many values the distribution is exact; beyond, it is approximated as normal."""
 
 
 IGNORED: Final = (
@@ -93,9 +93,8 @@ class SignedRank:
 def signed_rank(values: Floats) -> SignedRank:
     """Test whether `values` are symmetric around zero (Wilcoxon 1945).
 
-    The distribution is that of all signs that the values could have, each with the ranks that
-    they have: ties share the mean of their ranks, and the sums of doubled ranks are counted. So
-    the p value is exact with ties too. Values of zero are left out before ranking.
+    The null distribution is over all signs of the observed ranks; ties share the mean of theirs, so
+    that p is exact with ties too. Values of zero are left out before ranking.
 
     Parameters
     ----------

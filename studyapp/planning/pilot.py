@@ -1,4 +1,4 @@
-"""What a pilot tells a plan: how much opinions differ, and how many participants are left out."""
+"""What a plan takes from a pilot: how much opinions differ, and the share that is excluded."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROUGH: Final = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Pilot:
-    """What a pilot tells.
+    """What a pilot tells a plan.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ MINUTES: Final = 2.0
 
 TIMES_PARTICIPANTS: Final = (1, 2, 4, 8)
 TIMES_ITEMS: Final = (1, 2)
-"""How many times the study's own numbers are tried unless told otherwise."""
+"""Multiples of the study's own numbers that are tried by default."""
 
 MOST_ANSWERS: Final = 400_000
 """Answers to one question in one simulated study, at most."""
@@ -46,7 +46,7 @@ def plan_study(
 ) -> Plan:
     """Simulate the study of `folder` in several sizes, and write what it finds into its folder.
 
-    What is None or empty is for the study to say.
+    Where an argument is None or empty, the study's own setting is used.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def plan_study(
 
 
 def _opinions(study: Study) -> Opinions:
-    """Return how opinions differ, as far as the study file says it."""
+    """Return how opinions differ according to the study file."""
     return Opinions(
         participant_sd=study.rehearsal.participants_differ,
         item_sd=study.rehearsal.segments_differ,
@@ -105,7 +105,7 @@ def _opinions(study: Study) -> Opinions:
 
 
 def _refuse_huge(one_participant: Size, participants: int) -> None:
-    """Refuse what one computer cannot hold, before it is drawn up.
+    """Refuse a study that does not fit into memory, before it is drawn up.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The study file as a plan needs it: its trials and tests, for other numbers of people."""
+"""The trials and tests of a study file, for other numbers of participants and segments."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _of(
 
 
 EXCLUDED: Final = 0.1
-"""Share of participants who are taken to be left out where nobody has taken part."""
+"""Share of participants who are assumed to be excluded where nobody has taken part."""
 
 _LONG: Final = 60.0
 """Seconds of a made-up segment where a block takes longer ones too."""
@@ -158,9 +158,9 @@ class PlannedStudy:
 
 
 def excluded_by_default(study: Study) -> float:
-    """Return the share of participants who are taken to be left out.
+    """Return the share of participants who are assumed to be excluded.
 
-    Where somebody else takes the places of excluded participants, nobody is missing.
+    None are missing where others take the places of excluded participants.
     """
     return 0.0 if study.replace_excluded else EXCLUDED
 

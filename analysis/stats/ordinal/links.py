@@ -19,13 +19,13 @@ Floats = NDArray[np.float64]
 Changes = tuple[Floats, Floats, Floats]
 
 SMALLEST: Final = 1e-300
-"""Probabilities below it are taken for it: their logarithm must exist."""
+"""Smaller probabilities are raised to it, so that their logarithm exists."""
 
 NARROWEST: Final = 1e-100
-"""Distances between neighbouring thresholds below it are taken for it: one over it must exist."""
+"""Smaller gaps between neighbouring thresholds are raised to it, so that their inverse exists."""
 
 STEEPEST: Final = 690.0
-"""Ends beyond it are taken for it: exponentials of it are finite."""
+"""Larger ends are cut to it, so that their exponential is finite."""
 
 
 class Interval:

@@ -1,4 +1,4 @@
-"""The maximum of a likelihood: climbed to by its gradient, and known to be one by its curvature."""
+"""Maximising a likelihood by its gradient, and confirming the maximum by its curvature."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ PART: Final = 1 / 12
 """The size of that part, at most."""
 
 BOUNDARY: Final = 0.01
-"""A standard deviation below it, in units of the noise's scale, is taken for zero."""
+"""A smaller standard deviation, in units of the noise's scale, counts as zero."""
 
 BESIDE: Final = (0.1, 0.3)
 """Deviations that are tried where one is at its boundary."""
@@ -114,18 +114,18 @@ def maximum(
     for _ in range(CLIMBS):
         candidate, distance = _climbed(climb, start, scale, precision)
         if curved:
-            best, value, curvature, maximal = _stepped(climb, candidate)
+            best, current, curvature, maximal = _stepped(climb, candidate)
         else:
-            best, value, curvature = candidate, climb.at(candidate), None
-            maximal = value.settled and distance < SHORT
-        if (higher := _off_the_boundary(climb, best, value)) is not None:
+            best, current, curvature = candidate, climb.at(candidate), None
+            maximal = current.settled and distance < SHORT
+        if (higher := _off_the_boundary(climb, best, current)) is not None:
             start, maximal = higher, False
         elif maximal or limitless(answers, best):
             break
         else:
             start, precision = best, precision / FINER
         scale = None
-    return best, value, curvature, maximal
+    return best, current, curvature, maximal
 
 
 def limitless(answers: Answers, parameters: Floats) -> bool:
@@ -134,17 +134,17 @@ def limitless(answers: Answers, parameters: Floats) -> bool:
     return bool((np.abs(np.concatenate([effects, deviations])) > LARGEST).any())
 
 
-def _off_the_boundary(climb: _Climb, at: Floats, value: Likelihood) -> Floats | None:
-    """Return parameters with a higher likelihood where a deviation fell to zero for no reason.
+def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats | None:
+    """Return parameters with a higher likelihood where a deviation wrongly fell to zero.
 
-    Its gradient is zero there whatever the answers, so that a climb may end at zero although a
-    hill rises beside it.
+    The gradient is zero there whatever the answers, so that a search may stop at zero although
+    the likelihood is higher nearby.
     """
     bound = np.flatnonzero(~free_parameters(climb.answers, at))
     for place, size in product(bound, BESIDE):
         trial = at.copy()
         trial[place] = size
-        if climb.at(trial).value > value.value + ROUNDING * abs(value.value):
+        if climb.at(trial).value > current.value + ROUNDING * abs(current.value):
             return trial
     return None
 
@@ -166,24 +166,24 @@ def _climbed(
 def _stepped(climb: _Climb, parameters: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
     """Take Newton's steps; the curvature is computed anew only after a long one."""
     for _ in range(LAST_STEPS):
-        value, curvature = climb.at(parameters), climb.curvature(parameters)
+        current, curvature = climb.at(parameters), climb.curvature(parameters)
         free = free_parameters(climb.answers, parameters)
         inside = curvature[np.ix_(free, free)]
-        step, length = _step(inside, value.gradient[free])
+        step, length = _step(inside, current.gradient[free])
         if length < FLAT:
-            return parameters, value, curvature, value.settled
+            return parameters, current, curvature, current.settled
         if math.isinf(length):
             break
         trial = parameters.copy()
         trial[free] += step
-        next_value = climb.at(trial)
-        if next_value.value < value.value - ROUNDING * abs(value.value):
+        following = climb.at(trial)
+        if following.value < current.value - ROUNDING * abs(current.value):
             break
-        parameters, value = trial, next_value
-        _, remaining = _step(inside, value.gradient[free])
+        parameters, current = trial, following
+        _, remaining = _step(inside, current.gradient[free])
         if remaining < FLAT and length < SHORT:
-            return parameters, value, curvature, value.settled
-    return parameters, value, curvature, False
+            return parameters, current, curvature, current.settled
+    return parameters, current, curvature, False
 
 
 def _gradient_unit(answers: Answers) -> float:
@@ -253,17 +253,17 @@ class _Climb:
         self.last: Likelihood | None = None
 
     def at(self, parameters: Floats) -> Likelihood:
-        value = likelihood(self.answers, parameters, self.last)
-        if not np.isfinite(value.value):
-            return Likelihood(-np.inf, np.zeros_like(parameters), value.modes, False)
-        self.last = value
-        return value
+        current = likelihood(self.answers, parameters, self.last)
+        if not np.isfinite(current.value):
+            return Likelihood(-np.inf, np.zeros_like(parameters), current.modes, False)
+        self.last = current
+        return current
 
     def descent(self, parameters: Floats) -> tuple[float, Floats]:
         """Return what is minimised, per answer, and its gradient."""
-        value = self.at(parameters)
+        current = self.at(parameters)
         count = len(self.answers.codes)
-        return -value.value / count, -value.gradient / count
+        return -current.value / count, -current.gradient / count
 
     def curvature(self, parameters: Floats) -> Floats:
         """Return minus the second derivatives."""
