@@ -29,7 +29,7 @@ checks never are."""
 Rows = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Column:
     """One column.
 
@@ -59,100 +59,66 @@ class Column:
 
 def name_column(name: str, *, needed: Needed = "analysed", required: bool = True) -> Column:
     """Return a column that names something."""
-    return Column(
-        name=name,
-        cells=TypeAdapter(list[str]),
-        meaning="a name",
-        needed=needed,
-        missing=frozenset({""}) if required else MISSING,
-        required=required,
-    )
+    missing = frozenset({""}) if required else MISSING
+    return Column(name, TypeAdapter(list[str]), "a name", needed, missing, required)
 
 
-_KIND: Final = Column(
-    name="kind",
-    cells=TypeAdapter(list[Literal["practice", "main", "repeat", "catch", "attention"]]),
-    meaning=f"one of {', '.join(KINDS)}",
-    required=False,
-)
-
-_CORRECT_SIDE: Final = Column(
-    name="correct_side",
-    cells=TypeAdapter(list[Literal["left", "right"]]),
-    meaning="left or right",
-    required=False,
-)
-
-_SECONDS: Final = Column(
-    name="response_seconds",
-    cells=TypeAdapter(list[Annotated[float, Field(ge=0, allow_inf_nan=False)]]),
-    meaning="a number of seconds, zero or more",
-    required=False,
-)
-
-_INSTRUCTED: Final = Column(
-    name="instructed",
-    cells=TypeAdapter(list[Annotated[float, Field(ge=0, allow_inf_nan=False)]]),
-    meaning="the answer asked for, a number",
-    required=False,
-)
-
-_WATCHED: Final = Column(
-    name="watched",
-    cells=TypeAdapter(list[Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]]),
-    meaning="a share from 0 to 1",
-    required=False,
-)
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 SHARED: Final = (
     name_column("participant", needed="always"),
     name_column("segment"),
     name_column("question"),
     name_column("trial", needed="no", required=False),
-    _KIND,
+    Column(
+        "kind",
+        TypeAdapter(list[Literal["practice", "main", "repeat", "catch", "attention"]]),
+        f"one of {', '.join(KINDS)}",
+        required=False,
+    ),
     name_column("set", required=False),
     name_column("emotion", needed="no", required=False),
     name_column("speaker", needed="no", required=False),
-    _SECONDS,
     Column(
-        name="excluded",
-        cells=TypeAdapter(list[str]),
-        meaning="true, false or a reason",
+        "response_seconds",
+        TypeAdapter(list[NotNegative]),
+        "a number of seconds, zero or more",
         required=False,
     ),
-    _CORRECT_SIDE,
-    _INSTRUCTED,
-    _WATCHED,
+    Column("excluded", TypeAdapter(list[str]), "true, false or a reason", required=False),
+    Column(
+        "correct_side", TypeAdapter(list[Literal["left", "right"]]), "left or right", required=False
+    ),
+    Column(
+        "instructed",
+        TypeAdapter(list[NotNegative]),
+        "the answer asked for, a number",
+        required=False,
+    ),
+    Column("watched", TypeAdapter(list[Share]), "a share from 0 to 1", required=False),
 )
 """Columns of every protocol."""
 
 PREFERENCE: Final = Column(
-    name="response",
-    cells=TypeAdapter(list[Annotated[int, Field(ge=1, le=5)]]),
-    meaning="a whole number from 1 (strongly left) to 5 (strongly right)",
+    "response",
+    TypeAdapter(list[Annotated[int, Field(ge=1, le=5)]]),
+    "a whole number from 1 (strongly left) to 5 (strongly right)",
 )
 
 RATING: Final = Column(
-    name="response",
-    cells=TypeAdapter(list[Annotated[int, Field(ge=0, le=1000)]]),
-    meaning="a whole number from 0 to 1000",
+    "response",
+    TypeAdapter(list[Annotated[int, Field(ge=0, le=1000)]]),
+    "a whole number from 0 to 1000",
 )
 
-RANK: Final = Column(
-    name="rank",
-    cells=TypeAdapter(list[Annotated[float, Field(gt=0, allow_inf_nan=False)]]),
-    meaning="a number above zero, 1 for the best",
-)
+RANK: Final = Column("rank", TypeAdapter(list[Positive]), "a number above zero, 1 for the best")
 
 
 def speech_column(name: str) -> Column:
     """Return the column that tells which speech a side was heard with."""
-    return Column(
-        name=name,
-        cells=TypeAdapter(list[Literal["own", "other"]]),
-        meaning="own or other",
-        needed="analysed",
-    )
+    return Column(name, TypeAdapter(list[Literal["own", "other"]]), "own or other", "analysed")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -61,8 +60,6 @@ class OrdinalFit:
     estimates, standard_errors : mapping of covariate to float
         Fixed effects on the latent scale; the error is NaN where the model did not converge, or
         no errors were asked for.
-    covariance : DataFrame
-        Of the fixed effects.
     thresholds, threshold_errors : tuple of float
         In order; the errors are NaN where those of the effects are.
     deviations : mapping of random effect to float
@@ -71,8 +68,6 @@ class OrdinalFit:
         By Laplace's approximation.
     parameters, answers : int
         How many were estimated, from how many answers.
-    groups : mapping of random effect to int
-        How many groups each has.
     converged : bool
         Whether a maximum was reached.
     remark : str
@@ -81,14 +76,12 @@ class OrdinalFit:
 
     estimates: Mapping[str, float]
     standard_errors: Mapping[str, float]
-    covariance: pd.DataFrame
     thresholds: tuple[float, ...]
     threshold_errors: tuple[float, ...]
     deviations: Mapping[str, float]
     log_likelihood: float
     parameters: int
     answers: int
-    groups: Mapping[str, int]
     converged: bool
     remark: str
 
@@ -246,7 +239,6 @@ def _result(
     first = len(free)
     of_thresholds = jacobian @ covariance[:first, :first] @ jacobian.T
     of_effects = covariance[first : first + len(names), first : first + len(names)]
-    sizes = answers.layout.sizes if answers.layout is not None else ()
     zero = tuple(
         effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) < BOUNDARY
     )
@@ -261,14 +253,12 @@ def _result(
     return OrdinalFit(
         estimates=dict(zip(names, effects.tolist(), strict=True)),
         standard_errors=dict(zip(names, errors.tolist(), strict=True)),
-        covariance=pd.DataFrame(of_effects, index=list(names), columns=list(names)),
         thresholds=tuple(answers.thresholds.values(free).tolist()),
         threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
         deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
         log_likelihood=likelihood.value,
         parameters=answers.count,
         answers=len(answers.codes),
-        groups={e.name: size for e, size in zip(random, sizes, strict=True)},
         converged=converged and not separated and not parted,
         remark=_remark(
             converged,
