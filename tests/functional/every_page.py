@@ -19,7 +19,7 @@ from studyapp.session.ending import advance
 from studyapp.session.enrolment import enrol
 from studyapp.session.state import current_trial, find_study_session, update_row
 from studyapp.web.app import create_app
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.functional.browsing import follow
 from tests.functional.looking import expect_videos
 from tests.support.servers.local_server import listening
@@ -45,16 +45,14 @@ def shown(study: Path) -> Iterator[tuple[str, Flask]]:
         with listening(app) as address:
             yield address, app
     finally:
-        with app.app_context():
-            study_site().database.close()
+        site_of(app).database.close()
 
 
 def first_trial(page: Page, address: str, app: Flask) -> None:
     """Show the first trial of a participant who has agreed and read the instructions elsewhere."""
-    with app.app_context():
-        site = study_site()
-        token = enrol(site.database, site.served, Arrival(visit=token_hex(16)), site.clock)
-        start_trials(site.database, site.served, token, site.clock)
+    site = site_of(app)
+    token = enrol(site.database, site.served, Arrival(visit=token_hex(16)), site.clock)
+    start_trials(site.database, site.served, token, site.clock)
     page.goto(f"{address}/take/{token}")
     expect(page.locator(".play").first).to_be_visible()
     expect_videos(page)
@@ -113,14 +111,13 @@ def answer(page: Page) -> None:
 def leave_trial(page: Page, app: Flask) -> None:
     """Settle the trial behind the page's back, since nobody has watched it."""
     token = page.url.rsplit("/", 1)[1]
-    with app.app_context():
-        site = study_site()
-        with site.database.writing() as session:
-            study_session = find_study_session(session, token)
-            trial = current_trial(study_session)
-            assert trial is not None
-            update_row(session, trial, unplayable_at=site.clock.now())
-            advance(session, study_session, site.study, site.clock.now())
+    site = site_of(app)
+    with site.database.writing() as session:
+        study_session = find_study_session(session, token)
+        trial = current_trial(study_session)
+        assert trial is not None
+        update_row(session, trial, unplayable_at=site.clock.now())
+        advance(session, study_session, site.study, site.clock.now())
     page.reload()
     expect(page.locator(f"#answers [name=trial][value='{trial.token}']")).to_have_count(0)
 
@@ -141,5 +138,5 @@ def spoken_digits(page: Page, app: Flask) -> str:
     """Return the digits that the participant whose page this is hears."""
     token = page.url.partition("/take/")[2].partition("/")[0]
     query = select(StudySession.sound_digits).where(StudySession.token == token)
-    with app.app_context(), study_site().database.reading() as session:
+    with site_of(app).database.reading() as session:
         return session.scalars(query).one()

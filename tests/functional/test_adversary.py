@@ -26,7 +26,7 @@ from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.functional.adversary import unlike_videos
 from tests.functional.adversary.guessing import Guess, Received, guesses
 from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
@@ -74,10 +74,10 @@ def heard(written: Callable[[str], StudyFolder]) -> Callable[[str], HeardStudy]:
         folder = written(name)
         clock = SetClock()
         app = create_app(folder.root)
-        with app.app_context(), pytest.MonkeyPatch.context() as patch:
+        site = site_of(app)
+        with pytest.MonkeyPatch.context() as patch:
             # The same tokens, and so the same guesses, each time.
             patch.setattr("secrets.token_urlsafe", seeded_tokens())
-            site = study_site()
             attach(app, replace(site, clock=clock))
             sessions = [Listener(app, clock).hear() for _ in range(SESSIONS)]
         site.database.close()

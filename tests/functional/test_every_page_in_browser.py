@@ -20,7 +20,7 @@ from sqlalchemy import update
 
 from studyapp.database.tables import StudySession
 from studyapp.web.language import language_of, speak
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import fill, first_trial, shown, spoken_digits, walk
 from tests.functional.looking import (
@@ -207,7 +207,7 @@ def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     expect(page.get_by_role("heading", level=1)).to_contain_text("has all the participants")
     expect(page.locator("#returning")).to_be_hidden()
     yield "full"
-    with app.app_context(), study_site().database.writing() as session:
+    with site_of(app).database.writing() as session:
         session.execute(
             update(StudySession).values(last_active_at=datetime(2026, 1, 1, tzinfo=UTC))
         )
@@ -217,8 +217,7 @@ def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     page.goto(first)
     expect(page.get_by_role("heading", level=1)).to_contain_text("taken in the meantime")
     yield "lapsed"
-    with app.app_context():
-        site = study_site()
+    site = site_of(app)
     closed = site.study.model_copy(update={"open": False})
     attach(app, replace(site, served=replace(site.served, study=closed)))
     page.evaluate("sessionStorage.clear()")

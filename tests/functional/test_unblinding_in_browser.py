@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, expect
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.researchers.audit import latest_looks
-from studyapp.web.site import attach, study_site
+from studyapp.web.site import attach, site_of
 from tests.functional.browsing import IN_A_BROWSER, follow, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
@@ -36,8 +36,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         closing(Database.open(sqlite_url(tiny_study / "responses.db"))) as stored,
         watched_page(browser, address) as page,
     ):
-        with app.app_context():
-            site = study_site()
+        site = site_of(app)
         figures = FiguresMeanwhile(site.folder, site.figures.database_url)
         attach(app, replace(site, figures=figures))
         join(page, link_for_owner(address, stored))

@@ -13,7 +13,7 @@ from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
 from studyapp.database.tables import StudySession, Trial, Video
-from studyapp.web.site import study_site
+from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import filled
 from tests.support.studies.taking_part_steps import SetClock
@@ -138,7 +138,7 @@ class Listener:
         return _kept(name, answer)
 
     def _trials(self, token: str) -> list[Trial]:
-        with self.app.app_context(), study_site().database.reading() as session:
+        with site_of(self.app).database.reading() as session:
             chosen = select(Trial).join(Trial.study_session).where(StudySession.token == token)
             shown: Any = selectinload(Trial.videos).selectinload(Video.stimuli)
             trials = chosen.options(shown, selectinload(Trial.stimuli))
