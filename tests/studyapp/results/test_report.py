@@ -164,7 +164,7 @@ def test_who_did_not_finish_is_left_out_and_what_was_not_stated_beforehand_is_ex
         "cannot be applied: no question has 500 answers that could be alike"
     )
     said = page.read_text("utf-8")
-    assert "The study is not finished, and numbers will change: 2 of 3 places are filled." in said
+    assert "not finished, and the numbers will change: 2 of 3 places are filled." in said
     for what in (
         "attention&gt;2 and straight_lining&gt;=1,trials=500 was not in",
         "attention&gt;1 was in",
