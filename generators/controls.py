@@ -181,7 +181,7 @@ def _partner(segment: Segment, segments: Sequence[Segment], seed: int) -> str:
     partner_of = assign_partners(segments, seed)
     if segment.name not in partner_of:
         raise InputError(
-            f"segment {segment.name} is none of the study's",
+            f"segment {segment.name} is not in the study",
             remedy=f"Use one of {', '.join(sorted(partner_of))}",
         )
     return partner_of[segment.name]

@@ -104,7 +104,7 @@ def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
     """
     if not np.isfinite(motion).all():
         raise InputError(
-            "the network tells motion that is not finite",
+            "the network's motion is not finite",
             where=checkpoint,
             remedy="Its training has diverged: give another checkpoint",
         )

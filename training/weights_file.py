@@ -183,7 +183,7 @@ def read_weights(path: Path) -> WeightsFile:
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (SafetensorError, OSError, ValueError) as error:
         raise InputError(
-            "the file holds no weights: it is no safetensors file, or damaged",
+            "the file holds no weights: it is not a safetensors file, or is damaged",
             where=path,
             remedy="Give a file that 'motionjury train' wrote, or train again",
         ) from error

@@ -94,10 +94,9 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         for part in (_part_of(key) for key in self._replacements):
             if part not in parts:
                 raise InputError(
-                    f"the speech model does not take speech apart, so {part} cannot be another's",
+                    f"the speech model does not disentangle speech, so {part} cannot be another's",
                     where=file,
-                    remedy=f"Leave out {part}, or give networks that learned from speech taken "
-                    "apart",
+                    remedy=f"Leave out {part}, or give networks of disentangled speech",
                 )
         pack(network.model.to(self._device))
         return network

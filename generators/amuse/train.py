@@ -222,7 +222,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     """Train AMUSE's motion networks; see `generators.registry.TrainGenerator`."""
     if "speech_model" not in request.choices:
         raise InputError(
-            "AMUSE's motion networks learn from what a speech model hears, and none is named",
+            "AMUSE's motion networks learn from a speech model's latents, and none is named",
             remedy="Give its weights: --speech-model FILE",
         )
     file, ablation = Path(request.choices["speech_model"]), request.choices.get("ablation", "")

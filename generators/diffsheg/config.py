@@ -277,8 +277,8 @@ def find_preset(config: str, dataset: str) -> TrainingPreset:
     if preset is None:
         fitting = [name for name, presets in PRESETS.items() if dataset in presets]
         raise InputError(
-            f"the config {config} does not tell the motion of these recordings, which is told "
-            f"as {dataset.upper()}'s",
+            f"the config {config} does not fit these recordings, whose motion is represented as "
+            f"{dataset.upper()}'s",
             remedy=f"Use --config {' or '.join(fitting)}",
         )
     return preset

@@ -247,10 +247,10 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         training_identity = self._network.hubert
         if training_identity is not None and hubert.identity != training_identity:
             raise InputError(
-                f"the network learned from what {training_identity} heard, and "
-                f"{hubert.description} would hear now",
+                f"the network was trained with features of {training_identity}, and "
+                f"{hubert.description} would compute them now",
                 where=self._settings.checkpoint,
-                remedy="Name the folder of the same HuBERT, or none where a stand-in heard",
+                remedy="Name the folder of the same HuBERT, or none if it was a stand-in",
             )
         return hubert.to_device(self._device)
 

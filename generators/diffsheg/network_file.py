@@ -214,8 +214,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         return _load_trained(path)
     if stats is None:
         raise InputError(
-            "a released checkpoint says nothing of means and standard deviations, without which "
-            "its values are no motion",
+            "a released checkpoint lacks the means and standard deviations of its motion",
             where=path,
             remedy="Name their folder as 'stats': axis_angle_mean.npy, axis_angle_std.npy, "
             "json_mean.npy, json_std.npy",

@@ -205,7 +205,9 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
         return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
     if dataset == "show":
         return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
-    raise InputError(f"motion is not told as that of {dataset!r}", remedy="Use 'beat' or 'show'")
+    raise InputError(
+        f"there is no motion representation of {dataset!r}", remedy="Use 'beat' or 'show'"
+    )
 
 
 def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
@@ -248,8 +250,8 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
 def _dataset_of(takes: TakeFolder) -> str:
     if takes.kind not in _DATASETS:
         raise InputError(
-            f"recordings of the layout {takes.kind!r} have no face, and DiffSHEG tells body and "
-            "face together",
+            f"recordings of the layout {takes.kind!r} have no face, and DiffSHEG generates body "
+            "and face together",
             remedy="Give recordings of BEAT, BEAT2 or SHOW",
         )
     return _DATASETS[takes.kind]

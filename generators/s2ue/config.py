@@ -84,7 +84,7 @@ class NetworkConfig:
         if invalid is not None or self.seeds >= self.frames or not (self.faces or self.poses):
             raise InputError(
                 f"a network with {invalid or 'seeds'} of {getattr(self, invalid or 'seeds')} in "
-                f"{self.frames} frames tells nothing",
+                f"{self.frames} frames generates nothing",
                 remedy="Give sizes from 1, fewer seeds than frames, and faces or poses",
             )
 

@@ -129,7 +129,7 @@ class FaceLandmarks:
         if self.body.face(clip) is None:
             units = "ARKit weights" if self.body.has_arkit_slots else "expression coefficients"
             raise InputError(
-                f"the clip tells no face in terms of the landmarks' body, {units}",
+                f"the clip has no face in the units of the landmarks' body, {units}",
                 remedy="Use clips that do, or name an expression matrix under [video]",
             )
         poses = np.zeros_like(clip.poses)

@@ -320,7 +320,7 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
     bones = arrays.get("twist_bones", np.zeros(0))
     if np.any((bones < 0) | (bones >= JOINT_COUNT)):
         raise InputError(
-            "twist_bones of the body model names joints that there are not",
+            "twist_bones of the body model names joints that do not exist",
             where=path,
             remedy="Build the default body again, or leave the twist arrays out",
         )

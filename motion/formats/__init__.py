@@ -101,7 +101,7 @@ def read_motion(
     if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
         return _read_bvh_clip(path, frame_rate, joint_map, as_recorded)
     raise InputError(
-        "the file is no motion of a known format",
+        "the file is not motion of a known format",
         where=path,
         remedy="Give a .bvh, an SMPL-X .npz, a .npy file of TalkSHOW or Motion-X, or joint "
         "positions with their names",
@@ -145,8 +145,8 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
     poses = clip.poses.copy()
     joints = np.flatnonzero(np.repeat(is_unset, 3))
     poses[:, FINGERS.start + joints] = RELAXED_HANDS[joints]
-    what = "no finger is" if is_unset.all() else f"{is_unset.sum()} of 10 fingers are not"
-    return replace(clip, poses=poses), (f"{what} told by the file; relaxed ones are shown",)
+    subject = "no finger is" if is_unset.all() else f"{is_unset.sum()} of 10 fingers are not"
+    return replace(clip, poses=poses), (f"{subject} in the file; relaxed ones are shown",)
 
 
 def _placed(

@@ -77,7 +77,7 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     if (np.diff(times) <= 0).any():
         index = int(np.argmax(np.diff(times) <= 0)) + 1
         raise InputError(
-            f"the time of frame {index} does not lie after the one before",
+            f"the time of frame {index} is not later than the one before",
             where=path,
             remedy="Sort the frames by time and remove doubles",
         )

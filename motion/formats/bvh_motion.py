@@ -239,7 +239,7 @@ def _check(path: Path, motion: BvhMotion) -> None:
         raise InputError(
             f"the motion has {motion.values.shape[1]} columns, the skeleton {channels} channels",
             where=path,
-            remedy="Give one column a channel",
+            remedy="Give one column per channel",
         )
     has_invalid = ~np.isfinite(motion.values).all(axis=1)
     if has_invalid.any():

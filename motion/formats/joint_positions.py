@@ -116,7 +116,7 @@ def read_joints(
         recording = _read(path)
         rate = frame_rate if frame_rate is not None else recording.frame_rate
         if rate is None:
-            raise InputError("the file says no frame rate", remedy="State the frame rate (--fps)")
+            raise InputError("the file gives no frame rate", remedy="State the frame rate (--fps)")
         check_frame_rate(rate)
         joints = body_joints(_named_points(recording, joint_map), rate)
         poses, trans = rotations_from_joints(joints, REST_JOINTS, rate)
@@ -252,8 +252,8 @@ def _read_table(path: Path) -> _Recording:
         steps = np.diff(values[:, time])
         if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps):
             raise InputError(
-                f"the times in column {heading[time]!r} do not go on evenly",
-                remedy="Give one row a frame, and seconds",
+                f"the times in column {heading[time]!r} are not evenly spaced",
+                remedy="Give one row per frame, and seconds",
             )
         rate = float(1 / np.mean(steps))
     return _Recording(points=values[:, places], names=tuple(joints), frame_rate=rate)

@@ -203,7 +203,7 @@ def _read_table(text: str, path: Path) -> tuple[Word, ...]:
             intervals.append((row["word"] or "", float(row["start"]), float(row["end"])))
         except (TypeError, ValueError) as error:
             raise InputError(
-                "the row tells no time",
+                "the row has no time",
                 where=f"{path}, line {rows.line_num}",
                 remedy="Give seconds",
             ) from error

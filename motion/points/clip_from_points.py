@@ -68,7 +68,7 @@ def facial_actions(shifts: FloatArray, body: BodyModel, *, misfit: float = EXACT
     """
     if not body.has_arkit_slots:
         raise InputError(
-            "the body shows no ARKit facial actions, which landmarks are turned into",
+            "the body shows no ARKit facial actions, which landmarks are converted to",
             remedy="Name an avatar instead of this body under [video] in study.toml",
         )
     landmarks = FaceLandmarks.of(body)

@@ -38,7 +38,7 @@ def colours_for(count: int) -> tuple[str, ...]:
     """Return the colours of `count` variations; `InputError` if there are too few colours."""
     if count > len(VARIATION_COLOURS):
         raise InputError(
-            f"{count} variations cannot be told apart in one picture",
+            f"{count} variations cannot be distinguished in one picture",
             remedy=f"Show at most {len(VARIATION_COLOURS)}",
         )
     return VARIATION_COLOURS[:count]

@@ -127,7 +127,7 @@ def prepare(
                 show(len(arrays) + len(errors), len(takes.takes), take.name)
     except OSError as error:
         raise InputError(
-            f"features cannot be kept ({error.strerror})",
+            f"features cannot be stored ({error.strerror})",
             where=cache,
             remedy="Free space there, or name another folder for them",
         ) from error

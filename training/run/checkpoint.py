@@ -86,7 +86,7 @@ def _check_same(
     """Raise where the saved run is another one, or has made more steps than are wanted."""
     if not saved.facts.keys() >= {"step", "best", "learner", "training", "task", "data_sha256"}:
         raise InputError(
-            "the file is no saved state of a training run, or one of an older version",
+            "the file is not a saved state of a training run, or is of an older version",
             where=path,
             remedy="Remove it, or name another run folder",
         )
@@ -108,13 +108,13 @@ def _check_same(
     ]
     if differences:
         raise InputError(
-            f"the run that was begun here is another one: {'; '.join(differences)}",
+            f"the run that was started here is another one: {'; '.join(differences)}",
             where=path.parent,
-            remedy="Give the same settings and data to go on, or begin anew in another place",
+            remedy="Give the same settings and data to go on, or start again in another place",
         )
     if saved.facts["step"] > config.steps:
         raise InputError(
             f"the run has made {saved.facts['step']} steps, more than the {config.steps} wanted",
             where=path.parent,
-            remedy="Ask for at least as many steps, or begin anew in another place",
+            remedy="Ask for at least as many steps, or start again in another place",
         )

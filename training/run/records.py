@@ -87,9 +87,9 @@ class RunLog:
         logged = self.steps
         if logged != steps:
             raise InputError(
-                f"the log tells of {logged} of the {steps} steps that were made",
+                f"the log holds {logged} of the {steps} steps that were made",
                 where=path,
-                remedy="Put the log back, or begin anew in another place",
+                remedy="Put the log back, or start again in another place",
             )
 
     @property

@@ -139,7 +139,7 @@ def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Flo
 def _hop(frame_rate: float) -> int:
     if not frame_rate > 0 or RATE % frame_rate:
         raise InputError(
-            f"mel bands cannot be had at {frame_rate:g} frames per second",
+            f"mel bands cannot be computed at {frame_rate:g} frames per second",
             remedy=f"Use a frame rate that divides {RATE}, such as 15 or 30",
         )
     return int(RATE // frame_rate)

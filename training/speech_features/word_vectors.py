@@ -140,8 +140,8 @@ def read_word_vectors(path: Path) -> WordVectors:
         raise InputError(
             "the file holds no vectors of words",
             where=path,
-            remedy="Give FastText's .vec, whose first line tells how many words and numbers, or "
-            "its .bin",
+            remedy="Give FastText's .vec, whose first line gives the numbers of words and values, "
+            "or its .bin",
         ) from error
     return TextVectors(path, width, path.name)
 

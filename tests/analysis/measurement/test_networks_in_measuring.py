@@ -205,7 +205,7 @@ def test_a_face_that_is_told_in_other_terms_has_no_landmarks(
     )
     score = score_of(found, "shy", LANDMARK_ERRORS[0])
     assert (score.scored, score.clips) == (1, 2)
-    assert "tells no face" in score.reason
+    assert "has no face" in score.reason
 
 
 def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -> None:

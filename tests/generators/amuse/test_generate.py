@@ -204,7 +204,7 @@ def _whole(tmp_path: Path) -> AmuseSettings:
 def test_speech_that_is_not_taken_apart_moves_as_a_whole(whole: AmuseSettings) -> None:
     low, high = (_clip(whole, _speech(2.0, hertz)) for hertz in (200, 2000))
     assert (low.poses != high.poses).any()
-    with pytest.raises(InputError, match=r"does not take speech apart, so emotion .*Leave out"):
+    with pytest.raises(InputError, match=r"does not disentangle speech, so emotion .*Leave out"):
         _clip(whole.model_copy(update={"emotion": "happiness"}), _speech(2.0))
 
 

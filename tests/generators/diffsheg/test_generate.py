@@ -148,7 +148,7 @@ def test_a_network_that_learned_from_another_hubert_is_refused(
 ) -> None:
     path = tmp_path / "other.safetensors"
     write_network(path, replace(small_network(), hubert="sha256 of another"))
-    with pytest.raises(InputError, match="learned from what sha256 of another heard"):
+    with pytest.raises(InputError, match="trained with features of sha256 of another"):
         made(DiffShegSettings(checkpoint=path), speak("one", 1.0))
 
 

@@ -185,7 +185,7 @@ def test_every_ablation_learns(name: str, takes: PreparedTakes) -> None:
 @pytest.mark.parametrize("dataset", ["beat", "show"])
 def test_a_config_of_the_other_data_set_is_refused(dataset: str) -> None:
     other = {"beat": "show", "show": "beat"}[dataset]
-    with pytest.raises(InputError, match=f"config {other} does not tell.*--config") as refused:
+    with pytest.raises(InputError, match=f"config {other} does not fit.*--config") as refused:
         find_preset(other, dataset)
     assert dataset in str(refused.value.remedy)
 

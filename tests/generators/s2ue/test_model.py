@@ -102,7 +102,7 @@ def test_every_weight_learns_from_some_loss() -> None:
     "changes", [{"hidden": 0}, {"seeds": 34}, {"faces": False, "poses": False}]
 )
 def test_a_network_of_nothing_is_refused(changes: Mapping[str, Any]) -> None:
-    with pytest.raises(InputError, match="tells nothing"):
+    with pytest.raises(InputError, match="generates nothing"):
         small_network(**changes)
 
 

@@ -99,7 +99,7 @@ def test_missing_fingers_are_relaxed_with_a_note(tmp_path: Path, ending: str) ->
         np.savez(path, poses=np.zeros((3, 72)), mocap_framerate=30)
     clip = read_motion(path)
     np.testing.assert_allclose(clip.poses[1, FINGERS], RELAXED_HANDS, atol=1e-6)
-    assert "no finger is told by the file; relaxed ones are shown" in clip.provenance["notes"]
+    assert "no finger is in the file; relaxed ones are shown" in clip.provenance["notes"]
 
 
 def test_only_missing_fingers_are_relaxed(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_only_missing_fingers_are_relaxed(tmp_path: Path) -> None:
     recorded = slice(thumb - 1, thumb + 2)
     np.testing.assert_allclose(clip.poses[1, recorded], poses[1, recorded])
     np.testing.assert_allclose(clip.poses[1, thumb + 2 : 55], RELAXED_HANDS[15:])
-    assert "9 of 10 fingers are not told" in clip.provenance["notes"]
+    assert "9 of 10 fingers are not in the file" in clip.provenance["notes"]
 
 
 def test_frame_rate_reaches_every_reader(tmp_path: Path) -> None:

@@ -40,7 +40,7 @@ def results_of(conditions: list[str], questions: list[str]) -> dict[str, Any]:
                     "value": None if name == "amuse" else 4.25,
                     "unit": "mm",
                     "better": "lower",
-                    "reason": "the clip tells no face" if name == "amuse" else "",
+                    "reason": "the clip has no face" if name == "amuse" else "",
                     "remark": "",
                 }
                 for name in conditions
@@ -74,7 +74,7 @@ def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
     assert "60 simulated participants took the study over HTTP, of whom 51 are analysed" in text
     assert "| `amuse` | 0.50 | 1.00 [1.00, 1.00] | -0.50 | 1.00 [1.00, 1.00] |" in text
     assert "| MALE, mm | ↓ | 4.25 | – | 4.25 | 4.25 | 4.25 | 4.25 | -0.60 | -0.60 | -0.60 |" in text
-    assert "- Speech2UnifiedExpressions' MALE of `amuse`: the clip tells no face." in text
+    assert "- Speech2UnifiedExpressions' MALE of `amuse`: the clip has no face." in text
     assert "| `motionjury render study` | 4 min |" in text
 
 

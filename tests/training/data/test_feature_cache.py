@@ -184,5 +184,5 @@ def test_no_file_stays_open_however_many_takes_there_are(takes: TakeFolder, tmp_
 def test_a_cache_that_cannot_be_written_is_reported(takes: TakeFolder, tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file")
     feature, _ = counting("digit", digit)
-    with pytest.raises(InputError, match="features cannot be kept"):
+    with pytest.raises(InputError, match="features cannot be stored"):
         prepared(takes, tmp_path / "cache", feature)

@@ -161,7 +161,7 @@ def test_a_loss_that_is_not_a_number_stops_the_run_with_a_remedy(tmp_path: Path)
 
 def test_a_damaged_state_or_log_is_named(finished: Path, whole: dict[str, bytes]) -> None:
     (finished / "log.jsonl").write_bytes(whole["log.jsonl"][:200])
-    with pytest.raises(InputError, match=r"log\.jsonl: the log tells of \d of the 23 steps"):
+    with pytest.raises(InputError, match=r"log\.jsonl: the log holds \d of the 23 steps"):
         train(Line(), CONFIG, RunFolder(finished))
     (finished / "checkpoint.safetensors").write_bytes(b"cut off")
     with pytest.raises(InputError, match=r"checkpoint\.safetensors: .* damaged"):

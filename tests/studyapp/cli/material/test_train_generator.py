@@ -63,7 +63,7 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
     more = run(*given, "--steps", 4)
     assert " of 4, where noise and reconstruction of held-out" in more
     other = run(*given, "--steps", 5, "--ablation", "reverse", status=1)
-    assert "the run that was begun here is another one" in other
+    assert "the run that was started here is another one" in other
 
     speech = sorted(recordings.glob("2/*.wav"))[0]
     speaker = speech.stem.split("_")[1]
